@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::index::{Atom, Index};
+use super::index::{Atom, Index, Operation};
 use super::{Slot, System, Table};
 use crate::diagnostics::internal::Promised;
 
@@ -64,11 +64,13 @@ impl Names<'_> {
             Atom::Loop(variable) => (self.letter)(*variable).to_owned(),
             Atom::Size => "n".to_owned(),
             Atom::Given(id, indices) => self.entry(*id, indices),
-            Atom::Product(both) => two(both, " * "),
-            Atom::Quotient(both) => format!("({})", two(both, " / ")),
-            Atom::Remainder(both) => format!("({})", two(both, " mod ")),
-            Atom::Minimum(both) => two_of(both, "min"),
-            Atom::Maximum(both) => two_of(both, "max"),
+            Atom::Of(operation, both) => match operation {
+                Operation::Product => two(both, " * "),
+                Operation::Quotient => format!("({})", two(both, " / ")),
+                Operation::Remainder => format!("({})", two(both, " mod ")),
+                Operation::Minimum => two_of(both, "min"),
+                Operation::Maximum => two_of(both, "max"),
+            },
         }
     }
 

@@ -15,13 +15,43 @@ pub(crate) enum Atom {
     Size,
     /// An integer that the struct or a constant holds: the entry of a list, if there are indices.
     Given(u32, Vec<Index>),
-    Product(Box<(Index, Index)>),
-    /// `a / b`, rounded towards zero.
-    Quotient(Box<(Index, Index)>),
-    /// `a % b`
-    Remainder(Box<(Index, Index)>),
-    Minimum(Box<(Index, Index)>),
-    Maximum(Box<(Index, Index)>),
+    Of(Operation, Box<(Index, Index)>),
+}
+
+/// What an atom is made of two indices by, as Rust computes it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub(crate) enum Operation {
+    Product,
+    /// Rounded towards zero.
+    Quotient,
+    Remainder,
+    Minimum,
+    Maximum,
+}
+
+impl Operation {
+    /// `None` on overflow, and for a division by zero.
+    fn of(self, a: i128, b: i128) -> Option<i128> {
+        match self {
+            Self::Product => a.checked_mul(b),
+            Self::Quotient => a.checked_div(b),
+            Self::Remainder => a.checked_rem(b),
+            Self::Minimum => Some(a.min(b)),
+            Self::Maximum => Some(a.max(b)),
+        }
+    }
+}
+
+impl Atom {
+    /// The indices inside.
+    fn indices(&self) -> impl Iterator<Item = &Index> {
+        let (entry, both) = match self {
+            Self::Loop(_) | Self::Size => (&[][..], None),
+            Self::Given(_, indices) => (indices.as_slice(), None),
+            Self::Of(_, both) => (&[][..], Some([&both.0, &both.1])),
+        };
+        entry.iter().chain(both.into_iter().flatten())
+    }
 }
 
 /// `constant + Σ coefficient · atom`, atoms in order, no coefficient zero.
@@ -82,83 +112,100 @@ impl Index {
         Some(Self { terms: self.terms.clone(), constant: self.constant.checked_add(by)? })
     }
 
-    pub(crate) fn multiply(&self, other: &Self) -> Option<Self> {
-        match (self.as_integer(), other.as_integer()) {
-            (_, Some(factor)) => Self::default().plus(self, factor),
-            (Some(factor), _) => Self::default().plus(other, factor),
-            _ => {
-                let (a, b) = (self.clone().min(other.clone()), self.clone().max(other.clone()));
-                Some(Self::atom(Atom::Product(Box::new((a, b)))))
+    /// An atom, whatever is known of both.
+    pub(crate) fn of(operation: Operation, a: Self, b: Self) -> Self {
+        Self::atom(Atom::Of(operation, Box::new((a, b))))
+    }
+
+    /// The same in normal form; `None` on overflow, and for a division by zero.
+    pub(crate) fn operate(&self, operation: Operation, other: &Self) -> Option<Self> {
+        let difference = || self.subtract(other).and_then(|difference| difference.as_integer());
+        let first = match (operation, self.as_integer(), other.as_integer()) {
+            (_, Some(a), Some(b)) => return operation.of(a, b).map(Self::integer),
+            (Operation::Product, _, Some(factor)) => return Self::default().plus(self, factor),
+            (Operation::Product, Some(factor), _) => return Self::default().plus(other, factor),
+            (Operation::Quotient | Operation::Remainder, _, Some(0)) => return None,
+            (Operation::Quotient, _, Some(1)) => return Some(self.clone()),
+            (Operation::Minimum, ..) => difference().map(|difference| difference <= 0),
+            (Operation::Maximum, ..) => difference().map(|difference| difference >= 0),
+            _ => None,
+        };
+        Some(match (operation, first) {
+            (_, Some(true)) => self.clone(),
+            (_, Some(false)) => other.clone(),
+            (Operation::Quotient | Operation::Remainder, None) => {
+                Self::of(operation, self.clone(), other.clone())
             }
-        }
+            _ => Self::of(operation, self.clone().min(other.clone()), self.clone().max(other.clone())),
+        })
+    }
+
+    pub(crate) fn multiply(&self, other: &Self) -> Option<Self> {
+        self.operate(Operation::Product, other)
     }
 
     /// `self / other` as Rust computes it; `None` for a division by zero.
     pub(crate) fn divide(&self, other: &Self) -> Option<Self> {
-        match (self.as_integer(), other.as_integer()) {
-            (Some(a), Some(b)) => a.checked_div(b).map(Self::integer),
-            (_, Some(0)) => None,
-            (_, Some(1)) => Some(self.clone()),
-            _ => Some(Self::atom(Atom::Quotient(Box::new((self.clone(), other.clone()))))),
-        }
+        self.operate(Operation::Quotient, other)
     }
 
     /// `self % other` as Rust computes it; `None` for a division by zero.
     pub(crate) fn remainder(&self, other: &Self) -> Option<Self> {
-        match (self.as_integer(), other.as_integer()) {
-            (Some(a), Some(b)) => a.checked_rem(b).map(Self::integer),
-            (_, Some(0)) => None,
-            _ => Some(Self::atom(Atom::Remainder(Box::new((self.clone(), other.clone()))))),
-        }
+        self.operate(Operation::Remainder, other)
     }
 
     pub(crate) fn minimum(&self, other: &Self) -> Self {
-        match self.subtract(other).and_then(|difference| difference.as_integer()) {
-            Some(difference) if difference <= 0 => self.clone(),
-            Some(_) => other.clone(),
-            None => {
-                let (a, b) = (self.clone().min(other.clone()), self.clone().max(other.clone()));
-                Self::atom(Atom::Minimum(Box::new((a, b))))
-            }
-        }
+        self.operate(Operation::Minimum, other).unwrap_or_default()
     }
 
     pub(crate) fn maximum(&self, other: &Self) -> Self {
-        match self.subtract(other).and_then(|difference| difference.as_integer()) {
-            Some(difference) if difference >= 0 => self.clone(),
-            Some(_) => other.clone(),
-            None => {
-                let (a, b) = (self.clone().min(other.clone()), self.clone().max(other.clone()));
-                Self::atom(Atom::Maximum(Box::new((a, b))))
-            }
+        self.operate(Operation::Maximum, other).unwrap_or_default()
+    }
+
+    /// Calls `f` with every atom, those inside of others included.
+    pub(crate) fn visit(&self, f: &mut dyn FnMut(&Atom)) {
+        for (atom, _) in &self.terms {
+            f(atom);
+            atom.indices().for_each(|index| index.visit(f));
         }
+    }
+
+    fn any(&self, f: impl Fn(&Atom) -> bool) -> bool {
+        let mut found = false;
+        self.visit(&mut |atom| found |= f(atom));
+        found
+    }
+
+    /// Whether it reads the size of the state.
+    pub(crate) fn reads_size(&self) -> bool {
+        self.any(|atom| *atom == Atom::Size)
+    }
+
+    /// Whether it is made of loop variables and integers alone.
+    pub(crate) fn is_closed(&self) -> bool {
+        !self.any(|atom| matches!(atom, Atom::Size | Atom::Given(..)))
+    }
+
+    /// Its value, by those of the atoms that no operation makes.
+    pub(crate) fn value(&self, of: &dyn Fn(&Atom) -> Option<i128>) -> Option<i128> {
+        self.terms.iter().try_fold(self.constant, |sum, (atom, coefficient)| {
+            let value = match atom {
+                Atom::Of(operation, both) => operation.of(both.0.value(of)?, both.1.value(of)?),
+                atom => of(atom),
+            };
+            sum.checked_add(value?.checked_mul(*coefficient)?)
+        })
     }
 
     /// The loop variables that it reads.
     pub(crate) fn loops(&self) -> BTreeSet<u32> {
         let mut found = BTreeSet::new();
-        self.collect_loops(&mut found);
-        found
-    }
-
-    fn collect_loops(&self, into: &mut BTreeSet<u32>) {
-        for (atom, _) in &self.terms {
-            match atom {
-                Atom::Loop(variable) => {
-                    into.insert(*variable);
-                }
-                Atom::Size => {}
-                Atom::Given(_, indices) => indices.iter().for_each(|index| index.collect_loops(into)),
-                Atom::Product(both)
-                | Atom::Quotient(both)
-                | Atom::Remainder(both)
-                | Atom::Minimum(both)
-                | Atom::Maximum(both) => {
-                    both.0.collect_loops(into);
-                    both.1.collect_loops(into);
-                }
+        self.visit(&mut |atom| {
+            if let Atom::Loop(variable) = atom {
+                found.insert(*variable);
             }
-        }
+        });
+        found
     }
 
     /// `self = divisor · a + b` with `0 <= b < divisor`, if every multiple in it is one of `divisor`.
@@ -180,15 +227,12 @@ impl Index {
                 Atom::Loop(own) if *own == variable => by.clone(),
                 Atom::Loop(_) | Atom::Size => Self::atom(atom.clone()),
                 Atom::Given(id, indices) => {
-                    let indices =
-                        indices.iter().map(|index| index.with(variable, by)).collect::<Option<_>>()?;
-                    Self::atom(Atom::Given(*id, indices))
+                    let indices = indices.iter().map(|index| index.with(variable, by));
+                    Self::atom(Atom::Given(*id, indices.collect::<Option<_>>()?))
                 }
-                Atom::Product(both) => both.0.with(variable, by)?.multiply(&both.1.with(variable, by)?)?,
-                Atom::Quotient(both) => both.0.with(variable, by)?.divide(&both.1.with(variable, by)?)?,
-                Atom::Remainder(both) => both.0.with(variable, by)?.remainder(&both.1.with(variable, by)?)?,
-                Atom::Minimum(both) => both.0.with(variable, by)?.minimum(&both.1.with(variable, by)?),
-                Atom::Maximum(both) => both.0.with(variable, by)?.maximum(&both.1.with(variable, by)?),
+                Atom::Of(operation, both) => {
+                    both.0.with(variable, by)?.operate(*operation, &both.1.with(variable, by)?)?
+                }
             };
             sum = sum.plus(&part, *coefficient)?;
         }
@@ -255,12 +299,12 @@ impl Bounds<'_> {
         index.terms.iter().any(|(atom, coefficient)| {
             let positive = *coefficient > 0;
             match atom {
-                Atom::Loop(_) | Atom::Product(_) => false,
+                Atom::Loop(_) | Atom::Of(Operation::Product, _) => false,
                 Atom::Size | Atom::Given(..) if positive => {
                     self.lower_bounds(atom).iter().any(|bound| proves(replaced(atom, bound)))
                 }
                 Atom::Size | Atom::Given(..) => false,
-                Atom::Quotient(both) => match both.1.as_integer() {
+                Atom::Of(Operation::Quotient, both) => match both.1.as_integer() {
                     // For a nonnegative numerator `0 <= a / b <= a`.
                     Some(divisor) if divisor > 0 && self.proves(&both.0, depth - 1) => {
                         let bound = if positive { Index::default() } else { both.0.clone() };
@@ -268,19 +312,18 @@ impl Bounds<'_> {
                     }
                     _ => false,
                 },
-                Atom::Remainder(both) if self.proves(&both.0, depth - 1) => {
+                Atom::Of(Operation::Remainder, both) => {
                     let bound = if positive { Some(Index::default()) } else { both.1.shifted(-1) };
-                    bound.is_some_and(|bound| proves(replaced(atom, &bound)))
+                    self.proves(&both.0, depth - 1)
+                        && bound.is_some_and(|bound| proves(replaced(atom, &bound)))
                 }
-                Atom::Remainder(_) => false,
-                Atom::Minimum(both) if positive => {
-                    proves(replaced(atom, &both.0)) && proves(replaced(atom, &both.1))
+                Atom::Of(extreme, both) => {
+                    let mut images = [&both.0, &both.1].into_iter().map(|part| replaced(atom, part));
+                    match positive == (*extreme == Operation::Minimum) {
+                        true => images.all(proves),
+                        false => images.any(proves),
+                    }
                 }
-                Atom::Minimum(both) => proves(replaced(atom, &both.0)) || proves(replaced(atom, &both.1)),
-                Atom::Maximum(both) if positive => {
-                    proves(replaced(atom, &both.0)) || proves(replaced(atom, &both.1))
-                }
-                Atom::Maximum(both) => proves(replaced(atom, &both.0)) && proves(replaced(atom, &both.1)),
             }
         })
     }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::display::{Names, letter_at};
-use super::index::{Atom, Index, Loop};
+use super::index::{Index, Loop};
 use super::{Local, Slot, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -155,34 +155,5 @@ impl Slot {
             | Self::Number(index) => std::slice::from_ref(index),
             Self::Entry(_, indices) => indices,
         }
-    }
-}
-
-impl Index {
-    /// Whether it reads the size of the state.
-    pub(crate) fn reads_size(&self) -> bool {
-        self.terms.iter().any(|(atom, _)| match atom {
-            Atom::Size => true,
-            Atom::Loop(_) => false,
-            Atom::Given(_, indices) => indices.iter().any(Self::reads_size),
-            Atom::Product(both)
-            | Atom::Quotient(both)
-            | Atom::Remainder(both)
-            | Atom::Minimum(both)
-            | Atom::Maximum(both) => both.0.reads_size() || both.1.reads_size(),
-        })
-    }
-
-    /// Whether it is made of loop variables and integers alone.
-    pub(crate) fn is_closed(&self) -> bool {
-        self.terms.iter().all(|(atom, _)| match atom {
-            Atom::Loop(_) => true,
-            Atom::Size | Atom::Given(..) => false,
-            Atom::Product(both)
-            | Atom::Quotient(both)
-            | Atom::Remainder(both)
-            | Atom::Minimum(both)
-            | Atom::Maximum(both) => both.0.is_closed() && both.1.is_closed(),
-        })
     }
 }

@@ -163,30 +163,16 @@ impl<'s> Site<'s> {
     /// The index where the loop variables have these values; sizes and counts that are fields are those of the phase space,
     /// tables are arbitrary.
     fn integer(&self, index: &Index, values: &Values) -> Option<i128> {
-        let mut sum = index.constant;
-        for (atom, coefficient) in &index.terms {
-            let both = |both: &(Index, Index)| {
-                Some((self.integer(&both.0, values)?, self.integer(&both.1, values)?))
-            };
-            let value = match atom {
-                Atom::Loop(own) => values.iter().find(|(known, _)| known == own)?.1,
-                Atom::Size => self.size,
-                Atom::Given(_, indices) if indices.is_empty() => self.size,
-                Atom::Given(table, indices) => {
-                    let mut entry = i128::from(*table) + 1;
-                    for index in indices {
-                        entry = (entry * SPREAD + self.integer(index, values)?) % (SPREAD - 1);
-                    }
-                    entry.checked_rem_euclid(self.size)?
+        index.value(&|atom| match atom {
+            Atom::Loop(own) => Some(values.iter().find(|(known, _)| known == own)?.1),
+            Atom::Given(table, indices) if !indices.is_empty() => {
+                let mut entry = i128::from(*table) + 1;
+                for index in indices {
+                    entry = (entry * SPREAD + self.integer(index, values)?) % (SPREAD - 1);
                 }
-                Atom::Product(operands) => both(operands).and_then(|(a, b)| a.checked_mul(b))?,
-                Atom::Quotient(operands) => both(operands).and_then(|(a, b)| a.checked_div(b))?,
-                Atom::Remainder(operands) => both(operands).and_then(|(a, b)| a.checked_rem(b))?,
-                Atom::Minimum(operands) => both(operands).map(|(a, b)| a.min(b))?,
-                Atom::Maximum(operands) => both(operands).map(|(a, b)| a.max(b))?,
-            };
-            sum = sum.checked_add(value.checked_mul(*coefficient)?)?;
-        }
-        Some(sum)
+                entry.checked_rem_euclid(self.size)
+            }
+            _ => Some(self.size),
+        })
     }
 }

@@ -15,7 +15,7 @@
 //! With `n = 1 .. 10 w + 5` all sizes are decided.
 
 use super::{Space, Sum, Weighted};
-use crate::model::index::{Atom, Index, Loop};
+use crate::model::index::{Atom, Index, Loop, Operation};
 use crate::model::{Element, Slot};
 
 /// Loops up to this length, if it is a literal, count as so many placements.
@@ -98,14 +98,8 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
     let mut sum = Index::default();
     for (atom, coefficient) in &index.terms {
         let atom = match atom {
-            Atom::Remainder(both) => {
-                Index::atom(Atom::Remainder(Box::new((lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?))))
-            }
-            Atom::Minimum(both) => {
-                Index::atom(Atom::Minimum(Box::new((lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?))))
-            }
-            Atom::Maximum(both) => {
-                Index::atom(Atom::Maximum(Box::new((lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?))))
+            Atom::Of(operation @ (Operation::Remainder | Operation::Minimum | Operation::Maximum), both) => {
+                Index::of(*operation, lifted(&both.0, n, 1)?, lifted(&both.1, n, 1)?)
             }
             other => Index::atom(other.clone()),
         };
@@ -122,7 +116,7 @@ fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
 /// Whether a loop runs at most once, as a condition.
 pub(super) fn is_condition(known: &Loop) -> bool {
     let is_bounded_by_one = |end: &Index| match end.terms.as_slice() {
-        [(Atom::Minimum(both), 1)] if end.constant == 0 => has_one(both),
+        [(Atom::Of(Operation::Minimum, both), 1)] if end.constant == 0 => has_one(both),
         _ => false,
     };
     known.start == Index::default() && is_bounded_by_one(&known.end)
@@ -132,7 +126,7 @@ pub(super) fn is_condition(known: &Loop) -> bool {
 fn has_one(both: &(Index, Index)) -> bool {
     [&both.0, &both.1].into_iter().any(|part| match part.terms.as_slice() {
         [] => part.constant == 1,
-        [(Atom::Minimum(inner), 1)] if part.constant == 0 => has_one(inner),
+        [(Atom::Of(Operation::Minimum, inner), 1)] if part.constant == 0 => has_one(inner),
         _ => false,
     })
 }
@@ -157,10 +151,10 @@ impl Form<'_> {
             [] => Some(index.constant.abs()),
             [(atom, 1 | -1)] if Some(atom) == own => Some(index.constant.abs()),
             // What an integer leaves when it is divided by a larger size.
-            [(Atom::Remainder(both), 1 | -1)] if both.1 == self.space.size => {
+            [(Atom::Of(Operation::Remainder, both), 1 | -1)] if both.1 == self.space.size => {
                 both.0.as_integer()?.checked_abs()?.checked_add(index.constant.abs())
             }
-            [(Atom::Minimum(both) | Atom::Maximum(both), 1)] => {
+            [(Atom::Of(Operation::Minimum | Operation::Maximum, both), 1)] => {
                 let inside = self.anchor(&both.0)?.max(self.anchor(&both.1)?);
                 inside.checked_add(index.constant.abs())
             }
@@ -184,7 +178,9 @@ impl Form<'_> {
             match (atom, short) {
                 (_, Some(length)) => inside = inside.checked_add(length.checked_mul(coefficient.abs())?)?,
                 (Atom::Loop(_), None) if *coefficient == stride => anchors += 1,
-                (Atom::Remainder(both), None) if *coefficient == stride && both.1 == self.space.size => {
+                (Atom::Of(Operation::Remainder, both), None)
+                    if *coefficient == stride && both.1 == self.space.size =>
+                {
                     // Multiples of the size do not count.
                     let mut wrapped = both.0.clone();
                     wrapped.terms.retain(|(atom, _)| Some(atom) != own);

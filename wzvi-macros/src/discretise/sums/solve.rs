@@ -16,7 +16,7 @@
 
 use super::{Space, variable};
 use crate::diagnostics::internal::Promised;
-use crate::model::index::{Atom, Index, Loop};
+use crate::model::index::{Atom, Index, Loop, Operation};
 
 /// The loops of two elements where their slots meet.
 pub(super) struct Placement {
@@ -215,7 +215,7 @@ impl Solver<'_> {
             .terms
             .iter()
             .filter_map(|(atom, coefficient)| match atom {
-                Atom::Remainder(both) => Some((&**both, *coefficient)),
+                Atom::Of(Operation::Remainder, both) => Some((&**both, *coefficient)),
                 _ => None,
             })
             .collect();
@@ -237,7 +237,7 @@ impl Solver<'_> {
             // (v + r) mod n = s
             [(wrapped, coefficient @ (1 | -1))] => {
                 let (inner, modulus) = (&wrapped.0, &wrapped.1);
-                let atom = Index::atom(Atom::Remainder(Box::new((inner.clone(), modulus.clone()))));
+                let atom = Index::of(Operation::Remainder, inner.clone(), modulus.clone());
                 let rest = difference.plus(&atom, -coefficient)?;
                 let target = Index::default().plus(&rest, -coefficient)?;
                 if let Some(distance) =
@@ -379,12 +379,12 @@ pub(super) fn simplified(space: &Space, index: &Index, loops: &[Loop]) -> Option
     let mut sum = Index::integer(index.constant);
     for (atom, coefficient) in &index.terms {
         let part = match atom {
-            Atom::Remainder(both) => {
+            Atom::Of(Operation::Remainder, both) => {
                 let modulus = &both.1;
                 let mut inner = simplified(space, &both.0, loops)?;
                 let is_nonnegative = |index: &Index| space.is_nonnegative(index, loops);
                 let nested = inner.terms.iter().find_map(|(atom, coefficient)| match atom {
-                    Atom::Remainder(nested) if nested.1 == *modulus && *coefficient == 1 => {
+                    Atom::Of(Operation::Remainder, nested) if nested.1 == *modulus && *coefficient == 1 => {
                         Some((atom.clone(), nested.0.clone()))
                     }
                     _ => None,

@@ -4,7 +4,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::model::Table;
-use crate::model::index::{Atom, Index};
+use crate::model::index::{Atom, Index, Operation};
 
 /// The variable of a loop.
 pub(crate) fn variable(id: u32) -> Ident {
@@ -159,7 +159,6 @@ impl Indices<'_> {
 
     fn atom(&self, atom: &Atom) -> TokenStream {
         let isize = quote!(__wzvi::isize);
-        let both = |both: &(Index, Index)| (self.value(&both.0), self.value(&both.1));
         match atom {
             Atom::Loop(id) => {
                 let variable = variable(*id);
@@ -170,31 +169,17 @@ impl Indices<'_> {
                 let entry = self.entry(*table, indices);
                 quote!((#entry as #isize))
             }
-            Atom::Product(operands) => {
-                let (a, b) = both(operands);
-                quote!((#a * #b))
-            }
-            Atom::Quotient(operands) => {
-                let (a, b) = both(operands);
-                match self.checked {
-                    true => quote!(#isize::checked_div(#a, #b)?),
-                    false => quote!((#a / #b)),
+            Atom::Of(operation, both) => {
+                let (a, b) = (self.value(&both.0), self.value(&both.1));
+                match (operation, self.checked) {
+                    (Operation::Product, _) => quote!((#a * #b)),
+                    (Operation::Quotient, true) => quote!(#isize::checked_div(#a, #b)?),
+                    (Operation::Quotient, false) => quote!((#a / #b)),
+                    (Operation::Remainder, true) => quote!(#isize::checked_rem(#a, #b)?),
+                    (Operation::Remainder, false) => quote!((#a % #b)),
+                    (Operation::Minimum, _) => quote!(__wzvi::Ord::min(#a, #b)),
+                    (Operation::Maximum, _) => quote!(__wzvi::Ord::max(#a, #b)),
                 }
-            }
-            Atom::Remainder(operands) => {
-                let (a, b) = both(operands);
-                match self.checked {
-                    true => quote!(#isize::checked_rem(#a, #b)?),
-                    false => quote!((#a % #b)),
-                }
-            }
-            Atom::Minimum(operands) => {
-                let (a, b) = both(operands);
-                quote!(__wzvi::Ord::min(#a, #b))
-            }
-            Atom::Maximum(operands) => {
-                let (a, b) = both(operands);
-                quote!(__wzvi::Ord::max(#a, #b))
             }
         }
     }

@@ -9,7 +9,7 @@ use quote::quote;
 use crate::diagnostics::internal::Promised;
 use crate::elements::describe;
 use crate::emit::count;
-use crate::model::index::{Atom, Bounds, Index, Loop};
+use crate::model::index::{Atom, Bounds, Index, Loop, Operation};
 use crate::model::{Element, Slot, System, Table, Term};
 
 /// The largest `isize` of the smallest machine, and the most numbers that a state has there.
@@ -151,11 +151,7 @@ impl Places<'_> {
                 let table = count(*table as usize);
                 return quote!(__wzvi::elements::places::Atom::Given(#table, #positions));
             }
-            Atom::Product(both) => (quote!(Product), both),
-            Atom::Quotient(both) => (quote!(Quotient), both),
-            Atom::Remainder(both) => (quote!(Remainder), both),
-            Atom::Minimum(both) => (quote!(Minimum), both),
-            Atom::Maximum(both) => (quote!(Maximum), both),
+            Atom::Of(operation, both) => (quote::format_ident!("{}", format!("{operation:?}")), both),
         };
         let (a, b) = (self.index(&both.0, element), self.index(&both.1, element));
         quote!(__wzvi::elements::places::Atom::#name(&[#a, #b]))
@@ -285,15 +281,17 @@ impl Sizes<'_> {
                 let are_integers = indices.iter().all(|index| self.is_integer(index));
                 (is_length && are_integers).then_some(LARGEST)
             }
-            Atom::Product(both) => self.most(&both.0)?.checked_mul(self.most(&both.1)?),
+            Atom::Of(Operation::Product, both) => self.most(&both.0)?.checked_mul(self.most(&both.1)?),
             // A divisor may be zero.
-            Atom::Quotient(both) | Atom::Remainder(both) => {
+            Atom::Of(Operation::Quotient | Operation::Remainder, both) => {
                 let divisor = both.1.as_integer().filter(|&divisor| divisor > 0);
                 let is_size = both.1 == self.system.size || both.1 == Index::atom(Atom::Size);
                 let most = self.most(&both.0)?;
                 (divisor.is_some() || is_size).then_some(most)
             }
-            Atom::Minimum(both) | Atom::Maximum(both) => Some(self.most(&both.0)?.max(self.most(&both.1)?)),
+            Atom::Of(Operation::Minimum | Operation::Maximum, both) => {
+                Some(self.most(&both.0)?.max(self.most(&both.1)?))
+            }
         }
     }
 }

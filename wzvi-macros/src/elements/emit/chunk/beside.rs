@@ -48,11 +48,7 @@ fn open_lists_of(index: &Index, inner: u32, tables: &[Table], open: &mut Vec<Ope
         match atom {
             Atom::Given(table, indices) => open_list(*table, indices, inner, tables, open),
             Atom::Loop(_) | Atom::Size => {}
-            Atom::Product(both)
-            | Atom::Quotient(both)
-            | Atom::Remainder(both)
-            | Atom::Minimum(both)
-            | Atom::Maximum(both) => {
+            Atom::Of(_, both) => {
                 for index in [&both.0, &both.1] {
                     open_lists_of(index, inner, tables, open);
                 }

@@ -1,6 +1,6 @@
 //! How an index moves with the innermost loop.
 
-use crate::model::index::{Atom, Index};
+use crate::model::index::{Atom, Index, Operation};
 
 /// How an index moves with the innermost loop.
 pub(super) enum Motion {
@@ -58,7 +58,7 @@ pub(super) fn wrap(index: &Index, inner: u32, stride: i128) -> Option<&(Index, I
     let mut moving =
         index.terms.iter().filter(|(atom, _)| Index::atom(atom.clone()).loops().contains(&inner));
     match (moving.next(), moving.next()) {
-        (Some((Atom::Remainder(both), coefficient)), None) if *coefficient == stride => {
+        (Some((Atom::Of(Operation::Remainder, both), coefficient)), None) if *coefficient == stride => {
             let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);
             is_run.then_some(&**both)
         }
@@ -71,7 +71,7 @@ pub(super) fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
     match wrap(index, inner, 1) {
         None => Some((index.clone(), Index::default())),
         Some(both) => {
-            let rest = index.subtract(&Index::atom(Atom::Remainder(Box::new(both.clone()))))?;
+            let rest = index.subtract(&Index::of(Operation::Remainder, both.0.clone(), both.1.clone()))?;
             Some((rest.add(&both.0)?, both.1.clone()))
         }
     }
