@@ -146,8 +146,7 @@ impl<'a> Interpreter<'a, '_> {
             }
             Kind::Other(ty) => {
                 let name = self.tables.name(id);
-                self.report(expressions::field_type(at.to_token_stream(), &name, ty));
-                None
+                self.refuse(expressions::field_type(at, &name, ty))
             }
         }
     }
@@ -159,8 +158,7 @@ impl<'a> Interpreter<'a, '_> {
                 return Some(());
             }
             let length = usize::try_from(length).unwrap_or(0);
-            self.report(expressions::index_out_of_range(at.to_token_stream(), k, length));
-            return None;
+            return self.refuse(expressions::index_out_of_range(at, k, length));
         }
         let above = self.largest(k).and_then(|largest| largest.subtract(&array.length)?.as_integer());
         let negated = Index::default().subtract(k)?;
@@ -168,15 +166,12 @@ impl<'a> Interpreter<'a, '_> {
         let error = match (above, below) {
             (Some(excess), _) if excess >= 0 => {
                 let (index, length) = (self.display(k), self.display(&array.length));
-                expressions::index_beyond(at.to_token_stream(), &index, &length, excess)
+                expressions::index_beyond(at, &index, &length, excess)
             }
-            (_, Some(negated)) if negated > 0 => {
-                expressions::index_negative(at.to_token_stream(), &self.display(k))
-            }
+            (_, Some(negated)) if negated > 0 => expressions::index_negative(at, &self.display(k)),
             _ => return Some(()),
         };
-        self.report(error);
-        None
+        self.refuse(error)
     }
 
     /// `list[start..end]` of what is stored.
@@ -195,15 +190,14 @@ impl<'a> Interpreter<'a, '_> {
             let error = match (end.as_integer(), array.length.as_integer()) {
                 (Some(end), Some(length)) => {
                     let length = usize::try_from(length).unwrap_or(0);
-                    expressions::index_out_of_range(at.to_token_stream(), end, length)
+                    expressions::index_out_of_range(at, end, length)
                 }
                 _ => {
                     let (index, length) = (self.display(end), self.display(&array.length));
-                    expressions::index_beyond(at.to_token_stream(), &index, &length, 0)
+                    expressions::index_beyond(at, &index, &length, 0)
                 }
             };
-            self.report(error);
-            return None;
+            return self.refuse(error);
         }
         Some(list(Array { start: array.start.add(start)?, length, ..array.clone() }))
     }
@@ -244,8 +238,7 @@ impl<'a> Interpreter<'a, '_> {
     fn part(&mut self, list: &Sequence, range: &Sequence, at: &dyn ToTokens) -> Option<Value> {
         let Source::Range(start, end) = &range.source else {
             let found = range.describe();
-            self.report(expressions::expected(at.to_token_stream(), "an integer or a range", found));
-            return None;
+            return self.refuse(expressions::expected(at, "an integer or a range", found));
         };
         if let Source::Array(array) = &list.source {
             return self.subarray(array, start, end.as_ref(), at);
@@ -261,17 +254,14 @@ impl<'a> Interpreter<'a, '_> {
             (Ok(start), Ok(end)) if start <= end && end <= items.len() => {
                 Some(Value::list(items[start..end].to_vec()))
             }
-            _ => {
-                self.report(expressions::index_out_of_range(at.to_token_stream(), end, items.len()));
-                None
-            }
+            _ => self.refuse(expressions::index_out_of_range(at, end, items.len())),
         }
     }
 
     /// Element `k` of a constant, which is a list if it can be indexed.
     fn constant_element(&mut self, place: &Place, k: i128, at: &dyn ToTokens) -> Value {
         let Ok(k) = usize::try_from(k) else {
-            return self.report(expressions::index_out_of_range(at.to_token_stream(), k, 0));
+            return self.report(expressions::index_out_of_range(at, k, 0));
         };
         let (tokens, literal) = (&place.tokens, proc_macro2::Literal::usize_unsuffixed(k));
         let (name, tokens) = (format!("{}[{k}]", place.name), quote! { #tokens[#literal] });

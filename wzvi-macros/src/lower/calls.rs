@@ -115,11 +115,7 @@ impl<'a> Interpreter<'a, '_> {
             arguments.remove(0);
         }
         if parameters.len() != arguments.len() {
-            return self.report(expressions::argument_count(
-                at.to_token_stream(),
-                parameters.len(),
-                arguments.len(),
-            ));
+            return self.report(expressions::argument_count(at, parameters.len(), arguments.len()));
         }
         if self.calls.iter().any(|active| std::ptr::eq(*active, function)) {
             return self.report(messages::recursion(at.to_token_stream()));
@@ -146,13 +142,12 @@ impl<'a> Interpreter<'a, '_> {
             Value::Poison => return Value::Poison,
             Value::Function(name) => return self.real_call(name, arguments, &[], at),
             Value::Closure(id) => *id,
-            other => return self.report(expressions::not_callable(at.to_token_stream(), other.describe())),
+            other => return self.report(expressions::not_callable(at, other.describe())),
         };
         let Some(Closure { syntax, scope }) = self.closures.get(id) else { return Value::Poison };
         let (syntax, captured) = (*syntax, scope.clone());
         if syntax.inputs.len() != arguments.len() {
-            let error =
-                expressions::argument_count(at.to_token_stream(), syntax.inputs.len(), arguments.len());
+            let error = expressions::argument_count(at, syntax.inputs.len(), arguments.len());
             return self.report(error);
         }
         if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {

@@ -2,7 +2,6 @@
 //! `δq`, which is a sum like those of Hamiltonians; its components are the derivatives by `δq`. In the same way rates are
 //! `Σ_i γ_i δq_i p_i`, and a matrix is `δq · Γ p`.
 
-use quote::ToTokens;
 use syn::Expr as Syntax;
 
 use super::Space;
@@ -45,11 +44,10 @@ impl Space<'_> {
         let (body, coordinates) = match &declared.given.value {
             Syntax::Closure(closure) => {
                 let (Some(pattern), 1) = (closure.inputs.first(), closure.inputs.len()) else {
-                    interpreter.report(match is_matrix {
+                    return interpreter.refuse(match is_matrix {
                         true => expressions::damping_closure(closure),
                         false => expressions::friction_closure(closure),
                     });
-                    return None;
                 };
                 (&*closure.body, Some(pattern))
             }
@@ -161,8 +159,7 @@ fn paired<'a, 'd>(
     }
     if !matches!(value, Value::Sequence(_) | Value::Poison) {
         let expected = format!("a list of {} numbers", interpreter.display(length));
-        interpreter.report(expressions::expected(at.to_token_stream(), &expected, value.describe()));
-        return None;
+        return interpreter.refuse(expressions::expected(at, &expected, value.describe()));
     }
     let list = interpreter.as_sequence(&value, at)?;
     let found = list.length.clone();
@@ -170,8 +167,7 @@ fn paired<'a, 'd>(
     if excess != Some(0) {
         let expected = interpreter.display(length);
         let found = found.map(|found| interpreter.display(&found));
-        interpreter.report(expressions::entries(at.to_token_stream(), &expected, found.as_deref()));
-        return None;
+        return interpreter.refuse(expressions::entries(at, &expected, found.as_deref()));
     }
     interpreter.sum_loop(length, at, &mut |interpreter, k| {
         let item = interpreter.item(&list, k, at)?;

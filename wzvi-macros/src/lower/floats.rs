@@ -94,7 +94,7 @@ impl Interpreter<'_, '_> {
             let receiver = usize::from(places.len() == arguments.len() && is_method(at));
             let (arity, found) =
                 (arity - receiver.min(arity), arguments.len() - receiver.min(arguments.len()));
-            return self.report(expressions::argument_count(at.to_token_stream(), arity, found));
+            return self.report(expressions::argument_count(at, arity, found));
         }
         let place = |i: usize| -> &dyn ToTokens {
             match places.get(i) {
@@ -153,7 +153,7 @@ impl Interpreter<'_, '_> {
         let (Some(x), Some(n)) = (x, n) else { return Value::Poison };
         match i32::try_from(n) {
             Ok(n) => Value::Real(self.graph.power(x, Rational::integer(n))),
-            Err(_) => self.report(expressions::integer_arithmetic(n_at.to_token_stream())),
+            Err(_) => self.report(expressions::integer_arithmetic(n_at)),
         }
     }
 }

@@ -29,10 +29,7 @@ impl<'a> Interpreter<'a, '_> {
             Value::Index(index) => Some((**index).clone()),
             Value::Constant(place) => Some(self.given(place)),
             Value::Poison => None,
-            other => {
-                self.report(expressions::expected(at.to_token_stream(), "an integer", other.describe()));
-                None
-            }
+            other => self.refuse(expressions::expected(at, "an integer", other.describe())),
         }
     }
 
@@ -49,13 +46,12 @@ impl<'a> Interpreter<'a, '_> {
                 if index.is_closed() && self.request_turns(|variable| depends.contains(&variable)) {
                     return None;
                 }
-                expressions::index_not_known(at.to_token_stream())
+                expressions::index_not_known(at)
             }
-            Value::Constant(_) => expressions::index_not_known(at.to_token_stream()),
-            value => expressions::expected(at.to_token_stream(), "an integer", value.describe()),
+            Value::Constant(_) => expressions::index_not_known(at),
+            value => expressions::expected(at, "an integer", value.describe()),
         };
-        self.report(error);
-        None
+        self.refuse(error)
     }
 
     /// `a op b`
@@ -82,7 +78,7 @@ impl<'a> Interpreter<'a, '_> {
     fn integer(&mut self, result: Option<Index>, at: &dyn ToTokens) -> Value {
         match result {
             Some(index) => Value::index(index),
-            None => self.report(expressions::integer_arithmetic(at.to_token_stream())),
+            None => self.report(expressions::integer_arithmetic(at)),
         }
     }
 

@@ -108,6 +108,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         Value::Poison
     }
 
+    /// The same where there is nothing to go on with.
+    pub(super) fn refuse<T>(&mut self, error: syn::Error) -> Option<T> {
+        self.report(error);
+        None
+    }
+
     /// Number of mistakes so far.
     pub(super) fn mistakes(&self) -> usize {
         self.diagnostics.count()
@@ -117,7 +123,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn spend(&mut self, steps: usize, at: &dyn ToTokens) -> bool {
         self.steps = self.steps.saturating_add(steps);
         if self.steps > MAX_STEPS && !std::mem::replace(&mut self.exhausted, true) {
-            self.diagnostics.report(expressions::too_many_steps(at.to_token_stream(), MAX_STEPS));
+            self.diagnostics.report(expressions::too_many_steps(at, MAX_STEPS));
         }
         !self.exhausted
     }
@@ -186,7 +192,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     /// `value`, unless it is a list too deep to be dropped safely.
     pub(super) fn bounded(&mut self, value: Value, at: &dyn ToTokens) -> Value {
         match value.depth() as usize > MAX_DEPTH {
-            true => self.report(expressions::too_deep(at.to_token_stream(), MAX_DEPTH)),
+            true => self.report(expressions::too_deep(at, MAX_DEPTH)),
             false => value,
         }
     }
@@ -228,8 +234,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             _ => false,
         };
         if is_vector {
-            self.report(expressions::vector_as_energy(at.to_token_stream(), value.describe()));
-            return None;
+            return self.refuse(expressions::vector_as_energy(at, value.describe()));
         }
         self.real(value, at)
     }
@@ -242,11 +247,10 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Value::Constant(place) => {
                 return Some(self.parameter(&place.name, place.tokens.clone()));
             }
-            Value::Index(_) => expressions::integer_not_real(at.to_token_stream()),
-            value => expressions::expected(at.to_token_stream(), "an `f64`", value.describe()),
+            Value::Index(_) => expressions::integer_not_real(at),
+            value => expressions::expected(at, "an `f64`", value.describe()),
         };
-        self.report(error);
-        None
+        self.refuse(error)
     }
 
     /// A symbol that stands for the `f64` expression `tokens`.
@@ -264,9 +268,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
                 Value::sequence(Sequence::array(self.table(&place, element, *length)))
             }
             Kind::Constant => Value::Constant(place.into()),
-            Kind::Other(ty) | Kind::Tuple(_, ty) => {
-                self.report(expressions::field_type(at.to_token_stream(), &place.name, ty))
-            }
+            Kind::Other(ty) | Kind::Tuple(_, ty) => self.report(expressions::field_type(at, &place.name, ty)),
         }
     }
 }

@@ -258,12 +258,10 @@ impl<'a> Interpreter<'a, '_> {
             pending.extend(case.others);
             if pending.len() > MOST_CASES {
                 self.loops.active.push(whole.clone());
-                self.report(expressions::too_many_cases(at.to_token_stream(), MOST_CASES));
-                return None;
+                return self.refuse(expressions::too_many_cases(at, MOST_CASES));
             }
             let Some(range) = restrict(whole, &case.assumed) else {
-                self.report(expressions::integer_arithmetic(at.to_token_stream()));
-                return None;
+                return self.refuse(expressions::integer_arithmetic(at));
             };
             let is_empty =
                 range.end.subtract(&range.start).and_then(|d| d.as_integer()).is_some_and(|d| d <= 0);

@@ -135,7 +135,7 @@ impl<'a> Interpreter<'a, '_> {
                 let (Some(own), Some(wanted)) = (own, wanted) else { return Value::Poison };
                 match self.compare_indices(&operator, &own, &wanted) {
                     Some(value) => value,
-                    None => self.report(expressions::integer_arithmetic(pattern.to_token_stream())),
+                    None => self.report(expressions::integer_arithmetic(pattern)),
                 }
             }
             _ => {

@@ -64,8 +64,7 @@ impl<'a> Interpreter<'a, '_> {
                 expressions::unknown_method(&syntax.method, receivers, &names)
             }
         };
-        self.report(error);
-        None
+        self.refuse(error)
     }
 
     /// A method of a list, a range or an iterator.
@@ -150,8 +149,7 @@ impl<'a> Interpreter<'a, '_> {
                 match if product { total.multiply(&item) } else { total.add(&item) } {
                     Some(next) => total = next,
                     None => {
-                        self.report(expressions::integer_arithmetic(&syntax.method));
-                        return None;
+                        return self.refuse(expressions::integer_arithmetic(&syntax.method));
                     }
                 }
             }
@@ -189,8 +187,7 @@ impl<'a> Interpreter<'a, '_> {
                 return added.map(|added| Value::Real(self.graph.add(*start, added)));
             }
             if !self.has_known_items(sequence) {
-                self.report(expressions::no_sum(method));
-                return None;
+                return self.refuse(expressions::no_sum(method));
             }
         }
         let mut total = start.clone();

@@ -229,8 +229,7 @@ impl<'s> Space<'s> {
             && kind == Kind::Energy
             && !names::is_real_type(ty)
         {
-            interpreter.report(messages::return_type(ty));
-            return None;
+            return interpreter.refuse(messages::return_type(ty));
         }
         self.lowered(interpreter, &closure.body, |interpreter| {
             self.value(interpreter, hamiltonian, member, kind)

@@ -97,12 +97,13 @@ impl<'a> Interpreter<'a, '_> {
                 Some(exponent) => self.report(expressions::power(last_operand(&link.left), exponent)),
                 None => self.evaluate(&link.right),
             };
-            chain = self.extend(chain, link, right);
+            chain = self.extend(chain, &link.op, right, link);
         }
         self.close(chain)
     }
 
-    fn extend(&mut self, chain: Chain, link: &'a ExprBinary, right: Value) -> Chain {
+    /// `chain operator right`, where `link` was written.
+    fn extend(&mut self, chain: Chain, operator: &BinOp, right: Value, link: &'a ExprBinary) -> Chain {
         match (chain, right) {
             (Chain::Value(Value::Poison), right) => {
                 // An integer may be right; anything else that is no number is wrong by itself.
@@ -113,13 +114,21 @@ impl<'a> Interpreter<'a, '_> {
             }
             (_, Value::Poison) => Chain::Value(Value::Poison),
             (Chain::Value(left), right) if self.are_integers(&left, &right) => {
-                Chain::Value(self.integer_operation(&left, &link.op, &right, link))
+                Chain::Value(self.integer_operation(&left, operator, &right, link))
             }
-            (chain, right) => self.extend_real(chain, link, right).unwrap_or(Chain::Value(Value::Poison)),
+            (chain, right) => {
+                self.extend_real(chain, operator, right, link).unwrap_or(Chain::Value(Value::Poison))
+            }
         }
     }
 
-    fn extend_real(&mut self, chain: Chain, link: &'a ExprBinary, right: Value) -> Option<Chain> {
+    fn extend_real(
+        &mut self,
+        chain: Chain,
+        operator: &BinOp,
+        right: Value,
+        link: &'a ExprBinary,
+    ) -> Option<Chain> {
         // Both sides are read first: each may be wrong on its own.
         let chain = match chain {
             Chain::Value(left) => self.real(left, &link.left).map(|left| Chain::Value(Value::Real(left))),
@@ -127,25 +136,20 @@ impl<'a> Interpreter<'a, '_> {
         };
         let right = self.real(right, &link.right);
         let (chain, right) = (chain?, right?);
-        let sign = match link.op {
+        let sign = match operator {
             BinOp::Add(_) => Rational::ONE,
             BinOp::Sub(_) => Rational::MINUS_ONE,
             BinOp::Mul(_) => return Some(Chain::Product(self.factors(chain, right)?)),
+            BinOp::Div(_) if self.graph.is_zero(right) => {
+                return self.refuse(expressions::division_by_zero(&link.right));
+            }
             BinOp::Div(_) => {
-                if self.graph.is_zero(right) {
-                    self.report(expressions::division_by_zero(&link.right));
-                    return None;
-                }
                 let inverse = self.graph.power(right, Rational::MINUS_ONE);
                 return Some(Chain::Product(self.factors(chain, inverse)?));
             }
             _ => {
-                self.report(expressions::unsupported(
-                    link,
-                    "`%` on real numbers",
-                    "only `+ - * /` are differentiable",
-                ));
-                return None;
+                let remedy = "only `+ - * /` are differentiable";
+                return self.refuse(expressions::unsupported(link, "`%` on real numbers", remedy));
             }
         };
         let mut terms = match chain {
@@ -179,7 +183,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// `left op right` for one compound assignment.
+    /// `left operator right` for one compound assignment.
     pub(super) fn operate(
         &mut self,
         left: Value,
@@ -187,32 +191,16 @@ impl<'a> Interpreter<'a, '_> {
         right: Value,
         at: &'a ExprBinary,
     ) -> Value {
-        if left.is_poison() || right.is_poison() {
-            return Value::Poison;
-        }
-        if self.are_integers(&left, &right) {
-            return self.integer_operation(&left, &operator, &right, at);
-        }
-        let (left, right) = (self.real(left, &at.left), self.real(right, &at.right));
-        let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
         // Accumulating n terms one by one copies n² of them.
-        let size = self.graph.node(left).operands().len();
-        if !self.spend(size / 16, at) {
+        let size = match &left {
+            Value::Real(left) => self.graph.node(*left).operands().len(),
+            _ => 0,
+        };
+        if left.is_poison() || !self.spend(size / 16, at) {
             return Value::Poison;
         }
-        if matches!(operator, BinOp::Div(_)) && self.graph.is_zero(right) {
-            return self.report(expressions::division_by_zero(&at.right));
-        }
-        Value::Real(match operator {
-            BinOp::Add(_) => self.graph.add(left, right),
-            BinOp::Sub(_) => self.graph.subtract(left, right),
-            BinOp::Mul(_) => self.graph.multiply(left, right),
-            BinOp::Div(_) => self.graph.divide(left, right),
-            _ => {
-                let remedy = "only `+ - * /` are differentiable";
-                return self.report(expressions::unsupported(at, "`%` on real numbers", remedy));
-            }
-        })
+        let chain = self.extend(Chain::Value(left), &operator, right, at);
+        self.close(chain)
     }
 
     /// Whether both are integers: a constant beside an integer is one.
@@ -309,14 +297,10 @@ impl<'a> Interpreter<'a, '_> {
                 true => self.graph.and(left, right),
                 false => self.graph.or(left, right),
             }),
-            (Value::Known(_) | Value::Condition(_), other) => self.report(expressions::expected(
-                at_right.to_token_stream(),
-                "a condition",
-                other.describe(),
-            )),
-            (other, _) => {
-                self.report(expressions::expected(at_left.to_token_stream(), "a condition", other.describe()))
+            (Value::Known(_) | Value::Condition(_), other) => {
+                self.report(expressions::expected(at_right, "a condition", other.describe()))
             }
+            (other, _) => self.report(expressions::expected(at_left, "a condition", other.describe())),
         }
     }
 

@@ -94,19 +94,17 @@ impl<'a> Interpreter<'a, '_> {
             Value::Tuple(Items { items, .. }) if !is_list => items.to_vec(),
             Value::Sequence(list) if is_list => self.items(list, &at)?,
             _ => {
-                self.report(expressions::pattern_mismatch(at, value.describe()));
-                return None;
+                return self.refuse(expressions::pattern_mismatch(at, value.describe()));
             }
         };
         let named = patterns.len() - rests;
         let fits = if rests == 0 { items.len() == named } else { rests == 1 && items.len() >= named };
         if !fits {
             let len = items.len();
-            self.report(expressions::pattern_mismatch(
+            return self.refuse(expressions::pattern_mismatch(
                 at,
                 &format!("{} of {len} elements", value.describe()),
             ));
-            return None;
         }
         Some(items)
     }

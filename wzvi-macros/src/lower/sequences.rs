@@ -77,7 +77,7 @@ impl Sequence {
             let k = this.known_integer(Value::index(k.clone()), at)?;
             let item = usize::try_from(k).ok().and_then(|k| items.items.get(k));
             if item.is_none() {
-                this.report(expressions::index_out_of_range(at.to_token_stream(), k, count));
+                this.report(expressions::index_out_of_range(at, k, count));
             }
             item.cloned()
         })
@@ -175,8 +175,7 @@ impl<'a> Interpreter<'a, '_> {
             Value::Poison => None,
             other => {
                 let found = other.describe();
-                self.report(expressions::expected(at.to_token_stream(), "a list or a range", found));
-                None
+                self.refuse(expressions::expected(at, "a list or a range", found))
             }
         }
     }
@@ -218,8 +217,7 @@ impl<'a> Interpreter<'a, '_> {
         };
         let least = i128::from(!matches!(name, "skip" | "take"));
         if number.as_integer().is_some_and(|number| number < least) {
-            self.report(expressions::integer_arithmetic(at));
-            return None;
+            return self.refuse(expressions::integer_arithmetic(at));
         }
         let last = number.shifted(-1)?;
         // With what is left over.
@@ -309,8 +307,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn endless<T>(&mut self, at: &dyn ToTokens) -> Option<T> {
-        self.report(expressions::endless_range(at.to_token_stream()));
-        None
+        self.refuse(expressions::endless_range(at))
     }
 
     /// The number of items that are taken one by one.
@@ -320,7 +317,7 @@ impl<'a> Interpreter<'a, '_> {
         }
         let depends = length.loops();
         if !self.request_turns(|variable| depends.contains(&variable)) {
-            self.report(expressions::list_of_unknown_length(at.to_token_stream()));
+            self.report(expressions::list_of_unknown_length(at));
         }
         None
     }

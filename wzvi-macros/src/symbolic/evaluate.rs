@@ -54,13 +54,7 @@ impl Bounded {
 }
 
 impl Graph {
-    /// The values of `roots`; conditions are 1 or 0.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for tests"))]
-    pub(crate) fn evaluate(&self, roots: &[Expr], values: &dyn Fn(Symbol) -> f64) -> Vec<f64> {
-        self.fold(roots, f64::NAN, |_, node, value| evaluate_node(node, values, value))
-    }
-
-    /// As [`Graph::evaluate`], with a bound on the rounding error; the values of the symbols are exact.
+    /// The values of `roots` with a bound on the rounding error; conditions are 1 or 0, the values of the symbols are exact.
     pub(crate) fn evaluate_bounded(&self, roots: &[Expr], values: &dyn Fn(Symbol) -> f64) -> Vec<Bounded> {
         self.fold(roots, Bounded::UNDEFINED, |_, node, value| bound_node(node, values, value))
     }
@@ -79,38 +73,6 @@ impl Graph {
             results[expr.index()] = result;
         }
         roots.iter().map(|root| results[root.index()]).collect()
-    }
-}
-
-fn evaluate_node(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Expr) -> f64) -> f64 {
-    let truth = |condition: bool| f64::from(u8::from(condition));
-    match node {
-        Node::Number(number) => number.to_f64(),
-        Node::Float(bits) => f64::from_bits(*bits),
-        Node::Symbol(symbol) => values(*symbol),
-        Node::Sum { terms, constant } => {
-            terms.iter().fold(constant.to_f64(), |sum, &(term, c)| sum + c.to_f64() * value(term))
-        }
-        Node::Product(factors) => {
-            factors.iter().map(|&(base, exponent)| power(value(base), exponent)).product()
-        }
-        Node::Apply(function, arguments) => {
-            let arguments: Vec<f64> = arguments.iter().map(|&argument| value(argument)).collect();
-            function.evaluate(&arguments)
-        }
-        Node::Select { condition, then, otherwise } => {
-            if value(*condition) != 0.0 {
-                value(*then)
-            } else {
-                value(*otherwise)
-            }
-        }
-        Node::Compare(Relation::Less, a, b) => truth(value(*a) < value(*b)),
-        Node::Compare(Relation::LessEqual, a, b) => truth(value(*a) <= value(*b)),
-        Node::Compare(Relation::Equal, a, b) => truth(value(*a) == value(*b)),
-        Node::Not(a) => truth(value(*a) == 0.0),
-        Node::And(a, b) => truth(value(*a) != 0.0 && value(*b) != 0.0),
-        Node::Or(a, b) => truth(value(*a) != 0.0 || value(*b) != 0.0),
     }
 }
 
