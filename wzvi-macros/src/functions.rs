@@ -12,7 +12,7 @@ mod define;
 
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
-use syn::parse::{Parse, ParseStream};
+use syn::parse::{Parse, ParseStream, Parser};
 use syn::{ImplItem, Item, ItemFn, ItemImpl, Path, braced};
 
 use crate::diagnostics::Diagnostics;
@@ -59,41 +59,14 @@ impl Question {
             #alias! { #callback #state }
         }
     }
-
-    /// What was asked for, by the paths of the calls.
-    fn library(&self) -> syn::Result<Library> {
-        let mut library = Library::default();
-        for (path, answer) in self.asked.iter().zip(&self.answers) {
-            match syn::parse2::<Answer>(answer.clone())? {
-                Answer::Function(mut function) => {
-                    function.name = key(path);
-                    library.functions.push(*function);
-                }
-                Answer::Methods(methods) => match other_owner(path, &self.item) {
-                    None => library.methods.extend(methods),
-                    Some(name) => {
-                        let functions = methods.into_iter().filter(|method| !method.reads_self);
-                        let named = functions.map(|function| Function {
-                            name: format!("{name}::{}", function.name),
-                            ..function
-                        });
-                        library.functions.extend(named);
-                    }
-                },
-            }
-        }
-        Ok(library)
-    }
 }
 
 impl Parse for Question {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let kind = syn::parse2(group(input)?)?;
-        let crate_path = Path::parse_mod_style.parse2_from(group(input)?)?;
+        let crate_path = path(group(input)?)?;
         let (attribute, item) = (group(input)?, group(input)?);
-        let asked = groups(group(input)?)
-            .map(|path| Path::parse_mod_style.parse2_from(path))
-            .collect::<Result<_, _>>()?;
+        let asked = paths(group(input)?)?;
         let mut answers: Vec<TokenStream> = groups(group(input)?).collect();
         if !input.is_empty() {
             answers.push(group(input)?);
@@ -102,15 +75,36 @@ impl Parse for Question {
     }
 }
 
-/// A parser function on a stream of its own.
-trait ParseFrom<T> {
-    fn parse2_from(self, tokens: TokenStream) -> syn::Result<T>;
+/// What `item` asked for, by the paths of the calls.
+fn library(asked: &[Path], answers: &[TokenStream], item: &TokenStream) -> syn::Result<Library> {
+    let mut library = Library::default();
+    for (path, answer) in asked.iter().zip(answers) {
+        match syn::parse2::<Answer>(answer.clone())? {
+            Answer::Function(mut function) => {
+                function.name = key(path);
+                library.functions.push(*function);
+            }
+            Answer::Methods(methods) => match other_owner(path, item) {
+                None => library.methods.extend(methods),
+                Some(name) => {
+                    let functions = methods.into_iter().filter(|method| !method.reads_self);
+                    let named = functions
+                        .map(|function| Function { name: format!("{name}::{}", function.name), ..function });
+                    library.functions.extend(named);
+                }
+            },
+        }
+    }
+    Ok(library)
 }
 
-impl<T, F: FnOnce(ParseStream<'_>) -> syn::Result<T>> ParseFrom<T> for F {
-    fn parse2_from(self, tokens: TokenStream) -> syn::Result<T> {
-        syn::parse::Parser::parse2(self, tokens)
-    }
+fn path(tokens: TokenStream) -> syn::Result<Path> {
+    Path::parse_mod_style.parse2(tokens)
+}
+
+/// Paths in braces.
+fn paths(tokens: TokenStream) -> syn::Result<Vec<Path>> {
+    groups(tokens).map(path).collect()
 }
 
 fn group(input: ParseStream<'_>) -> syn::Result<TokenStream> {
@@ -136,20 +130,8 @@ impl Parse for Answer {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
         let library = || {
-            let asked = groups(asked.clone())
-                .map(|path| Path::parse_mod_style.parse2_from(path))
-                .collect::<Result<_, _>>()?;
-            let answers = groups(answers.clone()).collect();
-            let (kind, crate_path) = (syn::parse_quote!(function), syn::parse_quote!(wzvi));
-            Question {
-                kind,
-                crate_path,
-                attribute: TokenStream::new(),
-                item: TokenStream::new(),
-                asked,
-                answers,
-            }
-            .library()
+            let answers: Vec<TokenStream> = groups(answers.clone()).collect();
+            library(&paths(asked.clone())?, &answers, &TokenStream::new())
         };
         if let Ok(ItemFn { sig: signature, block, .. }) = syn::parse2(item.clone()) {
             let function = Function {
@@ -240,7 +222,7 @@ pub(crate) fn proceed(
     if question.kind == "function" {
         return define::carrier(&question);
     }
-    match question.library() {
+    match library(&question.asked, &question.answers, &question.item) {
         Ok(library) => expand(question.attribute, question.item, library),
         Err(error) => error.to_compile_error(),
     }

@@ -302,44 +302,44 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
     syn::bracketed!(content in input);
     let mut list = Vec::new();
     while !content.is_empty() {
-        if content.peek(token::Bracket) {
-            // A family beside others.
-            let family;
-            syn::bracketed!(family in content);
-            let mut member = hamiltonian(&family)?;
-            family.parse::<Token![;]>()?;
-            member.family = Some(family.parse()?);
-            if !family.is_empty() {
-                return Err(messages::family_in_list(rest(&family)?));
-            }
-            list.push(member);
-        } else {
-            let name: Option<Ident> = match content.peek(syn::Ident) && content.peek2(Token![=]) {
-                true => Some(content.parse()?),
-                false => None,
-            };
-            if name.is_some() {
-                content.parse::<Token![=]>()?;
-            }
-            let mut next = hamiltonian(&content)?;
-            next.name = name;
-            if content.peek(Token![;]) {
-                if !list.is_empty() {
-                    return Err(messages::family_in_list(rest(&content)?));
+        list.push(match content.peek(token::Bracket) {
+            true => {
+                // A family beside others.
+                let family;
+                syn::bracketed!(family in content);
+                let member = member(&family, true)?;
+                if member.family.is_none() {
+                    family.parse::<Token![;]>()?;
                 }
-                content.parse::<Token![;]>()?;
-                next.family = Some(content.parse()?);
-                if !content.is_empty() {
-                    return Err(messages::family_in_list(rest(&content)?));
-                }
+                member
             }
-            list.push(next);
-        }
+            false => member(&content, list.is_empty())?,
+        });
         if !content.is_empty() {
             content.parse::<Token![,]>()?;
         }
     }
     Ok(list)
+}
+
+/// `closure`, `name = closure`, or `closure; count` where nothing stands beside it.
+fn member(input: ParseStream<'_>, may_be_family: bool) -> syn::Result<Hamiltonian> {
+    let mut name: Option<Ident> = None;
+    if input.peek(syn::Ident) && input.peek2(Token![=]) {
+        name = Some(input.parse()?);
+        input.parse::<Token![=]>()?;
+    }
+    let mut member = Hamiltonian { name, ..hamiltonian(input)? };
+    if input.peek(Token![;]) {
+        if may_be_family {
+            input.parse::<Token![;]>()?;
+            member.family = Some(input.parse()?);
+        }
+        if !input.is_empty() {
+            return Err(messages::family_in_list(rest(input)?));
+        }
+    }
+    Ok(member)
 }
 
 fn emission(input: ParseStream<'_>) -> syn::Result<Emission> {

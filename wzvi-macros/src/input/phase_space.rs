@@ -177,24 +177,34 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
     if !(has_names || are_arrays) {
         return Err(messages::too_many_degrees(q, DEGREES));
     }
-    let whole = [array_name(q, "q"), array_name(p, "p")];
-    let labels = [Labels::of(q, &shape, "q"), Labels::of(p, &shape, "p")];
-    let (t_name, none) = ("t".to_owned(), Vec::new());
-    let mut names = PhaseSpace { shape, names: whole, q: none.clone(), p: none, labels, t: t_name };
-    if has_names {
-        name(q, &names.shape, "q", &mut names.q);
-        name(p, &names.shape, "p", &mut names.p);
+    let components = |pattern, fallback| {
+        let mut names = Vec::new();
+        if has_names {
+            name(pattern, &shape, fallback, &mut names);
+        }
+        names
+    };
+    Ok(PhaseSpace {
+        names: [array_name(q, "q"), array_name(p, "p")],
+        q: components(q, "q"),
+        p: components(p, "p"),
+        labels: [Labels::of(q, &shape, "q"), Labels::of(p, &shape, "p")],
+        t: t.map_or(Ok("t".to_owned()), time)?,
+        shape,
+    })
+}
+
+/// The pattern inside of parentheses.
+fn peeled(mut pattern: &Pat) -> &Pat {
+    while let Pat::Paren(inner) = pattern {
+        pattern = &inner.pat;
     }
-    if let Some(t) = t {
-        names.t = time(t)?;
-    }
-    Ok(names)
+    pattern
 }
 
 /// Whether `pattern` names an array as a whole.
 fn is_named_array(pattern: &Pat) -> bool {
-    match pattern {
-        Pat::Paren(inner) => is_named_array(&inner.pat),
+    match peeled(pattern) {
         Pat::Type(typed) => is_named_array(&typed.pat),
         Pat::Ident(_) | Pat::Wild(_) => true,
         _ => false,
@@ -203,8 +213,7 @@ fn is_named_array(pattern: &Pat) -> bool {
 
 /// The name that an array goes by.
 pub(super) fn array_name(pattern: &Pat, fallback: &str) -> String {
-    match pattern {
-        Pat::Paren(inner) => array_name(&inner.pat, fallback),
+    match peeled(pattern) {
         Pat::Type(typed) => array_name(&typed.pat, fallback),
         Pat::Ident(ident) => ident.ident.unraw().to_string(),
         _ => fallback.to_owned(),
@@ -217,7 +226,7 @@ fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
     let expected = &known.shape;
     for pattern in [q, p] {
         // What is an array was said once.
-        if is_bare_name(pattern) {
+        if bare_name(pattern).is_some() {
             continue;
         }
         match shape(pattern)? {
@@ -231,11 +240,12 @@ fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
 }
 
 /// A name without a type.
-fn is_bare_name(pattern: &Pat) -> bool {
-    match pattern {
-        Pat::Paren(inner) => is_bare_name(&inner.pat),
-        Pat::Ident(ident) => ident.by_ref.is_none() && ident.mutability.is_none() && ident.subpat.is_none(),
-        _ => false,
+fn bare_name(pattern: &Pat) -> Option<&syn::Ident> {
+    match peeled(pattern) {
+        Pat::Ident(ident) if ident.by_ref.is_none() && ident.mutability.is_none() => {
+            ident.subpat.is_none().then_some(&ident.ident)
+        }
+        _ => None,
     }
 }
 
@@ -261,9 +271,7 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
 /// Whether the coordinates have the names of momenta and the momenta those of coordinates: `|p, q|`, `|p1, q1|`,
 /// `|[px, py], [x, y]|`. The equations of motion would have the wrong sign, and nothing else would tell.
 fn are_swapped(q: &Pat, p: &Pat) -> bool {
-    match (q, p) {
-        (Pat::Paren(inner), p) => are_swapped(&inner.pat, p),
-        (q, Pat::Paren(inner)) => are_swapped(q, &inner.pat),
+    match (peeled(q), peeled(p)) {
         (Pat::Type(typed), p) => are_swapped(&typed.pat, p),
         (q, Pat::Type(typed)) => are_swapped(q, &typed.pat),
         (Pat::Slice(q), Pat::Slice(p)) => q.elems.iter().zip(&p.elems).any(|(q, p)| are_swapped(q, p)),
@@ -279,14 +287,9 @@ fn are_swapped(q: &Pat, p: &Pat) -> bool {
 
 /// The shape that a pattern declares; `None` fits any.
 fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
-    match pattern {
+    match peeled(pattern) {
         Pat::Wild(_) => Ok(None),
-        Pat::Paren(inner) => shape(&inner.pat),
-        Pat::Ident(ident)
-            if ident.by_ref.is_none() && ident.mutability.is_none() && ident.subpat.is_none() =>
-        {
-            Ok(Some(Shape::Real))
-        }
+        name if bare_name(name).is_some() => Ok(Some(Shape::Real)),
         Pat::Type(typed) => {
             let declared = type_shape(&typed.ty)?;
             fits(&typed.pat, &declared)?;
@@ -315,21 +318,17 @@ fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
             }
         }
         Pat::Tuple(tuple) => Err(messages::tuple_phase_pattern(tuple)),
-        _ => Err(messages::unsupported_phase_pattern(pattern)),
+        other => Err(messages::unsupported_phase_pattern(other)),
     }
 }
 
 /// Whether `pattern` can bind a value of shape `declared`.
 fn fits(pattern: &Pat, declared: &Shape) -> syn::Result<()> {
-    match (pattern, declared) {
+    match (peeled(pattern), declared) {
         (Pat::Slice(slice), Shape::Array(element, Length::Literal(len))) if slice.elems.len() == *len => {
             slice.elems.iter().try_for_each(|inner| fits(inner, element))
         }
-        (Pat::Paren(inner), _) => fits(&inner.pat, declared),
-        (Pat::Ident(_) | Pat::Wild(_), _) => match shape(pattern) {
-            Err(error) => Err(error),
-            Ok(_) => Ok(()),
-        },
+        (Pat::Ident(_) | Pat::Wild(_), _) => shape(pattern).map(|_| ()),
         _ => match shape(pattern)? {
             Some(found) if found != *declared => {
                 Err(messages::shapes_disagree_within(pattern, &found, declared))
@@ -374,14 +373,11 @@ fn element_shape(ty: &Type) -> syn::Result<Shape> {
 
 /// The name of time.
 fn time(pattern: &Pat) -> syn::Result<String> {
-    match pattern {
+    if let Some(name) = bare_name(pattern) {
+        return Ok(name.unraw().to_string());
+    }
+    match peeled(pattern) {
         Pat::Wild(_) => Ok("t".to_owned()),
-        Pat::Paren(inner) => time(&inner.pat),
-        Pat::Ident(ident)
-            if ident.by_ref.is_none() && ident.mutability.is_none() && ident.subpat.is_none() =>
-        {
-            Ok(ident.ident.unraw().to_string())
-        }
         Pat::Type(typed) => match type_shape(&typed.ty)? {
             Shape::Real => time(&typed.pat),
             Shape::Array(..) => Err(messages::time_is_real(pattern)),
@@ -392,9 +388,8 @@ fn time(pattern: &Pat) -> syn::Result<String> {
 
 /// Appends the display names of the variables that `pattern` binds, `fallback` where it names none.
 fn name(pattern: &Pat, shape: &Shape, fallback: &str, names: &mut Vec<String>) {
-    match (pattern, shape) {
+    match (peeled(pattern), shape) {
         (Pat::Type(typed), _) => name(&typed.pat, shape, fallback, names),
-        (Pat::Paren(inner), _) => name(&inner.pat, shape, fallback, names),
         (Pat::Ident(ident), _) => indexed(&ident.ident.unraw().to_string(), shape, names),
         (Pat::Slice(slice), Shape::Array(element, _)) => {
             for (i, inner) in slice.elems.iter().enumerate() {
