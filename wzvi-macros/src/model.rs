@@ -61,15 +61,19 @@ pub(crate) struct Table {
     pub(crate) lengths: Vec<Option<usize>>,
 }
 
+/// The conjugate halves of the phase space, and the virtual displacements `δq` of the coordinates: a covector `f` is the function `f · δq`.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(crate) enum Half {
+    Coordinates,
+    Momenta,
+    Displacements,
+}
+
 /// Where the value of a local variable is.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Slot {
-    /// Component of the coordinates, counted as in the state vector.
-    Coordinate(Index),
-    /// Component of the momenta.
-    Momentum(Index),
-    /// Virtual displacement `δq` of a component of the coordinates: a covector `f` is the function `f · δq`.
-    Displacement(Index),
+    /// Component of one half, counted as in the state vector.
+    State(Half, Index),
     /// Entry of a list of real numbers.
     Entry(u32, Vec<Index>),
     /// An integer as a real number.
@@ -102,32 +106,31 @@ pub(crate) enum Reads {
 }
 
 impl Element {
-    pub(crate) fn coordinates(&self) -> impl Iterator<Item = (Symbol, &Index)> {
-        self.locals.iter().filter_map(|local| match &local.slot {
-            Slot::Coordinate(index) => Some((local.symbol, index)),
+    /// The variables in one half of the state.
+    pub(crate) fn of_half(&self, half: Half) -> impl Iterator<Item = (Symbol, &Index)> {
+        self.locals.iter().filter_map(move |local| match &local.slot {
+            Slot::State(own, index) if *own == half => Some((local.symbol, index)),
             _ => None,
         })
     }
 
+    pub(crate) fn coordinates(&self) -> impl Iterator<Item = (Symbol, &Index)> {
+        self.of_half(Half::Coordinates)
+    }
+
     pub(crate) fn momenta(&self) -> impl Iterator<Item = (Symbol, &Index)> {
-        self.locals.iter().filter_map(|local| match &local.slot {
-            Slot::Momentum(index) => Some((local.symbol, index)),
-            _ => None,
-        })
+        self.of_half(Half::Momenta)
     }
 
     /// Those of the displacements: a covector has some, a Hamiltonian none.
     pub(crate) fn displacements(&self) -> impl Iterator<Item = (Symbol, &Index)> {
-        self.locals.iter().filter_map(|local| match &local.slot {
-            Slot::Displacement(index) => Some((local.symbol, index)),
-            _ => None,
-        })
+        self.of_half(Half::Displacements)
     }
 
     /// The places in the state that it reads, or where it acts.
     pub(crate) fn state(&self) -> Vec<&Index> {
         let places = self.locals.iter().filter_map(|local| match &local.slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => Some(index),
+            Slot::State(_, index) => Some(index),
             Slot::Entry(..) | Slot::Number(_) => None,
         });
         places.collect()

@@ -6,12 +6,12 @@ use self::form::Form;
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
-use super::sums::{Half, Increments, Space, Sum, Weighted};
+use super::sums::{Increments, Space, Sum, Weighted};
 use crate::diagnostics::Extent;
 use crate::diagnostics::internal::Promised;
 use crate::embedding::{Correction, Embedding};
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Reads, System, Term};
+use crate::model::{Element, Half, Reads, System, Term};
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational, Symbol};
 

@@ -10,8 +10,9 @@
 //! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and `K_q · H_p`.
 
 use super::facts::Facts;
-use super::sums::{Half, Increments};
+use super::sums::Increments;
 use crate::embedding::Embedding;
+use crate::model::Half;
 use crate::symbolic::{Graph, Rational};
 
 /// `a`, and `b`, `c`, `d`.

@@ -16,7 +16,7 @@ use proc_macro2::TokenStream;
 
 use crate::diagnostics::Located;
 use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Element, Model, Parameter, Phase, Slot, System, Term};
+use crate::model::{Element, Half, Model, Parameter, Phase, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The small system at the site of a loop variable.
@@ -186,9 +186,13 @@ impl Places<'_> {
             let mut images = HashMap::new();
             for local in &element.locals {
                 let symbol = match &local.slot {
-                    Slot::Coordinate(index) => *self.phase.q.get(self.component(&moved(index)?)?)?,
-                    Slot::Momentum(index) => *self.phase.p.get(self.component(&moved(index)?)?)?,
-                    Slot::Displacement(index) => {
+                    Slot::State(Half::Coordinates, index) => {
+                        *self.phase.q.get(self.component(&moved(index)?)?)?
+                    }
+                    Slot::State(Half::Momenta, index) => {
+                        *self.phase.p.get(self.component(&moved(index)?)?)?
+                    }
+                    Slot::State(Half::Displacements, index) => {
                         *self.phase.displacements.get(self.component(&moved(index)?)?)?
                     }
                     Slot::Number(index) => {

@@ -11,15 +11,14 @@ use super::sequences::{Sequence, Source};
 use super::value::{Place, Value};
 use crate::diagnostics::{expressions, source};
 use crate::input::Kind;
-use crate::model::Slot;
 use crate::model::index::{Atom, Index};
+use crate::model::{Half, Slot};
 use crate::symbolic::Expr;
 
 /// Where the numbers of an [`Array`] are.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Origin {
-    Coordinates,
-    Momenta,
+    State(Half),
     /// A list of the struct, by its number among the tables, with what its elements are.
     Table(u32, Rc<Kind>),
 }
@@ -86,19 +85,19 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn array_element(&mut self, array: &Array, k: &Index, at: &dyn ToTokens) -> Option<Value> {
         self.check_range(array, k, at)?;
         let position = array.start.add(k)?;
-        let is_momentum = match &array.origin {
+        let half = match &array.origin {
             Origin::Table(id, kind) => {
                 let mut indices = array.indices.clone();
                 indices.push(position);
                 return self.entry(*id, kind, indices, at);
             }
-            origin => *origin == Origin::Momenta,
+            Origin::State(half) => *half,
         };
         let stride = array.inner.iter().product::<i128>();
         let offset = array.indices.first().cloned().unwrap_or_default();
         let offset = offset.plus(&position, stride)?;
         let Some((&length, inner)) = array.inner.split_first() else {
-            return Some(Value::Real(self.component(is_momentum, offset)));
+            return Some(Value::Real(self.local(Slot::State(half, offset))));
         };
         Some(list(Array {
             origin: array.origin.clone(),
@@ -107,11 +106,6 @@ impl<'a> Interpreter<'a, '_> {
             length: Index::integer(length),
             inner: inner.to_vec(),
         }))
-    }
-
-    /// A coordinate or a momentum.
-    pub(super) fn component(&mut self, is_momentum: bool, index: Index) -> Expr {
-        self.local(if is_momentum { Slot::Momentum(index) } else { Slot::Coordinate(index) })
     }
 
     /// What a list of the struct holds at `indices`.

@@ -5,13 +5,12 @@
 use syn::Expr as Syntax;
 
 use super::Space;
-use super::arrays::Origin;
 use super::interpreter::{Interpreter, result_of};
 use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::input;
 use crate::model::index::Index;
-use crate::model::{Friction, Slot, Term};
+use crate::model::{Friction, Half, Slot, Term};
 use crate::symbolic::Expr;
 
 /// What is made of the entry for the component at an index.
@@ -27,8 +26,10 @@ impl Space<'_> {
     ) -> Option<Expr> {
         let lengths = self.lengths();
         let mut leaf = |interpreter: &mut Interpreter<'a, 'd>, value: Value, place: &Index| {
-            let (entry, displacement) =
-                (interpreter.real(value, at)?, interpreter.local(Slot::Displacement(place.clone())));
+            let (entry, displacement) = (
+                interpreter.real(value, at)?,
+                interpreter.local(Slot::State(Half::Displacements, place.clone())),
+            );
             Some(interpreter.graph.multiply(entry, displacement))
         };
         paired(interpreter, value, (&lengths, false), &Index::default(), at, &mut leaf)
@@ -56,7 +57,7 @@ impl Space<'_> {
         let (mut uniform, mut is_one_rate) = (None, false);
         let term = self.lowered(interpreter, body, |interpreter| {
             if let Some(pattern) = coordinates {
-                let q = self.vector(interpreter, Origin::Coordinates);
+                let q = self.vector(interpreter, Half::Coordinates);
                 interpreter.bind(pattern, q);
             }
             let value = interpreter.evaluate(body);
@@ -133,8 +134,8 @@ impl Space<'_> {
 
 /// `entry · δq_i p_j`
 fn bilinear(interpreter: &mut Interpreter<'_, '_>, entry: Expr, i: &Index, j: &Index) -> Expr {
-    let displacement = interpreter.local(Slot::Displacement(i.clone()));
-    let momentum = interpreter.local(Slot::Momentum(j.clone()));
+    let displacement = interpreter.local(Slot::State(Half::Displacements, i.clone()));
+    let momentum = interpreter.local(Slot::State(Half::Momenta, j.clone()));
     interpreter.graph.product(&[entry, displacement, momentum])
 }
 

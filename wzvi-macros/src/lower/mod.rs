@@ -32,7 +32,7 @@ use crate::diagnostics::{Diagnostics, expressions, messages};
 use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape, peeled};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
-use crate::model::{Family, Noise, System, Term};
+use crate::model::{Family, Half, Noise, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 use arrays::{Array, Origin};
@@ -182,12 +182,18 @@ impl<'s> Space<'s> {
     }
 
     /// The coordinates or the momenta.
-    fn vector(&self, interpreter: &mut Interpreter<'_, '_>, origin: Origin) -> Value {
+    fn vector(&self, interpreter: &mut Interpreter<'_, '_>, half: Half) -> Value {
         if let Shape::Real = self.shape {
-            return Value::Real(interpreter.component(origin == Origin::Momenta, Index::default()));
+            return Value::Real(interpreter.local(Slot::State(half, Index::default())));
         }
         let (start, length, inner) = (Index::default(), self.size.clone(), self.inner.clone());
-        Value::sequence(Sequence::array(Array { origin, indices: Vec::new(), start, length, inner }))
+        Value::sequence(Sequence::array(Array {
+            origin: Origin::State(half),
+            indices: Vec::new(),
+            start,
+            length,
+            inner,
+        }))
     }
 
     /// A noise, or a family of them. Members that differ in more than a number are noises of their own.
@@ -263,8 +269,8 @@ impl<'s> Space<'s> {
         kind: Kind,
     ) -> Option<Expr> {
         let closure = &hamiltonian.closure;
-        let q = self.vector(interpreter, Origin::Coordinates);
-        let p = self.vector(interpreter, Origin::Momenta);
+        let q = self.vector(interpreter, Half::Coordinates);
+        let p = self.vector(interpreter, Half::Momenta);
         let mut values = vec![q, p, Value::Real(interpreter.graph.symbol(self.t))];
         let range = match &member {
             Some(Member::Any(range)) => Some(*range),

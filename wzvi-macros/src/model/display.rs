@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::index::{Atom, Index, Operation};
-use super::{Slot, System, Table};
+use super::{Half, Slot, System, Table};
 use crate::diagnostics::internal::Promised;
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.
@@ -87,9 +87,14 @@ impl Names<'_> {
             _ => format!("[{}]", self.index(index)),
         };
         match slot {
-            Slot::Coordinate(index) => format!("{q}{}", at(index)),
-            Slot::Momentum(index) => format!("{p}{}", at(index)),
-            Slot::Displacement(index) => format!("δ{q}{}", at(index)),
+            Slot::State(half, index) => {
+                let name = match half {
+                    Half::Coordinates => q.clone(),
+                    Half::Momenta => p.clone(),
+                    Half::Displacements => format!("δ{q}"),
+                };
+                format!("{name}{}", at(index))
+            }
             Slot::Number(index) if index.terms.len() == 1 && index.constant == 0 => self.index(index),
             Slot::Number(index) => format!("({})", self.index(index)),
             Slot::Entry(table, indices) => self.entry(*table, indices),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::display::{Names, letter_at};
 use super::index::{Index, Loop};
-use super::{Local, Slot, Table};
+use super::{Half, Local, Slot, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// What a sum symbol stands for: `Σ_(range) body`.
@@ -38,11 +38,11 @@ impl Symbols {
     pub(crate) fn declare_phase(&mut self, graph: &mut Graph, q: &[String], p: &[String]) {
         let place = |i: usize| Index::integer(i as i128);
         for (i, name) in q.iter().enumerate() {
-            let symbol = self.declare(graph, Slot::Coordinate(place(i)), name.clone());
+            let symbol = self.declare(graph, Slot::State(Half::Coordinates, place(i)), name.clone());
             self.phase[0].push(symbol);
         }
         for (i, name) in p.iter().enumerate() {
-            let symbol = self.declare(graph, Slot::Momentum(place(i)), name.clone());
+            let symbol = self.declare(graph, Slot::State(Half::Momenta, place(i)), name.clone());
             self.phase[1].push(symbol);
         }
     }
@@ -79,7 +79,7 @@ impl Symbols {
 
     /// The coordinate that is displaced, where it is a variable from the start.
     fn named_coordinate(&self, slot: &Slot) -> Option<Symbol> {
-        let Slot::Displacement(index) = slot else { return None };
+        let Slot::State(Half::Displacements, index) = slot else { return None };
         let place = usize::try_from(index.as_integer()?).ok()?;
         self.phase[0].get(place).copied()
     }
@@ -87,7 +87,9 @@ impl Symbols {
     /// The displacement of each coordinate, where these are variables.
     pub(crate) fn displacements(&mut self, graph: &mut Graph) -> Vec<Symbol> {
         let degrees = self.phase[0].len();
-        (0..degrees).map(|i| self.local(graph, Slot::Displacement(Index::integer(i as i128)), &[])).collect()
+        (0..degrees)
+            .map(|i| self.local(graph, Slot::State(Half::Displacements, Index::integer(i as i128)), &[]))
+            .collect()
     }
 
     /// A new variable for a slot that has none.
@@ -133,9 +135,7 @@ impl Slot {
     /// The slot with every index in it mapped; `None` on overflow.
     pub(crate) fn map(&self, f: impl Fn(&Index) -> Option<Index>) -> Option<Self> {
         Some(match self {
-            Self::Coordinate(index) => Self::Coordinate(f(index)?),
-            Self::Momentum(index) => Self::Momentum(f(index)?),
-            Self::Displacement(index) => Self::Displacement(f(index)?),
+            Self::State(half, index) => Self::State(*half, f(index)?),
             Self::Number(index) => Self::Number(f(index)?),
             Self::Entry(table, indices) => Self::Entry(*table, indices.iter().map(f).collect::<Option<_>>()?),
         })
@@ -149,10 +149,7 @@ impl Slot {
     /// The indices in it.
     pub(crate) fn indices(&self) -> &[Index] {
         match self {
-            Self::Coordinate(index)
-            | Self::Momentum(index)
-            | Self::Displacement(index)
-            | Self::Number(index) => std::slice::from_ref(index),
+            Self::State(_, index) | Self::Number(index) => std::slice::from_ref(index),
             Self::Entry(_, indices) => indices,
         }
     }

@@ -9,8 +9,8 @@
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::facts::kinetic::Kinetic;
 use crate::discretise::facts::space_of;
-use crate::discretise::sums::{Half, Increments, Sum, Weighted};
-use crate::model::{Element, Friction, System, Term};
+use crate::discretise::sums::{Increments, Sum, Weighted};
+use crate::model::{Element, Friction, Half, System, Term};
 use crate::symbolic::{Expr, Rational};
 
 /// Checks friction and temperature, and what thermostats need; then the friction that no thermostat takes in becomes a force, or the rate of

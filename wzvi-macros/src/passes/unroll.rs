@@ -248,7 +248,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
         .collect();
     for Local { symbol, slot } in locals {
         let tokens = match &slot {
-            Slot::Coordinate(_) | Slot::Momentum(_) | Slot::Displacement(_) => continue,
+            Slot::State(_, _) => continue,
             Slot::Number(index) => {
                 let value = indices.value(index);
                 indices.or_nan(&quote!(#value as ::core::primitive::f64))
@@ -311,9 +311,7 @@ fn known_locals(system: &System) -> Option<Vec<Local>> {
     let read: BTreeSet<Symbol> = elements().flat_map(|e| &e.locals).map(|local| local.symbol).collect();
     let locals = system.symbols.locals_among(read.into_iter());
     let is_known = |local: &Local| match &local.slot {
-        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
-            system.symbols.has_phase() && index.as_integer().is_some()
-        }
+        Slot::State(_, index) => system.symbols.has_phase() && index.as_integer().is_some(),
         slot => !slot.indices().iter().any(Index::reads_size),
     };
     locals.iter().all(is_known).then_some(locals)

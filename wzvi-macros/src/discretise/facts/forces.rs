@@ -1,8 +1,8 @@
 //! What forces do: the powers that change the energy, the defect of noise forces, commutators.
 
 use super::{Rate, all, is_affine};
-use crate::discretise::sums::{Half, Increments, Space, Sum, Weighted};
-use crate::model::Reads;
+use crate::discretise::sums::{Increments, Space, Sum, Weighted};
+use crate::model::{Half, Reads};
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational};
 

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use super::solve::{Equation, Meeting, Placement, solve};
-use super::{Groups, Half, Space, Sum, Weighted, variable};
+use super::{Groups, Space, Sum, Weighted, variable};
 use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Element, Local};
+use crate::model::{Element, Half, Local, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// What becomes of the increments of two sums.
@@ -62,7 +62,10 @@ impl Factor {
 
     /// The variables of one half of the phase space.
     fn variables(&self, half: Half) -> Vec<(Symbol, Index)> {
-        let of_half = |local: &Local| Some((local.symbol, half.index(&local.slot)?.clone()));
+        let of_half = |local: &Local| match &local.slot {
+            Slot::State(own, index) if *own == half => Some((local.symbol, index.clone())),
+            _ => None,
+        };
         self.locals.iter().filter_map(of_half).collect()
     }
 }

@@ -130,7 +130,7 @@ impl<'s> Site<'s> {
     fn variable(&mut self, graph: &mut Graph, slot: Slot, is_other: bool) -> Option<Expr> {
         let (mut is_of_state, mut known) = (false, self.space.symbols.get(&slot).copied());
         match &slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+            Slot::State(_, index) => {
                 let components = self.size.checked_mul(self.space.components)?;
                 if !(0..components).contains(&index.constant) {
                     return None;

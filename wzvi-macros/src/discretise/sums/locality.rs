@@ -36,7 +36,7 @@ impl Space {
             }
             for local in &element.locals {
                 match &local.slot {
-                    Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+                    Slot::State(_, index) => {
                         width = width.max(form.distance(index, self.components)?);
                     }
                     Slot::Number(index) => width = width.max(form.distance(index, 1)?),
@@ -61,9 +61,7 @@ impl Space {
         let lift_range =
             |known: &Loop| Some(Loop { start: lift(&known.start)?, end: lift(&known.end)?, ..known.clone() });
         let lift_slot = |slot: &Slot| match slot {
-            Slot::Coordinate(_) | Slot::Momentum(_) | Slot::Displacement(_) => {
-                slot.map(|index| lifted(index, n, self.components))
-            }
+            Slot::State(_, _) => slot.map(|index| lifted(index, n, self.components)),
             _ => slot.map(lift),
         };
         let lift_one = |Weighted { element, increments }: &Weighted| {

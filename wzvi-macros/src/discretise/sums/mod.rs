@@ -22,7 +22,7 @@ mod vanish;
 use std::collections::HashMap;
 
 use crate::model::index::{Atom, Bounds, Index, Loop};
-use crate::model::{Element, Local, Slot, Table};
+use crate::model::{Element, Half, Local, Slot, Table};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 pub(crate) use contract::Increments;
@@ -41,26 +41,6 @@ pub(crate) struct Weighted {
 
 /// A sum of elements.
 pub(crate) type Sum = Vec<Weighted>;
-
-/// The conjugate halves of the phase space, and the displacements that covectors are functions of.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Half {
-    Coordinates,
-    Momenta,
-    Displacements,
-}
-
-impl Half {
-    /// The index of a slot in this half.
-    fn index(self, slot: &Slot) -> Option<&Index> {
-        match (self, slot) {
-            (Self::Coordinates, Slot::Coordinate(index))
-            | (Self::Momenta, Slot::Momentum(index))
-            | (Self::Displacements, Slot::Displacement(index)) => Some(index),
-            _ => None,
-        }
-    }
-}
 
 /// The size of the phase space and the variables of its slots: one symbol for each slot.
 #[derive(Clone)]

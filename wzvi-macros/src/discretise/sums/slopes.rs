@@ -3,9 +3,9 @@
 //! With a sum `G = Σ_i δ_i p_i` of free numbers `δ`, the contraction `Σ_s ∂F/∂x_s ∂G/∂p_s` is `Σ_i δ_i ∂F/∂x_i`: what
 //! stands beside `δ_i` in it is the slope at `i`.
 
-use super::{Half, Increments, Space, Sum, Weighted, variable};
+use super::{Increments, Space, Sum, Weighted, variable};
 use crate::model::index::{Index, Loop};
-use crate::model::{Element, Local, Slot, Table};
+use crate::model::{Element, Half, Local, Slot, Table};
 use crate::symbolic::Graph;
 
 /// A part of `∂F/∂x` at the point `at`, which is the variable of the outermost loop where that is possible.
@@ -42,7 +42,7 @@ impl Space {
         self.tables.push(Table { name: "δ".to_owned(), ..Table::default() });
         let own = self.variable(0);
         let place = variable(own).multiply(&Index::integer(self.components))?.shifted(component)?;
-        let slots = [Slot::Entry(free, vec![variable(own)]), Slot::Momentum(place)];
+        let slots = [Slot::Entry(free, vec![variable(own)]), Slot::State(Half::Momenta, place)];
         let locals = slots.map(|slot| Local { symbol: self.symbol(graph, &slot), slot });
         let factors: Vec<_> = locals.iter().map(|local| graph.symbol(local.symbol)).collect();
         let range = Loop { variable: own, start: Index::default(), end: self.size.clone() };

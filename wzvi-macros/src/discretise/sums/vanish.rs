@@ -9,9 +9,9 @@
 use std::collections::HashMap;
 
 use super::instance::{Instance, Numbers, Site};
-use super::{Half, Increments, Space, Sum, Weighted};
+use super::{Increments, Space, Sum, Weighted};
 use crate::model::index::Index;
-use crate::model::{Element, Local, Slot};
+use crate::model::{Element, Half, Local, Slot};
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::zero::{Witness, ZeroTest};
 use crate::symbolic::{Expr, Graph, Symbol};
@@ -188,11 +188,7 @@ impl Space {
 
     /// The derivative by one component of the state.
     fn slope(&mut self, graph: &mut Graph, sum: &Sum, half: Half, index: Index) -> Option<Sum> {
-        let slot = match half {
-            Half::Coordinates => Slot::Coordinate(index),
-            Half::Momenta => Slot::Momentum(index),
-            Half::Displacements => Slot::Displacement(index),
-        };
+        let slot = Slot::State(half, index);
         let symbol = self.symbol(graph, &slot);
         let value = graph.symbol(symbol);
         let element = Element { loops: Vec::new(), value, locals: vec![Local { symbol, slot }] };

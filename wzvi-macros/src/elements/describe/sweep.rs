@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Part, Quadrature, Stage};
-use crate::discretise::sums::{Half, Slope, Space, Sum, Weighted};
+use crate::discretise::sums::{Slope, Space, Sum, Weighted};
 use crate::elements::parts::parts;
 use crate::elements::plan::Unknowns;
 use crate::embedding::Embedding;
-use crate::model::System;
+use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational};
 
 /// From the discrete Lagrangian to the step.

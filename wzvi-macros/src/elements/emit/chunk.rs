@@ -30,7 +30,7 @@ use crate::diagnostics::internal::Promised;
 use crate::emit::count;
 use crate::emit::step::mentions;
 use crate::model::index::Index;
-use crate::model::{Element, Local, Slot};
+use crate::model::{Element, Half, Local, Slot};
 use crate::symbolic::Expr;
 
 /// The innermost loop.
@@ -219,7 +219,8 @@ impl Chunk<'_> {
                 let first = self.first(code, &index, 1);
                 self.limit(code, &index, inner);
                 code.opening.extend(quote!(let #slice = &#list[#first..#first + __len];));
-                let is_state = matches!(local.slot, Slot::Coordinate(_) | Slot::Momentum(_));
+                let is_state =
+                    matches!(local.slot, Slot::State(Half::Coordinates, _) | Slot::State(Half::Momenta, _));
                 code.reads.extend(match is_state {
                     true => {
                         let value = self.wanted.lifted(quote!(#slice[__place]));
@@ -297,9 +298,7 @@ impl Chunk<'_> {
 
     fn motion(&self, slot: &Slot, inner: u32) -> Motion {
         match slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
-                motion(index, inner, self.components)
-            }
+            Slot::State(_, index) => motion(index, inner, self.components),
             Slot::Number(index) if !index.loops().contains(&inner) => Motion::Fixed,
             Slot::Number(_) => Motion::Free,
             Slot::Entry(_, indices) if !indices.iter().any(|index| index.loops().contains(&inner)) => {
@@ -321,11 +320,11 @@ impl Chunk<'_> {
 
     fn list(&self, slot: &Slot) -> TokenStream {
         match slot {
-            Slot::Coordinate(_) => quote!(__at.q),
-            Slot::Momentum(_) => quote!(__at.p),
+            Slot::State(Half::Coordinates, _) => quote!(__at.q),
+            Slot::State(Half::Momenta, _) => quote!(__at.p),
             Slot::Entry(table, _) => self.indices.entry(*table, &[]),
             // No derivative reads displacements.
-            Slot::Number(_) | Slot::Displacement(_) => TokenStream::new(),
+            Slot::Number(_) | Slot::State(Half::Displacements, _) => TokenStream::new(),
         }
     }
 
@@ -341,11 +340,11 @@ impl Chunk<'_> {
 
     fn read_by(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {
         match slot {
-            Slot::Coordinate(index) => {
+            Slot::State(Half::Coordinates, index) => {
                 let position = indices.position(index);
                 self.wanted.lifted(quote!(__at.q[#position]))
             }
-            Slot::Momentum(index) => {
+            Slot::State(Half::Momenta, index) => {
                 let position = indices.position(index);
                 self.wanted.lifted(quote!(__at.p[#position]))
             }
@@ -353,7 +352,7 @@ impl Chunk<'_> {
                 let (entry, number) = (indices.entry(*table, at), self.wanted.number());
                 quote!(#number::from_f64(#entry))
             }
-            Slot::Number(index) | Slot::Displacement(index) => {
+            Slot::Number(index) | Slot::State(Half::Displacements, index) => {
                 let (value, number) = (indices.value(index), self.wanted.number());
                 quote!(#number::from_f64(#value as __wzvi::f64))
             }
@@ -382,9 +381,7 @@ impl Chunk<'_> {
 
 fn slot_index(slot: &Slot) -> Index {
     match slot {
-        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) | Slot::Number(index) => {
-            index.clone()
-        }
+        Slot::State(_, index) | Slot::Number(index) => index.clone(),
         Slot::Entry(_, indices) => indices.first().cloned().promised("entries of tables have an index"),
     }
 }

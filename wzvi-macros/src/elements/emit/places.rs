@@ -81,9 +81,7 @@ impl Places<'_> {
         let total =
             self.system.size.multiply(&Index::integer(self.system.components)).promised("sizes are integers");
         let is_proven = |slot: &Slot| match slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
-                sizes.is_integer(index) && is_within(&bounds, index, &total)
-            }
+            Slot::State(_, index) => sizes.is_integer(index) && is_within(&bounds, index, &total),
             Slot::Entry(table, indices) => (0..indices.len()).all(|level| {
                 sizes.is_integer(&indices[level]) && self.is_inside(&bounds, *table, indices, level)
             }),
@@ -104,7 +102,7 @@ impl Places<'_> {
             })
             .collect();
         let slots = slots.into_iter().map(|slot| match slot {
-            Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+            Slot::State(_, index) => {
                 let is_natural = bounds.is_nonnegative(index);
                 let index = self.index(index, element);
                 quote!(__wzvi::elements::places::Slot::State { index: #index, is_natural: #is_natural },)

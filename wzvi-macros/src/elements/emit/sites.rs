@@ -22,7 +22,7 @@ pub(crate) fn site_entry(system: &System, site: &Site, entry: &Entry) -> TokenSt
     let (indices, f64) = (Indices::unchecked(&system.tables), f64_type());
     let value = match &entry.slot {
         Slot::Entry(table, at) => indices.entry(*table, at),
-        Slot::Number(index) | Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+        Slot::Number(index) | Slot::State(_, index) => {
             let value = indices.value(index);
             quote!((#value as __wzvi::isize as #f64))
         }

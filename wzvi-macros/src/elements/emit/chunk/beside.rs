@@ -12,7 +12,7 @@ use crate::elements::emit::windows::is_correctly_rounded;
 use crate::emit::count;
 use crate::emit::step::mentions;
 use crate::model::index::{Atom, Index};
-use crate::model::{Element, Slot, Table};
+use crate::model::{Element, Half, Slot, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// What a chunk needs to know for that.
@@ -31,10 +31,7 @@ pub(in crate::elements::emit) fn lists(element: &Element, tables: &[Table]) -> V
     let Some(inner) = element.loops.last() else { return open };
     for local in &element.locals {
         match &local.slot {
-            Slot::Coordinate(index)
-            | Slot::Momentum(index)
-            | Slot::Displacement(index)
-            | Slot::Number(index) => {
+            Slot::State(_, index) | Slot::Number(index) => {
                 open_lists_of(index, inner.variable, tables, &mut open);
             }
             Slot::Entry(table, indices) => open_list(*table, indices, inner.variable, tables, &mut open),
@@ -97,10 +94,10 @@ pub(super) struct Block {
 pub(in crate::elements::emit) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let is_free = |slot: &Slot| match slot {
-        Slot::Coordinate(index) | Slot::Momentum(index) => {
+        Slot::State(Half::Coordinates, index) | Slot::State(Half::Momenta, index) => {
             matches!(motion(index, inner.variable, components), Motion::Free)
         }
-        Slot::Displacement(_) | Slot::Number(_) | Slot::Entry(..) => false,
+        Slot::State(Half::Displacements, _) | Slot::Number(_) | Slot::Entry(..) => false,
     };
     let state: Vec<Symbol> =
         element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();

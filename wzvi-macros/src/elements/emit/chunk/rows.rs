@@ -13,7 +13,7 @@ use crate::elements::emit::kernel::Target;
 use crate::emit::count;
 use crate::emit::step::mentions;
 use crate::model::index::Index;
-use crate::model::{Reads, Slot};
+use crate::model::{Half, Reads, Slot};
 
 /// Rows with less partners gain nothing: the run time takes as many at once.
 const SHORT: i128 = 8;
@@ -38,14 +38,14 @@ pub(in crate::elements::emit) fn partners(
     for local in &element.locals {
         let moved = match (&local.slot, moves(&local.slot, inner.variable, components)) {
             (slot, Motion::Fixed) => {
-                has_body |= matches!(slot, Slot::Coordinate(_));
+                has_body |= matches!(slot, Slot::State(Half::Coordinates, _));
                 continue;
             }
             (Slot::Entry(table, entry), Motion::Run) if entry.len() == 1 && indices.is_plain(*table) => {
                 continue;
             }
-            (Slot::Coordinate(index), Motion::Run) if components == 1 => index.clone(),
-            (Slot::Coordinate(_), Motion::Points { base, .. }) => base,
+            (Slot::State(Half::Coordinates, index), Motion::Run) if components == 1 => index.clone(),
+            (Slot::State(Half::Coordinates, _), Motion::Points { base, .. }) => base,
             _ => return None,
         };
         if first.as_ref().is_some_and(|known| *known != moved) {
@@ -59,7 +59,7 @@ pub(in crate::elements::emit) fn partners(
 /// How what a local variable is moves with a loop; freely where it wraps around.
 fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
     match slot {
-        Slot::Coordinate(index) | Slot::Momentum(index) | Slot::Displacement(index) => {
+        Slot::State(_, index) => {
             let wraps = wrap(index, inner, 1).or_else(|| wrap(index, inner, components)).is_some();
             if wraps { Motion::Free } else { motion(index, inner, components) }
         }
