@@ -67,12 +67,12 @@ impl Runs {
             }
             TokenTree::Ident(ident) => {
                 let name = ident.to_string();
-                self.in_type |= begins_type(&name);
+                self.in_type |= is_in(BEFORE_TYPES, &name);
                 match name.as_str() {
                     "else" | "as" => self.nested += 1,
                     // A chain of `else if` is read by a loop.
                     "if" if after_else => self.nested += 1,
-                    name if nests(name) => self.nest(PAREN),
+                    name if is_in(NESTING, name) => self.nest(PAREN),
                     _ => self.prefixes = 0,
                 }
                 self.after_else = name == "else";
@@ -121,44 +121,12 @@ impl Runs {
 }
 
 /// Keywords after which an expression or an item starts that belongs to what was before.
-fn nests(name: &str) -> bool {
-    matches!(
-        name,
-        "if" | "return"
-            | "break"
-            | "match"
-            | "move"
-            | "while"
-            | "loop"
-            | "for"
-            | "unsafe"
-            | "async"
-            | "const"
-            | "dyn"
-            | "impl"
-            | "fn"
-            | "static"
-            | "let"
-            | "in"
-            | "yield"
-            | "box"
-    )
-}
+const NESTING: &str =
+    "if return break match move while loop for unsafe async const dyn impl fn static let in yield box";
 
 /// Words after which `<` may open generic arguments.
-fn begins_type(name: &str) -> bool {
-    matches!(
-        name,
-        "as" | "fn"
-            | "impl"
-            | "struct"
-            | "enum"
-            | "union"
-            | "trait"
-            | "type"
-            | "where"
-            | "for"
-            | "use"
-            | "dyn"
-    )
+const BEFORE_TYPES: &str = "as fn impl struct enum union trait type where for use dyn";
+
+fn is_in(words: &str, name: &str) -> bool {
+    words.split(' ').any(|word| word == name)
 }

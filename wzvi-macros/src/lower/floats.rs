@@ -109,21 +109,15 @@ impl Interpreter<'_, '_> {
         }
         let reals: Vec<_> =
             arguments.into_iter().enumerate().map(|(i, value)| self.real(value, place(i))).collect();
-        match reals.into_iter().collect::<Option<Vec<Expr>>>() {
-            Some(reals) => self.real_function(name, &reals),
-            None => Value::Poison,
-        }
-    }
-
-    fn real_function(&mut self, name: &str, arguments: &[Expr]) -> Value {
+        let Some(reals) = reals.into_iter().collect::<Option<Vec<Expr>>>() else { return Value::Poison };
         if let Some(&function) = Function::ALL.iter().find(|function| function.method() == name) {
-            return Value::Real(self.graph.apply(function, arguments));
+            return Value::Real(self.graph.apply(function, &reals));
         }
         let composed = COMPOSED.iter().find(|(known, ..)| *known == name);
         match composed.and_then(|(.., composed)| *composed) {
-            Some(composed) => Value::Real(composed(&mut self.graph, arguments)),
+            Some(composed) => Value::Real(composed(&mut self.graph, &reals)),
             None => Value::tuple(
-                [Function::Sin, Function::Cos].map(|f| Value::Real(self.graph.apply(f, arguments))).into(),
+                [Function::Sin, Function::Cos].map(|f| Value::Real(self.graph.apply(f, &reals))).into(),
             ),
         }
     }
@@ -139,17 +133,17 @@ impl Interpreter<'_, '_> {
     /// `x.powi(n)`: exact for a known n, else a real power with the parameter n.
     fn integer_power(&mut self, x: &Value, n: &Value, x_at: &dyn ToTokens, n_at: &dyn ToTokens) -> Value {
         let x = self.real(x.clone(), x_at);
-        let n = match n {
-            Value::Constant(place) => {
-                let n = self.parameter(&place.name, place.as_real());
-                return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
-            }
+        let parameter = match n {
+            Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
             Value::Index(index) if index.as_integer().is_none() && index.loops().is_empty() => {
-                let n = self.index_as_real(index);
-                return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
+                Some(self.index_as_real(index))
             }
-            n => self.known_integer(n.clone(), n_at),
+            _ => None,
         };
+        if let Some(n) = parameter {
+            return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
+        }
+        let n = self.known_integer(n.clone(), n_at);
         let (Some(x), Some(n)) = (x, n) else { return Value::Poison };
         match i32::try_from(n) {
             Ok(n) => Value::Real(self.graph.power(x, Rational::integer(n))),

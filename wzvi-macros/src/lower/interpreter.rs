@@ -23,6 +23,10 @@ const MAX_DEPTH: usize = 128;
 /// Variables in scope: every closure keeps the scope it was made in.
 const MAX_VARIABLES: usize = 1024;
 
+/// What `while` and `loop` are, and what to write instead.
+const UNKNOWN_TURNS: (&str, &str) =
+    ("a loop without a known number of turns", "use `for i in a..b` or an iterator");
+
 /// A closure with the variables it captured.
 pub(super) struct Closure<'a> {
     pub(super) syntax: &'a syn::ExprClosure,
@@ -198,30 +202,26 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     fn unsupported(&mut self, syntax: &Syntax) -> Value {
-        let (what, remedy) = match syntax {
-            Syntax::Let(_) => ("`if let`", "use conditions on numbers"),
-            Syntax::While(_) | Syntax::Loop(_) => {
-                ("a loop without a known number of turns", "use `for i in a..b` or an iterator")
-            }
+        let (at, what, remedy): (&dyn ToTokens, _, _) = match syntax {
+            Syntax::Let(_) => (syntax, "`if let`", "use conditions on numbers"),
+            Syntax::While(syntax) => (&syntax.while_token, UNKNOWN_TURNS.0, UNKNOWN_TURNS.1),
+            Syntax::Loop(syntax) => (&syntax.loop_token, UNKNOWN_TURNS.0, UNKNOWN_TURNS.1),
             Syntax::Break(_) | Syntax::Continue(_) => {
-                ("leaving a loop early", "use `filter` or an `if` inside")
+                (syntax, "leaving a loop early", "use `filter` or an `if` inside")
             }
-            Syntax::Return(_) => ("`return`", "let the value be the last expression"),
-            Syntax::Macro(_) => ("a macro call", "write out what it stands for"),
-            Syntax::Reference(_) => ("`&mut`", "return new values instead"),
-            Syntax::Struct(_) => ("a struct value", "use a tuple or an array"),
-            Syntax::Try(_) => ("`?`", "a Hamiltonian cannot fail"),
-            Syntax::Block(_) | Syntax::ForLoop(_) => ("a labelled block", "leave out the label"),
-            Syntax::Unsafe(_) => ("`unsafe`", "write safe arithmetic"),
-            _ => ("this expression", "use arithmetic, `f64` methods, `let`, `if`, closures and iterators"),
-        };
-        let at = match syntax {
-            Syntax::While(syntax) => syntax.while_token.to_token_stream(),
-            Syntax::Loop(syntax) => syntax.loop_token.to_token_stream(),
-            Syntax::Return(syntax) => syntax.return_token.to_token_stream(),
-            Syntax::Unsafe(syntax) => syntax.unsafe_token.to_token_stream(),
-            Syntax::Try(syntax) => syntax.question_token.to_token_stream(),
-            _ => syntax.to_token_stream(),
+            Syntax::Return(syntax) => {
+                (&syntax.return_token, "`return`", "let the value be the last expression")
+            }
+            Syntax::Macro(_) => (syntax, "a macro call", "write out what it stands for"),
+            Syntax::Reference(_) => (syntax, "`&mut`", "return new values instead"),
+            Syntax::Struct(_) => (syntax, "a struct value", "use a tuple or an array"),
+            Syntax::Try(syntax) => (&syntax.question_token, "`?`", "a Hamiltonian cannot fail"),
+            Syntax::Block(_) | Syntax::ForLoop(_) => (syntax, "a labelled block", "leave out the label"),
+            Syntax::Unsafe(syntax) => (&syntax.unsafe_token, "`unsafe`", "write safe arithmetic"),
+            _ => {
+                let remedy = "use arithmetic, `f64` methods, `let`, `if`, closures and iterators";
+                (syntax, "this expression", remedy)
+            }
         };
         self.report(expressions::unsupported(at, what, remedy))
     }

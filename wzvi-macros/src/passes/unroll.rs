@@ -37,15 +37,22 @@ pub(crate) fn unroll(system: &mut System) {
     if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
         return;
     }
-    let mut writer = Writer::new(&mut system.graph, &mut system.symbols, &system.tables);
-    let System { drift, parts, noise, force, friction, temperature, invariants, .. } = system;
+    let (mut writer, before, noise, after) = parts(system);
     let noise = noise.iter_mut().map(|noise| &mut noise.term);
-    let bath = friction.iter_mut().map(|friction| &mut friction.term).chain(temperature);
-    let terms = [drift].into_iter().chain(parts).chain(noise).chain(invariants);
-    for term in terms.chain(force).chain(bath) {
+    for term in before.into_iter().chain(noise).chain(after) {
         writer.spent = 0;
         term.expression = writer.without_short_sums(term.expression, OUTERMOST);
     }
+}
+
+/// A writer, and the terms: those before the noises, the noises, and those after them.
+fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
+    let System {
+        graph, symbols, tables, drift, parts, noise, force, friction, temperature, invariants, ..
+    } = system;
+    let friction = friction.iter_mut().map(|friction| &mut friction.term);
+    let after = invariants.iter_mut().chain(force).chain(friction).chain(temperature);
+    (Writer::new(graph, symbols, tables), [drift].into_iter().chain(parts).collect(), noise, after.collect())
 }
 
 /// Whether each degree of freedom is to be a variable of its own.
@@ -59,13 +66,8 @@ fn is_small(system: &System) -> bool {
 
 /// Writes out every loop and every family; `false`, and nothing done, if that is not possible.
 fn unroll_all(system: &mut System) -> bool {
-    let System {
-        graph, symbols, tables, drift, parts, noise, force, friction, temperature, invariants, ..
-    } = system;
-    let mut writer = Writer::new(graph, symbols, tables);
-    let Ok(of_drift) = writer.term(drift) else { return false };
-    let of_parts: Result<Vec<Term>, NotWrittenOut> = parts.iter().map(|term| writer.term(term)).collect();
-    let Ok(of_parts) = of_parts else { return false };
+    let (mut writer, before, noise, after) = parts(system);
+    let Ok(first) = writer.expressions(&before) else { return false };
     let mut members = Vec::with_capacity(noise.len());
     for Noise { term, family, is_force } in &*noise {
         let range = match family {
@@ -83,17 +85,11 @@ fn unroll_all(system: &mut System) -> bool {
             members.push(Noise { term, family: None, is_force: *is_force });
         }
     }
-    let integrals: Result<Vec<Term>, NotWrittenOut> =
-        invariants.iter().map(|term| writer.term(term)).collect();
-    let Ok(integrals) = integrals else { return false };
-    let mut written = |term: Option<&Term>| term.map(|term| writer.term(term)).transpose();
-    let bath = (written(friction.as_ref().map(|friction| &friction.term)), written(temperature.as_ref()));
-    let (Ok(of_force), (Ok(of_friction), Ok(of_temperature))) = (written(force.as_ref()), bath) else {
-        return false;
-    };
-    (*drift, *parts, *noise, *invariants) = (of_drift, of_parts, members, integrals);
-    (*force, *temperature) = (of_force, of_temperature);
-    friction.iter_mut().zip(of_friction).for_each(|(friction, term)| friction.term = term);
+    let Ok(last) = writer.expressions(&after) else { return false };
+    *noise = members;
+    for (term, expression) in before.into_iter().chain(after).zip([first, last].concat()) {
+        term.expression = expression;
+    }
     true
 }
 
@@ -110,9 +106,12 @@ impl<'a> Writer<'a> {
         Self { graph, symbols, tables, spent: 0 }
     }
 
-    fn term(&mut self, term: &Term) -> Result<Term, NotWrittenOut> {
-        self.spent = 0;
-        Ok(Term { expression: self.at(term.expression, &BTreeMap::new())?, ..term.clone() })
+    fn expressions(&mut self, terms: &[&mut Term]) -> Result<Vec<Expr>, NotWrittenOut> {
+        let written = terms.iter().map(|term| {
+            self.spent = 0;
+            self.at(term.expression, &BTreeMap::new())
+        });
+        written.collect()
     }
 
     /// `expr` with sums of at most so many turns written out, and short ones in the bodies of the others, too.

@@ -13,9 +13,9 @@ const MOST_NODES: usize = 20_000;
 /// What an entry of a table of integers is, where the table is arbitrary.
 const SPREAD: i128 = 2_654_435_761;
 
-/// What a sum is at one size.
-pub(super) enum Instance {
-    Value(Expr),
+/// Why a sum is not written out.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum NotWritten {
     /// An index is out of range: no system has this size.
     OutOfRange,
     TooLarge,
@@ -53,27 +53,23 @@ impl<'s> Site<'s> {
     }
 
     /// The sum in the symbols of a state, or of another one.
-    pub(super) fn value(&mut self, graph: &mut Graph, sum: &Sum, is_other: bool) -> Instance {
+    pub(super) fn value(&mut self, graph: &mut Graph, sum: &Sum, is_other: bool) -> Result<Expr, NotWritten> {
         let mut terms = Vec::new();
         let mut nodes = 0;
         for weighted in sum {
             let each = graph.reachable(&[weighted.element.value]).len();
-            let Some(placements) = self.placements(&weighted.element.loops, (MOST_NODES - nodes) / each)
-            else {
-                return Instance::TooLarge;
-            };
+            let placements = self.placements(&weighted.element.loops, (MOST_NODES - nodes) / each);
+            let placements = placements.ok_or(NotWritten::TooLarge)?;
             nodes += each * placements.len();
             if nodes > MOST_NODES {
-                return Instance::TooLarge;
+                return Err(NotWritten::TooLarge);
             }
             for values in &placements {
-                match self.at(graph, weighted, values, is_other) {
-                    Some(value) => terms.push((value, Rational::ONE)),
-                    None => return Instance::OutOfRange,
-                }
+                let value = self.at(graph, weighted, values, is_other).ok_or(NotWritten::OutOfRange)?;
+                terms.push((value, Rational::ONE));
             }
         }
-        Instance::Value(graph.linear_combination(&terms))
+        Ok(graph.linear_combination(&terms))
     }
 
     /// All values of the loop variables; `None` if they are more than `most`.

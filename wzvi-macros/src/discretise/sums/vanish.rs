@@ -8,7 +8,7 @@
 
 use std::collections::HashMap;
 
-use super::instance::{Instance, Numbers, Site};
+use super::instance::{NotWritten, Numbers, Site};
 use super::{Increments, Space, Sum, Weighted};
 use crate::model::index::Index;
 use crate::model::{Element, Half, Local, Slot};
@@ -82,11 +82,11 @@ impl Space {
         question: Question,
     ) -> Knowledge {
         match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
-            Written::Tested(ZeroTest::Zero) => return Knowledge::Proven,
-            Written::Tested(ZeroTest::Nonzero(witness)) => return Knowledge::Refuted(witness),
-            Written::Tested(ZeroTest::Unknown) => return no_identity(),
-            Written::OutOfRange => return Knowledge::Unknown("an index is out of range".to_owned()),
-            Written::TooLarge => {}
+            Ok(ZeroTest::Zero) => return Knowledge::Proven,
+            Ok(ZeroTest::Nonzero(witness)) => return Knowledge::Refuted(witness),
+            Ok(ZeroTest::Unknown) => return no_identity(),
+            Err(NotWritten::OutOfRange) => return Knowledge::Unknown("an index is out of range".to_owned()),
+            Err(NotWritten::TooLarge) => {}
         }
         if let Some(witness) = self.slope_that_does_not_vanish(graph, sum, size, increments, 2) {
             return Knowledge::Refuted(witness);
@@ -98,7 +98,7 @@ impl Space {
         };
         for size in [first, first + 1] {
             match space.instance(graph, &general, (size, Numbers::Free), increments, question) {
-                Written::Tested(ZeroTest::Zero) => {}
+                Ok(ZeroTest::Zero) => {}
                 _ => return unknown(),
             }
         }
@@ -116,11 +116,11 @@ impl Space {
         let mut tried = Vec::new();
         for size in TRIED {
             match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
-                Written::Tested(ZeroTest::Nonzero(witness)) => return Knowledge::Refuted(witness),
-                Written::Tested(ZeroTest::Unknown) => return no_identity(),
-                Written::Tested(ZeroTest::Zero) => tried.push(size),
-                Written::OutOfRange => {}
-                Written::TooLarge => break,
+                Ok(ZeroTest::Nonzero(witness)) => return Knowledge::Refuted(witness),
+                Ok(ZeroTest::Unknown) => return no_identity(),
+                Ok(ZeroTest::Zero) => tried.push(size),
+                Err(NotWritten::OutOfRange) => {}
+                Err(NotWritten::TooLarge) => break,
             }
             if tried.len() == ENOUGH {
                 break;
@@ -139,12 +139,12 @@ impl Space {
         let Some(first) = self.deciding_size(sum) else { return unknown() };
         for size in 1..=first + 1 {
             match self.instance(graph, sum, (size, Numbers::Free), increments, question) {
-                Written::Tested(ZeroTest::Zero) => {}
-                Written::OutOfRange if size < first => {}
+                Ok(ZeroTest::Zero) => {}
+                Err(NotWritten::OutOfRange) if size < first => {}
                 // Few points are a ring that meets itself: a witness, if it is none of free numbers.
-                Written::Tested(ZeroTest::Nonzero(_)) => {
+                Ok(ZeroTest::Nonzero(_)) => {
                     return match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
-                        Written::Tested(ZeroTest::Nonzero(witness)) => Knowledge::Refuted(witness),
+                        Ok(ZeroTest::Nonzero(witness)) => Knowledge::Refuted(witness),
                         _ => unknown(),
                     };
                 }
@@ -170,8 +170,8 @@ impl Space {
                     let index = Index::integer(point * self.components + component);
                     let slope = self.slope(graph, sum, half, index)?;
                     match self.instance(graph, &slope, (size, Numbers::Known), increments, Question::Zero) {
-                        Written::Tested(ZeroTest::Nonzero(witness)) => return Some(witness),
-                        Written::TooLarge if depth > 1 => {
+                        Ok(ZeroTest::Nonzero(witness)) => return Some(witness),
+                        Err(NotWritten::TooLarge) if depth > 1 => {
                             let deeper =
                                 self.slope_that_does_not_vanish(graph, &slope, size, increments, depth - 1);
                             if deeper.is_some() {
@@ -203,33 +203,18 @@ impl Space {
         (size, numbers): (i128, Numbers),
         increments: Increments,
         question: Question,
-    ) -> Written {
+    ) -> Result<ZeroTest, NotWritten> {
         let mut site = Site::new(self, size, numbers, increments);
-        let mut values = Vec::new();
-        for is_other in [false, true] {
-            match site.value(graph, sum, is_other) {
-                Instance::Value(value) => values.push(value),
-                Instance::OutOfRange => return Written::OutOfRange,
-                Instance::TooLarge => return Written::TooLarge,
+        let value = site.value(graph, sum, false)?;
+        let value = match question {
+            Question::Zero => value,
+            Question::Constant => {
+                let other = site.value(graph, sum, true)?;
+                graph.subtract(value, other)
             }
-            if question == Question::Zero {
-                break;
-            }
-        }
-        let value = match values.as_slice() {
-            [value, other, ..] => graph.subtract(*value, *other),
-            [value] => *value,
-            [] => return Written::OutOfRange,
         };
-        Written::Tested(graph.test_zero(value))
+        Ok(graph.test_zero(value))
     }
-}
-
-/// What a sum is that was written out.
-enum Written {
-    Tested(ZeroTest),
-    OutOfRange,
-    TooLarge,
 }
 
 /// Whether no index of it reads a size or a table.
