@@ -12,7 +12,7 @@
 //! the system.
 //!
 //! ```text
-//! closures --lower/streams--> expressions with symbols for sums --collect--> elements
+//! closures --lower--> expressions with symbols for sums --passes/collect--> elements
 //!          --facts--> separable? diagonal? affine? what is known of the noise --plan--> unknowns of each scheme
 //!          --emit--> `Elements`: values, slopes and curvatures in loops; the iteration is `wzvi::elements`
 //! ```

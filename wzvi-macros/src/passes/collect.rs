@@ -6,32 +6,17 @@
 
 use std::collections::HashMap;
 
+use super::unroll::{NotWrittenOut, Writer, parts};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::model::index::Loop;
-use crate::model::symbols::{Sum, Symbols};
-use crate::model::{Element, Family, Reads, System, Table, Term};
-use crate::passes::unroll::{NotWrittenOut, Writer};
+use crate::model::symbols::Sum;
+use crate::model::{Element, Family, Reads, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports what is no sum of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
-    let System {
-        graph,
-        symbols,
-        tables,
-        drift,
-        parts: of_drift,
-        noise,
-        force,
-        friction,
-        temperature,
-        invariants,
-        ..
-    } = system;
-    let mut parts = Parts { graph, symbols, tables };
-    let bath = friction.iter_mut().map(|friction| &mut friction.term).chain(temperature);
-    let singles = [drift].into_iter().chain(of_drift).chain(invariants).chain(force).chain(bath);
-    let singles = singles.map(|term| (term, Vec::new()));
+    let (mut writer, before, noise, after) = parts(system);
+    let singles = before.into_iter().chain(after).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
         let member = noise.family.as_ref().map(|Family { variable, count }| Loop {
             variable: *variable,
@@ -41,20 +26,13 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
         (&mut noise.term, member.into_iter().collect())
     });
     for (term, loops) in singles.chain(noise) {
-        if let Err(NotWrittenOut) = parts.collect(term, &loops) {
+        if let Err(NotWrittenOut) = writer.collect(term, &loops) {
             diagnostics.report(expressions::nonlinear_sum(term.extent));
         }
     }
 }
 
-/// What expressions are made of besides parameters.
-struct Parts<'s> {
-    graph: &'s mut Graph,
-    symbols: &'s mut Symbols,
-    tables: &'s [Table],
-}
-
-impl Parts<'_> {
+impl Writer<'_> {
     /// The elements of a Hamiltonian inside of `loops`.
     fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Result<(), NotWrittenOut> {
         let mut values = Vec::new();
@@ -91,7 +69,7 @@ impl Parts<'_> {
     /// `expr` with every sum written out that a nonlinear function reads, and the other sums in it.
     fn linear_in_sums(&mut self, mut expr: Expr) -> Result<(Expr, Vec<(Symbol, Sum)>), NotWrittenOut> {
         loop {
-            let symbols = self.symbols_in(expr).into_iter();
+            let symbols = self.graph.symbols_in(expr).into_iter();
             let present: Vec<(Symbol, Sum)> =
                 symbols.filter_map(|symbol| Some((symbol, self.symbols.sum_of(symbol)?.clone()))).collect();
             let names: Vec<Symbol> = present.iter().map(|(symbol, _)| *symbol).collect();
@@ -107,16 +85,11 @@ impl Parts<'_> {
             }
             let mut images = HashMap::new();
             for (symbol, sum) in nonlinear {
-                let written = Writer::new(self.graph, self.symbols, self.tables).written_out(sum)?;
+                let written = self.written_out(sum)?;
                 images.insert(*symbol, written);
             }
             expr = self.graph.substitute(&[expr], &images)[0];
         }
-    }
-
-    fn symbols_in(&self, expr: Expr) -> Vec<Symbol> {
-        let parts = self.graph.reachable(&[expr]);
-        parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect()
     }
 
     /// One element for the terms that read coordinates, one for those that read momenta, one for those that read both.
@@ -137,7 +110,7 @@ impl Parts<'_> {
     }
 
     fn element(&self, value: Expr, loops: &[Loop]) -> Element {
-        let locals = self.symbols.locals_among(self.symbols_in(value).into_iter());
+        let locals = self.symbols.locals_among(self.graph.symbols_in(value).into_iter());
         Element { loops: loops.to_vec(), value, locals }
     }
 

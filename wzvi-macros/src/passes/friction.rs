@@ -32,11 +32,8 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
         return;
     }
     // What a field holds at an index is no parameter of a system in loops.
-    let is_parameter = |rate: &Expr| {
-        let symbols = system.graph.reachable(&[*rate]).into_iter();
-        let symbols = symbols.filter_map(|part| system.graph.as_symbol(part));
-        system.symbols.locals_among(symbols).is_empty()
-    };
+    let is_parameter =
+        |rate: &Expr| system.symbols.locals_among(system.graph.symbols_in(*rate).into_iter()).is_empty();
     match friction.uniform.filter(is_parameter) {
         Some(rate) => system.conformal = Some(rate),
         None => draw(system, &friction, diagnostics),

@@ -46,7 +46,7 @@ pub(crate) fn unroll(system: &mut System) {
 }
 
 /// A writer, and the terms: those before the noises, the noises, and those after them.
-fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
+pub(super) fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Vec<Noise>, Vec<&mut Term>) {
     let System {
         graph, symbols, tables, drift, parts, noise, force, friction, temperature, invariants, ..
     } = system;
@@ -94,15 +94,15 @@ fn unroll_all(system: &mut System) -> bool {
 }
 
 /// Puts bodies in the place of sums.
-pub(crate) struct Writer<'a> {
-    graph: &'a mut Graph,
-    symbols: &'a mut Symbols,
+pub(super) struct Writer<'a> {
+    pub(super) graph: &'a mut Graph,
+    pub(super) symbols: &'a mut Symbols,
     tables: &'a [Table],
     spent: usize,
 }
 
 impl<'a> Writer<'a> {
-    pub(crate) fn new(graph: &'a mut Graph, symbols: &'a mut Symbols, tables: &'a [Table]) -> Self {
+    fn new(graph: &'a mut Graph, symbols: &'a mut Symbols, tables: &'a [Table]) -> Self {
         Self { graph, symbols, tables, spent: 0 }
     }
 
@@ -117,7 +117,7 @@ impl<'a> Writer<'a> {
     /// `expr` with sums of at most so many turns written out, and short ones in the bodies of the others, too.
     fn without_short_sums(&mut self, expr: Expr, turns: i128) -> Expr {
         let mut images = HashMap::new();
-        for symbol in self.symbols_in(expr) {
+        for symbol in self.graph.symbols_in(expr) {
             let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() else { continue };
             let body = self.without_short_sums(body, TURNS);
             let is_short = range.length().is_some_and(|length| length <= turns);
@@ -136,12 +136,13 @@ impl<'a> Writer<'a> {
     }
 
     /// One sum, written out.
-    pub(crate) fn written_out(&mut self, sum: &Sum) -> Result<Expr, NotWrittenOut> {
+    pub(super) fn written_out(&mut self, sum: &Sum) -> Result<Expr, NotWrittenOut> {
+        self.spent = 0;
         self.turns(&sum.range, sum.body, &BTreeMap::new())
     }
 
     /// `expr` where loop variables have `values`; sums inside whose ranges are then known are written out, too.
-    pub(crate) fn at(&mut self, expr: Expr, values: &BTreeMap<u32, i128>) -> Result<Expr, NotWrittenOut> {
+    fn at(&mut self, expr: Expr, values: &BTreeMap<u32, i128>) -> Result<Expr, NotWrittenOut> {
         let parts = self.graph.reachable(&[expr]);
         self.spent = self.spent.saturating_add(parts.len());
         if self.spent > OPERATIONS {
@@ -202,11 +203,6 @@ impl<'a> Writer<'a> {
         }
         let symbol = self.symbols.local(self.graph, slot, self.tables);
         self.graph.symbol(symbol)
-    }
-
-    fn symbols_in(&self, expr: Expr) -> Vec<Symbol> {
-        let parts = self.graph.reachable(&[expr]);
-        parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect()
     }
 
     fn substituted(&mut self, expr: Expr, images: &HashMap<Symbol, Expr>) -> Expr {

@@ -252,6 +252,11 @@ impl Graph {
         met
     }
 
+    /// The symbols in `expr`, in order of their nodes.
+    pub(crate) fn symbols_in(&self, expr: Expr) -> Vec<Symbol> {
+        self.reachable(&[expr]).into_iter().filter_map(|part| self.as_symbol(part)).collect()
+    }
+
     /// The nodes that `roots` reach through nodes that pass `enter`, in no particular order.
     pub(super) fn reachable_where(&self, roots: &[Expr], enter: impl Fn(Expr) -> bool) -> Vec<Expr> {
         let mut marks = self.marks.borrow_mut();

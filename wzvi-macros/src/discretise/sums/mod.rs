@@ -118,7 +118,7 @@ impl Space {
 
     /// An element with the locals that its value reads.
     fn element(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
-        let symbols = graph.reachable(&[value]).into_iter().filter_map(|part| graph.as_symbol(part));
+        let symbols = graph.symbols_in(value).into_iter();
         let mut locals: Vec<Local> = symbols
             .filter_map(|symbol| Some(Local { symbol, slot: self.slots.get(&symbol)?.clone() }))
             .collect();
