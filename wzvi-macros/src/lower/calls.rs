@@ -2,7 +2,7 @@
 
 use quote::ToTokens;
 use syn::punctuated::Punctuated;
-use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, FnArg, Token};
+use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, ExprPath, FnArg, Token};
 
 use super::floats::meant_method;
 use super::interpreter::{Closure, Interpreter};
@@ -62,12 +62,16 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
+    /// A path that is that of no variable.
+    fn path_of_function<'s>(&self, function: &'s Syntax) -> Option<&'s ExprPath> {
+        let Syntax::Path(path) = function else { return None };
+        let variable = path.path.get_ident().and_then(|name| self.scope.find_from_anywhere(name));
+        variable.is_none().then_some(path)
+    }
+
     /// The shared function behind a path that no variable has.
     fn shared(&self, function: &Syntax) -> Option<&'a Function> {
-        let Syntax::Path(path) = function else { return None };
-        if path.path.get_ident().is_some_and(|name| self.scope.find_from_anywhere(name).is_some()) {
-            return None;
-        }
+        let path = self.path_of_function(function)?;
         let name = key(&path.path);
         let is_own = |known: &&syn::Ident| **known == "Self" || **known == self.system.item.ident;
         match type_of(&path.path).filter(is_own).and(path.path.segments.last()) {
@@ -78,10 +82,8 @@ impl<'a> Interpreter<'a, '_> {
 
     /// Whether this is the path of a function whose definition is still to come.
     fn is_pending(&self, function: &Syntax) -> bool {
-        let Syntax::Path(path) = function else { return false };
-        let is_variable =
-            || path.path.get_ident().is_some_and(|name| self.scope.find_from_anywhere(name).is_some());
-        self.awaits_definitions() && may_be_shared(path) && !is_variable()
+        let path = self.path_of_function(function);
+        self.awaits_definitions() && path.is_some_and(may_be_shared)
     }
 
     /// Whether calls of functions that are not known yet are no mistakes.

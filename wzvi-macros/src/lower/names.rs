@@ -50,8 +50,7 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(binding) = self.scope.find(name) {
             return binding.value.borrow().clone();
         }
-        if let Some(field) = self.find_field(|member| matches!(member, Member::Named(known) if known == name))
-        {
+        if let Some(field) = self.named_field(name) {
             return self.read_field(field, name);
         }
         let tokens = name.to_token_stream();
@@ -126,6 +125,10 @@ impl<'a> Interpreter<'a, '_> {
         Some(if is_usable(&first) { first } else { fields.find(is_usable).unwrap_or(first) })
     }
 
+    fn named_field(&self, name: &Ident) -> Option<&'a Field> {
+        self.find_field(|member| matches!(member, Member::Named(known) if known == name))
+    }
+
     fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Value {
         let member = &field.member;
         let name = match member {
@@ -141,7 +144,7 @@ impl<'a> Interpreter<'a, '_> {
         if self.system.sizes.contains(name) {
             return None;
         }
-        let field = self.find_field(|member| matches!(member, Member::Named(known) if known == name))?;
+        let field = self.named_field(name)?;
         let member = &field.member;
         Some((name.unraw().to_string(), quote! { self.#member }))
     }

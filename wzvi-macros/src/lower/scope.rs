@@ -8,6 +8,7 @@ use syn::Ident;
 use super::value::Value;
 
 /// A variable: shared with the closures that captured it.
+#[derive(Clone)]
 pub(super) struct Binding {
     pub(super) name: Ident,
     pub(super) value: RefCell<Value>,
@@ -45,9 +46,7 @@ impl Scope {
         let own = self.0.get_mut(frame..).unwrap_or_default();
         match own.iter_mut().rev().find(|known| Rc::ptr_eq(known, variable)) {
             Some(slot) => {
-                let Binding { name, branch, loops, .. } = &**variable;
-                let (name, branch, loops) = (name.clone(), *branch, *loops);
-                *slot = Rc::new(Binding { name, value: RefCell::new(value), branch, loops });
+                *slot = Rc::new(Binding { value: RefCell::new(value), ..(**variable).clone() });
             }
             None => drop(variable.value.replace(value)),
         }
@@ -69,16 +68,7 @@ impl Scope {
 
     /// The scope as a `move` closure sees it: later assignments do not reach it.
     pub(super) fn snapshot(&self) -> Self {
-        let copy = |binding: &Rc<Binding>| {
-            let value = RefCell::new(binding.value.borrow().clone());
-            Rc::new(Binding {
-                name: binding.name.clone(),
-                value,
-                branch: binding.branch,
-                loops: binding.loops,
-            })
-        };
-        Self(self.0.iter().map(copy).collect())
+        Self(self.0.iter().map(|binding| Rc::new((**binding).clone())).collect())
     }
 
     pub(super) fn names(&self) -> Vec<String> {

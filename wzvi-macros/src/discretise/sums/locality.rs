@@ -78,15 +78,7 @@ impl Space {
             })
         };
         let sum = sum.iter().map(lift_one).collect::<Option<Sum>>()?;
-        let space = Self {
-            size: Index::atom(Atom::Size),
-            components: self.components,
-            names: self.names.clone(),
-            tables: self.tables.clone(),
-            symbols: std::collections::HashMap::new(),
-            slots: std::collections::HashMap::new(),
-            first: self.first,
-        };
+        let space = Self { size: Index::atom(Atom::Size), ..self.renamed(self.names.clone()) };
         Some((space, sum))
     }
 }

@@ -3,6 +3,8 @@
 //! With a sum `G = Σ_i δ_i p_i` of free numbers `δ`, the contraction `Σ_s ∂F/∂x_s ∂G/∂p_s` is `Σ_i δ_i ∂F/∂x_i`: what
 //! stands beside `δ_i` in it is the slope at `i`.
 
+use std::collections::HashMap;
+
 use super::{Increments, Space, Sum, Weighted, variable};
 use crate::model::index::{Index, Loop};
 use crate::model::{Element, Half, Local, Slot, Table};
@@ -19,15 +21,7 @@ pub(crate) struct Slope {
 impl Space {
     /// The same space with other names for coordinates and momenta.
     pub(crate) fn renamed(&self, names: [String; 2]) -> Self {
-        Self {
-            size: self.size.clone(),
-            components: self.components,
-            names,
-            tables: self.tables.clone(),
-            symbols: std::collections::HashMap::new(),
-            slots: std::collections::HashMap::new(),
-            first: self.first,
-        }
+        Self { names, symbols: HashMap::new(), slots: HashMap::new(), ..self.clone() }
     }
 
     /// The parts of `∂F/∂x` for component `component` of every point; `None` if an index is beyond this arithmetic.
@@ -89,7 +83,7 @@ impl Space {
             let end = |index: &Index| if depth == 0 { index.shifted(shift) } else { moved(index) };
             loops.push(Loop { start: end(&known.start)?, end: end(&known.end)?, ..known.clone() });
         }
-        let mut images = std::collections::HashMap::new();
+        let mut images = HashMap::new();
         for local in &element.locals {
             let symbol = self.symbol(graph, &local.slot.map(moved)?);
             images.insert(local.symbol, graph.symbol(symbol));
