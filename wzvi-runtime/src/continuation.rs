@@ -11,7 +11,7 @@
 //! however short the part, but the parts themselves do, where a jump to another solution stays as long as it is.
 //!
 //! A stiff force that is far from its balance swings many times along `λ`, and no reasonable number of parts resolves that. Then the
-//! solution from zero is taken if its Jacobian has a positive determinant, as the connected one has and the
+//! solution from zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the
 //! next one has not, and the step is reported as doubtful.
 
 use crate::carry::Carry;
@@ -83,7 +83,7 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
             Ok(end) => Ok(end),
             Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
             Err(End { reached, is_fold: false }) => match found? {
-                found if found.effort.is_reversed => Err(StepFailure::NoSolution { reached }),
+                found if found.effort.is_elsewhere() => Err(StepFailure::NoSolution { reached }),
                 found => Ok(Continued { effort: Effort { doubtful: true, ..found.effort }, ..found }),
             },
         },
@@ -154,16 +154,16 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             let h = fraction * self.h;
             let Ok(prepared) = self.system.prepare(h) else { break };
             let tried = self.solve(&prepared, h, dw, memory.clone());
-            let tried = tried.ok().filter(|step| !step.effort.is_reversed);
+            let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());
             iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);
             let is_same =
                 tried.as_ref().is_some_and(|step| !step.effort.doubtful || kink.is_passed(&at, step));
             match tried {
                 Some(mut step) if is_same => {
                     if fraction == 1.0 {
-                        // Whoever takes it has no doubt, and parts of a step are no guide for the next.
+                        // Whoever takes it has no doubt. Parts of a step are no guide for the next, but the step itself may be.
                         step.effort = Effort { doubtful: false, is_far: false, iterations, ..step.effort };
-                        step.memory.forget();
+                        step.memory.hold();
                         return Ok(step);
                     }
                     (at, memory) = ([step.q, step.p], step.memory);

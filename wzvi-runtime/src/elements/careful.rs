@@ -63,9 +63,9 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
         Ok(())
     }
 
-    fn are_settled(&mut self, x: &Vec<S>, roundings: f64) -> impl Fn(usize) -> bool {
+    fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
         let rounding = self.step.round(x, self.rounding);
-        move |k| rounding[k].is_below(roundings)
+        move |k| rounding[k].is_below(1.0)
     }
 
     /// Not known where the matrix is not.

@@ -268,14 +268,14 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
         Ok(())
     }
 
-    fn are_settled(&mut self, x: &Vec<S>, roundings: f64) -> impl Fn(usize) -> bool {
+    fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
         self.write(x);
         let (degrees, unknowns) = (self.degrees(), self.unknowns());
         let are_settled = &mut self.jacobian.are_settled;
         are_settled.clear();
         are_settled.resize(unknowns, true);
         self.step.residuals(self.step.source, 0, self.lists, self.exact, |kind, d, i, residual| {
-            are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(roundings);
+            are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(1.0);
         });
         move |k| are_settled[k]
     }

@@ -10,7 +10,7 @@
 //! Nonlinear Problems*, Springer 2011, section 3.3).
 
 use super::convergence::{Convergence, Verdict};
-use super::dense::Factor;
+use super::dense::{Factor, is_definite};
 use super::newton::{Effort, Equations, astray, larger};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
@@ -24,7 +24,7 @@ const MOST_HALVINGS: u32 = 64;
 /// Corrections are shortened to this fraction at most.
 const SHORTEST: f64 = 1.0 / 64.0;
 /// The second correction of a start below this fraction of the first leaves no doubt.
-const FIRST_CONTRACTION: f64 = super::convergence::CURVATURE;
+const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
 /// Nor do later ones below this fraction of the one before.
 const SAFE_CONTRACTION: f64 = 0.5;
 /// The part of the longer one by which a correction differs from that of the identity, at most, where the Jacobian is about that: half of what it
@@ -53,11 +53,16 @@ pub(crate) trait Problem {
     /// [`StepFailure`] where the linear equations are not solved.
     fn correct(&mut self, r: &mut Self::Vector) -> Result<(), StepFailure>;
 
-    /// Whether what is left of each equation at `x` is at most so many roundings of its own terms.
-    fn are_settled(&mut self, x: &Self::Vector, roundings: f64) -> impl Fn(usize) -> bool;
+    /// Whether what is left of each equation at `x` is at most a rounding of its own terms.
+    fn are_settled(&mut self, x: &Self::Vector) -> impl Fn(usize) -> bool;
 
     /// Whether the determinant of the factored Jacobian is negative.
     fn is_reversed(&self) -> bool;
+
+    /// Whether it is symmetric and not definite, as far as that is known.
+    fn is_indefinite(&self) -> bool {
+        false
+    }
 }
 
 /// What [`damped`] computes with; the caller's, so that it is allocated once.
@@ -128,14 +133,16 @@ impl<P: Problem> Search<'_, P> {
         loop {
             self.go(1.0);
             let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
-            let verdict = convergence.judge(size, |roundings| {
-                let is_settled = self.problem.are_settled(&self.room.x, roundings);
+            let verdict = convergence.judge(size, || {
+                let is_settled = self.problem.are_settled(&self.room.x);
                 largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|k| !is_settled(k))
             });
             let is_lost = match verdict {
                 Verdict::Converged => {
-                    let (iterations, is_reversed) = (convergence.iterations, self.problem.is_reversed());
-                    return Ok(Effort { iterations, doubtful, is_far, is_reversed });
+                    let (is_reversed, is_indefinite) =
+                        (self.problem.is_reversed(), self.problem.is_indefinite());
+                    let iterations = convergence.iterations;
+                    return Ok(Effort { iterations, doubtful, is_far, is_reversed, is_indefinite });
                 }
                 Verdict::Straying => size.is_nan() || convergence.iterations >= most,
                 Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
@@ -210,7 +217,7 @@ impl<P: Problem> Search<'_, P> {
         if level(next, &|_| true) <= to * level(own, &|_| true) {
             return true;
         }
-        let is_settled = self.problem.are_settled(&self.room.trial, 1.0);
+        let is_settled = self.problem.are_settled(&self.room.trial);
         level(next, &|k| !is_settled(k)) <= to * level(own, &|k| !is_settled(k))
     }
 }
@@ -276,12 +283,12 @@ impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Probl
         Ok(())
     }
 
-    fn are_settled(&mut self, x: &[S; N], roundings: f64) -> impl Fn(usize) -> bool {
+    fn are_settled(&mut self, x: &[S; N]) -> impl Fn(usize) -> bool {
         let mut are_settled = [true; N];
         for lane in 0..S::LANES {
             let residual = self.equations.rounded(x, lane);
             for (is_settled, residual) in are_settled.iter_mut().zip(residual) {
-                *is_settled &= residual.is_below(roundings);
+                *is_settled &= residual.is_below(1.0);
             }
         }
         move |k| are_settled[k]
@@ -289,6 +296,10 @@ impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Probl
 
     fn is_reversed(&self) -> bool {
         self.factor.as_ref().is_some_and(Factor::is_reversed)
+    }
+
+    fn is_indefinite(&self) -> bool {
+        SYMMETRIC && !is_definite(&self.jacobian)
     }
 }
 

@@ -213,6 +213,16 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
     }
 }
 
+/// Whether a symmetric matrix, of which this is the lower triangle, is positive definite: of all lanes.
+pub(super) fn is_definite<S: Scalar, const N: usize>(matrix: &[[S; N]; N]) -> bool {
+    let mut l = *matrix;
+    (0..N).all(|k| {
+        let is_positive = S::from_f64(0.0).less(l[k][k]).all();
+        eliminate_symmetric(&mut l, k);
+        is_positive
+    })
+}
+
 /// Column `k` of `A = L U` in place, with the reciprocal of the pivot that stands on the diagonal.
 #[inline(always)]
 pub(super) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usize) {

@@ -98,6 +98,7 @@ impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
     #[inline(always)]
     fn hold(&mut self) {
         self.past = [self.past[0]; 3];
+        (self.known[1], self.is_full) = (S::Mask::from_bool(false), false);
     }
 }
 

@@ -5,7 +5,7 @@
 //! way finds, gets NaN, by which the end of the step knows it; whoever runs lanes then takes it alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{CURVATURE, FROM_GUESS, NEAR, ROUNDING, UNSEEN, roundings};
+use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, allowed};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -30,12 +30,12 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
 /// The verdicts of `convergence::Convergence`, by lane.
 #[derive(Clone, Copy)]
 struct LaneConvergence<const L: usize> {
-    /// What the next correction has to be below.
-    allowed: Lanes<L>,
+    curved: Lanes<L>,
     /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
     enough: Lanes<L>,
     iterations: u32,
     is_guess: bool,
+    second: Lanes<L>,
     is_beyond_rounding: LaneMask<L>,
 }
 
@@ -43,21 +43,21 @@ impl<const L: usize> LaneConvergence<L> {
     #[inline(always)]
     fn new(is_guess: bool) -> Self {
         Self {
-            allowed: Lanes::from_f64(if is_guess { 0.5 * FROM_GUESS } else { f64::INFINITY }),
+            curved: Lanes::from_f64(if is_guess { GUIDED } else { f64::INFINITY }),
             enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
             is_guess,
-            is_beyond_rounding: LaneMask::from_bool(is_guess),
+            second: Lanes::from_f64(if is_guess { ASTRAY } else { FIRST }),
+            is_beyond_rounding: LaneMask::from_bool(false),
         }
     }
 
-    /// `convergence::Convergence::claim_nothing` of the lanes of a fresh guess that start from zero.
+    /// `convergence::Convergence::claim_nothing` of the lanes that start from zero.
     fn claim_nothing<const N: usize>(&mut self, x: &[Lanes<L>; N]) {
         let zero = Lanes::from_f64(0.0);
         let are_zero = |mask: LaneMask<L>, x: &Lanes<L>| mask & x.equal(zero);
-        let from_zero = x.iter().fold(LaneMask::from_bool(self.is_guess && self.iterations == 0), are_zero);
-        self.allowed = Lanes::select(from_zero, Lanes::from_f64(f64::INFINITY), self.allowed);
-        self.is_beyond_rounding = self.is_beyond_rounding & !from_zero;
+        let from_zero = x.iter().fold(LaneMask::from_bool(self.iterations == 0), are_zero);
+        self.second = Lanes::select(from_zero, Lanes::from_f64(FIRST), self.second);
     }
 
     /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
@@ -66,19 +66,22 @@ impl<const L: usize> LaneConvergence<L> {
         let square = relative * relative;
         // Of a lane that is done, too, unless what follows is not a number.
         let done = (square * relative).less_equal(self.enough);
-        let is_enough = (done | relative.less(self.allowed)).all();
+        let is_enough = (done | relative.less(self.curved)).all();
         if is_enough {
             self.iterations += 1;
-            self.expect(done, relative, square);
+            self.expect(done, square);
+            if !self.is_guess && self.iterations == 1 {
+                self.curved = self.second;
+            }
         }
         is_enough
     }
 
-    /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. It is at most a part of 1: the first
-    /// correction from zero is 1, and all others are less.
+    /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. The squares are finite: no
+    /// difference is smaller than a rounding of what it is taken from.
     #[inline(always)]
-    fn expect(&mut self, done: LaneMask<L>, relative: Lanes<L>, square: Lanes<L>) {
-        self.allowed = allowed(relative, square);
+    fn expect(&mut self, done: LaneMask<L>, square: Lanes<L>) {
+        self.curved = square * CURVATURE;
         let predicted = square * (UNSEEN * ROUNDING);
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
         let enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
@@ -94,23 +97,32 @@ impl<const L: usize> LaneConvergence<L> {
     fn judge(
         &mut self,
         mut relative: Lanes<L>,
-        mut beyond_rounding: impl FnMut(usize, f64) -> f64,
+        mut beyond_rounding: impl FnMut(usize) -> f64,
     ) -> LaneMask<L> {
         if self.glance(relative) {
             return LaneMask::from_bool(false);
         }
         self.iterations += 1;
         let mut done = self.done() | (relative * relative * relative).less_equal(self.enough);
-        let mut good = done | relative.less(self.allowed);
-        let roundings = roundings(self.is_guess && self.iterations == 1);
+        let (mut good, mut first) = (done, LaneMask::from_bool(false));
         for lane in 0..L {
             if good.lane(lane) || !relative[lane].is_finite() {
                 continue;
             }
-            let beyond = beyond_rounding(lane, roundings);
-            let known = self.is_beyond_rounding.lane(lane);
-            let own = allowed(relative, relative * relative)[lane];
-            let allowed = if known { self.allowed[lane] } else { self.allowed[lane].max(own) };
+            let is_quadratic = relative[lane] < self.curved[lane];
+            if is_quadratic || self.iterations == 1 {
+                good.set(lane, true);
+                first.set(lane, self.iterations == 1 && !(self.is_guess && is_quadratic));
+                continue;
+            }
+            let known = allowed(self.curved[lane]);
+            if relative[lane] < known {
+                good.set(lane, true);
+                continue;
+            }
+            let beyond = beyond_rounding(lane);
+            let own = allowed(CURVATURE * (relative[lane] * relative[lane]));
+            let allowed = if self.is_beyond_rounding.lane(lane) { known } else { known.max(own) };
             if beyond == 0.0 {
                 done.set(lane, true);
                 good.set(lane, true);
@@ -120,17 +132,10 @@ impl<const L: usize> LaneConvergence<L> {
                 good.set(lane, true);
             }
         }
-        self.expect(done | !good, relative, relative * relative);
+        self.expect(done | !good, relative * relative);
+        self.curved = Lanes::select(first, self.second, self.curved);
         !good
     }
-}
-
-/// What the correction after those of this size have to be below.
-#[inline(always)]
-fn allowed<const L: usize>(relative: Lanes<L>, square: Lanes<L>) -> Lanes<L> {
-    let (half, near, curved) = (relative * 0.5, Lanes::from_f64(NEAR), square * CURVATURE);
-    let near = Lanes::select(exceeds(curved, near), curved, near);
-    Lanes::select(half.less(near), half, near)
 }
 
 /// `nearly_relative_to` of `f64`, by lane.
@@ -142,8 +147,8 @@ fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
 
 /// `newton::newton`, by lane.
 ///
-/// It ends: relative to what it leads to, the first correction of a lane is at most 1 (from zero) or below it (from a
-/// guess), and each next one at most half of the last, or the lane goes astray; 2^-52 is the last.
+/// It ends: relative to what it leads to, the second correction of a lane is at most an eighth, and each next one at most half of the last, or the
+/// lane goes astray; 2^-52 is the last.
 #[inline(always)]
 pub(super) fn iterate<const L: usize, const N: usize>(
     start: [Lanes<L>; N],
@@ -189,9 +194,9 @@ fn resumed<const L: usize, const N: usize>(
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
         let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
-        let astray = convergence.judge(largest, |lane, roundings| {
+        let astray = convergence.judge(largest, |lane| {
             let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
-            beyond(equations.rounded(&x, lane), sizes, roundings)
+            beyond(equations.rounded(&x, lane), sizes)
         });
         for i in 0..N {
             x[i] = Lanes::select(done | astray, x[i], moved[i]);
@@ -220,17 +225,10 @@ fn corrected_end<const L: usize, const N: usize>(
     (moved, largest)
 }
 
-/// The number by which `newton::is_upright` judges: slope or determinant.
+/// The number by which `newton::is_upright` judges, and what it has to be above.
 #[inline(always)]
 fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symmetric: bool) -> Lanes<L> {
-    match N {
-        1 => jacobian[0][0],
-        2 => {
-            let cross = if is_symmetric { jacobian[1][0] } else { jacobian[0][1] };
-            jacobian[0][0] * jacobian[1][1] - cross * jacobian[1][0]
-        }
-        _ => Lanes::from_f64(1.0),
-    }
+    if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
 }
 
 /// An infinite slope corrects nothing, and a determinant that is not that of no step at all leads to another solution.
@@ -275,7 +273,7 @@ fn of_pair<const L: usize, const N: usize>(
     let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
     let (main, cross) = (m00 * m11, m01 * m10);
     let determinant = main - cross;
-    let is_safe = exceeds(determinant.abs(), (main.abs() + cross.abs()) * SAFE_DETERMINANT);
+    let is_safe = exceeds(determinant, (main.abs() + cross.abs()) * SAFE_DETERMINANT);
     let inverse = determinant.recip();
     let mut solution = *b;
     solution[0] = (b[0] * m11 - b[1] * m01) * inverse;
@@ -375,13 +373,14 @@ fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lane
     (Lanes::select(mask, b, a), Lanes::select(mask, a, b))
 }
 
-/// [`super::SymmetricFactor`], by lane.
+/// [`super::SymmetricFactor`], by lane; NaN where it is not definite.
 #[inline(always)]
 fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
     let mut l = *matrix;
-    let mut stable = LaneMask::from_bool(true);
+    let (mut stable, mut definite) = (LaneMask::from_bool(true), LaneMask::from_bool(true));
     for k in 0..N {
         let pivot = l[k][k];
+        definite = definite & Lanes::from_f64(0.0).less(pivot);
         stable = stable & exceeds(pivot, matrix[k][k].abs() * STABLE_PIVOT);
         eliminate_symmetric(&mut l, k);
     }
@@ -390,7 +389,7 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
         let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
         let other = rarely(&full, b, false);
         for i in 0..N {
-            x[i] = Lanes::select(stable, x[i], other[i]);
+            x[i] = Lanes::select(stable, x[i], Lanes::select(definite, other[i], poison()));
         }
     }
     x
