@@ -7,6 +7,7 @@
 
 mod bath;
 mod branches;
+mod brouwer;
 mod convergence;
 mod multilevel;
 mod series_errors;
