@@ -239,10 +239,38 @@ impl fmt::Display for UnknownName {
 
 impl std::error::Error for UnknownName {}
 
-/// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
-#[derive(Clone, PartialEq)]
-#[non_exhaustive]
-pub enum Error {
+/// An enum of errors, each of which it is made of: its messages are theirs.
+macro_rules! any_of {
+    ($(#[$meta:meta])* $name:ident: $($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $variant:ident($error:ty),)+) => {
+        $(#[$meta])*
+        pub enum $name {
+            $($(#[doc = $doc])* $(#[cfg($cfg)])? $variant($error),)+
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$variant(error) => error.fmt(f),)+
+                }
+            }
+        }
+
+        $($(#[cfg($cfg)])?
+        impl From<$error> for $name {
+            fn from(error: $error) -> Self {
+                Self::$variant(error)
+            }
+        })+
+    };
+}
+
+any_of! {
+    /// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
+    ///
+    /// The message of an error contains those of its causes: [`source`](std::error::Error::source) has nothing to add.
+    #[derive(Clone, PartialEq)]
+    #[non_exhaustive]
+    Error:
     /// The run could not start.
     Config(ConfigError),
     /// A step failed.
@@ -282,138 +310,13 @@ pub enum Error {
     Report(crate::report::ReportError),
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Config(error) => error.fmt(f),
-            Self::Step(error) => error.fmt(f),
-            Self::Noise(error) => error.fmt(f),
-            Self::Path(error) => error.fmt(f),
-            Self::Name(error) => error.fmt(f),
-            Self::Domain(error) => error.fmt(f),
-            Self::Internal(error) => error.fmt(f),
-            Self::File(error) => error.fmt(f),
-            #[cfg(feature = "ensemble")]
-            Self::Level(error) => error.fmt(f),
-            #[cfg(feature = "ensemble")]
-            Self::Losses(error) => error.fmt(f),
-            #[cfg(feature = "ensemble")]
-            Self::Statistics(error) => error.fmt(f),
-            #[cfg(feature = "serde")]
-            Self::Checkpoint(error) => error.fmt(f),
-            #[cfg(feature = "mpi")]
-            Self::Cluster(error) => error.fmt(f),
-            #[cfg(feature = "plot")]
-            Self::Plot(error) => error.fmt(f),
-            #[cfg(feature = "report")]
-            Self::Report(error) => error.fmt(f),
-        }
-    }
-}
-
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }
 }
 
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Config(error) => Some(error),
-            Self::Step(error) => Some(error),
-            Self::Noise(error) => Some(error),
-            Self::Path(error) => Some(error),
-            Self::Name(error) => Some(error),
-            Self::Domain(error) => Some(error),
-            Self::Internal(error) => Some(error),
-            Self::File(error) => Some(error),
-            #[cfg(feature = "ensemble")]
-            Self::Level(error) => Some(error),
-            #[cfg(feature = "ensemble")]
-            Self::Losses(error) => Some(error.as_ref()),
-            #[cfg(feature = "ensemble")]
-            Self::Statistics(error) => Some(error),
-            #[cfg(feature = "serde")]
-            Self::Checkpoint(error) => Some(error),
-            #[cfg(feature = "mpi")]
-            Self::Cluster(error) => Some(error),
-            #[cfg(feature = "plot")]
-            Self::Plot(error) => Some(error),
-            #[cfg(feature = "report")]
-            Self::Report(error) => Some(error),
-        }
-    }
-}
-
-impl From<ConfigError> for Error {
-    fn from(error: ConfigError) -> Self {
-        Self::Config(error)
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
-}
-
-#[cfg(feature = "ensemble")]
-impl From<crate::ensemble::LevelError> for Error {
-    fn from(error: crate::ensemble::LevelError) -> Self {
-        Self::Level(error)
-    }
-}
-
-impl From<InternalError> for Error {
-    fn from(error: InternalError) -> Self {
-        Self::Internal(error)
-    }
-}
-
-#[cfg(feature = "ensemble")]
-impl From<Box<crate::ensemble::LossError>> for Error {
-    fn from(error: Box<crate::ensemble::LossError>) -> Self {
-        Self::Losses(error)
-    }
-}
-
-#[cfg(feature = "ensemble")]
-impl From<crate::ensemble::StatisticsError> for Error {
-    fn from(error: crate::ensemble::StatisticsError) -> Self {
-        Self::Statistics(error)
-    }
-}
-
-impl From<StepError> for Error {
-    fn from(error: StepError) -> Self {
-        Self::Step(error)
-    }
-}
-
-impl From<NoiseError> for Error {
-    fn from(error: NoiseError) -> Self {
-        Self::Noise(error)
-    }
-}
-
-impl From<UnknownName> for Error {
-    fn from(error: UnknownName) -> Self {
-        Self::Name(error)
-    }
-}
-
-impl From<PathError> for Error {
-    fn from(error: PathError) -> Self {
-        Self::Path(error)
-    }
-}
-
-impl From<DomainError> for Error {
-    fn from(error: DomainError) -> Self {
-        Self::Domain(error)
-    }
-}
+impl std::error::Error for Error {}
 
 impl From<DomainError> for PathError {
     fn from(error: DomainError) -> Self {

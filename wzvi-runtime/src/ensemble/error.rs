@@ -69,8 +69,4 @@ impl fmt::Display for LossError {
     }
 }
 
-impl std::error::Error for LossError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        Some(&self.first.error)
-    }
-}
+impl std::error::Error for LossError {}

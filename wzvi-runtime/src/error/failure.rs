@@ -123,3 +123,5 @@ impl fmt::Display for StepFailure {
         }
     }
 }
+
+impl std::error::Error for StepFailure {}

@@ -44,9 +44,3 @@ impl From<FileError> for PlotError {
         Self::File(error)
     }
 }
-
-impl From<PlotError> for crate::error::Error {
-    fn from(error: PlotError) -> Self {
-        Self::Plot(error)
-    }
-}

@@ -53,9 +53,3 @@ impl From<PlotError> for ReportError {
         Self::Plot(error)
     }
 }
-
-impl From<ReportError> for crate::error::Error {
-    fn from(error: ReportError) -> Self {
-        Self::Report(error)
-    }
-}

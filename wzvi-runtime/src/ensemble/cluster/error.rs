@@ -49,9 +49,3 @@ impl fmt::Display for ClusterError {
 }
 
 impl std::error::Error for ClusterError {}
-
-impl From<ClusterError> for crate::error::Error {
-    fn from(error: ClusterError) -> Self {
-        Self::Cluster(error)
-    }
-}

@@ -298,11 +298,4 @@ impl fmt::Display for LevelError {
     }
 }
 
-impl std::error::Error for LevelError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &self.cause {
-            LevelFailure::Step(error) => Some(error),
-            LevelFailure::NonFinite(_) => None,
-        }
-    }
-}
+impl std::error::Error for LevelError {}
