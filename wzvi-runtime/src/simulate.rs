@@ -281,7 +281,7 @@ where
         let trajectory = account.recorder.finish(state).observing(names, &functions);
         let trajectory =
             trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());
-        let trajectory = trajectory.named(system.variables());
+        let trajectory = trajectory.named(system.variables()).saved_but_for(keeper.unsaved());
         Ok((trajectory, error))
     }
 }

@@ -9,7 +9,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use crate::calculus::{Function, Interior, Nodes, TimeScale};
-use crate::error::{PathError, UnknownName};
+use crate::error::{FileError, PathError, UnknownName};
 use crate::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::options::Observable;
 use crate::section::Crossing;
@@ -53,6 +53,7 @@ pub struct Trajectory<V, E> {
     path: Path<V>,
     /// Of no weight: what is read from a file has none.
     variables: Option<Variables>,
+    unsaved: Option<FileError>,
     scheme: PhantomData<fn() -> E>,
 }
 
@@ -89,7 +90,12 @@ struct Path<V> {
 
 impl<V: Clone, E> Clone for Trajectory<V, E> {
     fn clone(&self) -> Self {
-        Self { path: self.path.clone(), variables: self.variables, scheme: PhantomData }
+        Self {
+            path: self.path.clone(),
+            variables: self.variables,
+            unsaved: self.unsaved.clone(),
+            scheme: PhantomData,
+        }
     }
 }
 
@@ -207,9 +213,21 @@ impl<V: Vector, E> Trajectory<V, E> {
         })
     }
 
+    /// Why the last [checkpoint](crate::simulate::Simulation::checkpoint) of the run could not be written: what has happened since the one before is in this
+    /// path only. `None` if it was written, and without a checkpoint.
+    pub fn unsaved(&self) -> Option<&FileError> {
+        self.unsaved.as_ref()
+    }
+
     /// What the closure of the drift calls the variables of the path; `q`, `p` and `t` after a path was read from a file.
     pub fn variables(&self) -> Variables {
         self.variables.unwrap_or_else(|| Variables::unnamed(self.path.last.q.components().len()))
+    }
+
+    /// The same, of a run whose last checkpoint could not be written.
+    pub(crate) fn saved_but_for(mut self, error: Option<FileError>) -> Self {
+        self.unsaved = error;
+        self
     }
 
     /// The same, with the names of its system.

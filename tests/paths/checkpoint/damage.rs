@@ -243,6 +243,52 @@ fn folders_that_cannot_be_written_to() {
     assert_eq!(contents(&folder).len(), 1);
 }
 
+/// Where the process below writes.
+const FULL: &str = "WZVI_TEST_FULL_DISK";
+
+/// Files that grow beyond a limit are to it what a full disk is: half of the nodes fit.
+#[test]
+#[ignore = "the process that the next test runs with small files"]
+fn child_on_a_full_disk() {
+    let Ok(file) = std::env::var(FULL) else { return };
+    let run = |checkpoint| KEPLER.run(2000, 1).checkpoint(checkpoint).run().unwrap();
+    let path = run(Checkpoint::to(file).every_steps(100));
+    assert!(
+        matches!(path.unsaved(), Some(error) if error.path().ends_with("run.nodes")),
+        "{:?}",
+        path.unsaved()
+    );
+    assert_eq!(bits(&path), bits(&KEPLER.run(2000, 1).run().unwrap()));
+}
+
+/// The run goes on, says so once, and goes on from what was written when there is room again.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_does_not_end_the_run() {
+    let file = folder!("full").join("run");
+    let test = std::env::current_exe().unwrap();
+    // 64 blocks of 512 or 1024 bytes. Writing more would be a signal to end the process.
+    let limits = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
+    let child = std::process::Command::new("sh")
+        .args(["-c", limits, test.to_str().unwrap()])
+        .args(["checkpoint::damage::child_on_a_full_disk", "--exact", "--ignored", "--nocapture"])
+        .env(FULL, &file)
+        .output()
+        .unwrap();
+    let (said, warned) = (String::from_utf8_lossy(&child.stdout), String::from_utf8_lossy(&child.stderr));
+    assert!(child.status.success() && said.contains("1 passed"), "{said}{warned}");
+    assert_eq!(warned.matches("the run goes on without this checkpoint").count(), 1, "{warned}");
+    let seen = std::cell::Cell::new(0);
+    let path = KEPLER
+        .run(2000, 1)
+        .checkpoint(Checkpoint::to(&file))
+        .inspect(|_, _| seen.set(seen.get() + 1))
+        .run()
+        .unwrap();
+    assert_eq!(bits(&path), bits(&KEPLER.run(2000, 1).run().unwrap()));
+    assert!(path.unsaved().is_none() && seen.get() < 1900, "{seen:?}");
+}
+
 /// The folder vanishes, or another run takes the file, while the run goes on: it stops there with what it has.
 #[test]
 fn a_checkpoint_that_fails_ends_the_run() {

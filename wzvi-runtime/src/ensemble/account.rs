@@ -129,6 +129,7 @@ impl<'j> Account<'j> {
         }
         self.keeper.close(self.blocks.start, &mut self.statistics)?;
         let mut statistics = self.statistics;
+        statistics.unsaved = self.keeper.unsaved();
         statistics.targets = self.targets.statuses(&statistics);
         match (statistics.last().map_or(0, StatisticsNode::count), statistics.failures().first()) {
             (0, Some(failure)) => Err(failure.error.into()),

@@ -5,7 +5,7 @@ use super::block::PATHS;
 use super::job::Job;
 use super::statistics::{Statistics, Wanted};
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
-use crate::error::{ConfigError, Error};
+use crate::error::{ConfigError, Error, FileError};
 use crate::increments::{Identity, Noise};
 use crate::options::Observable;
 use crate::state::{State, Vector};
@@ -66,6 +66,11 @@ impl BlockKeeper {
     /// So many blocks are done, and no others will be.
     pub(super) fn close(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
         Ok(self.0.close(blocks, |tape| statistics.pass(tape))?)
+    }
+
+    /// Why the last checkpoint could not be written.
+    pub(super) fn unsaved(&self) -> Option<FileError> {
+        self.0.unsaved()
     }
 }
 

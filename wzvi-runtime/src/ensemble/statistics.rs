@@ -17,7 +17,7 @@ use super::paths::Paths;
 use crate::digits::estimate;
 #[cfg(feature = "serde")]
 use crate::error::StepFailure;
-use crate::error::{StepError, UnknownName};
+use crate::error::{FileError, StepError, UnknownName};
 #[cfg(feature = "serde")]
 use crate::numbers::Tape;
 
@@ -101,6 +101,7 @@ pub struct Statistics {
     pub(super) targets: Vec<(usize, TargetStatus)>,
     /// What the whole run is of; a block does not say so.
     pub(super) origin: Option<Origin>,
+    pub(super) unsaved: Option<FileError>,
 }
 
 /// What became of a standard error that a run was to reach ([`Ensemble::until_error`](super::Ensemble::until_error)).
@@ -132,6 +133,7 @@ impl Statistics {
             is_partial: false,
             targets: Vec::new(),
             origin: None,
+            unsaved: None,
         }
     }
 
@@ -322,6 +324,12 @@ impl Statistics {
     /// are the paths with the numbers that it had finished from 0 on, none left out. Without any, all means are NaN.
     pub fn is_partial(&self) -> bool {
         self.is_partial
+    }
+
+    /// Why the last [checkpoint](super::Ensemble::checkpoint) of the run could not be written: what has happened since the one before is in these
+    /// statistics only. `None` if it was written, and without a checkpoint.
+    pub fn unsaved(&self) -> Option<&FileError> {
+        self.unsaved.as_ref()
     }
 
     /// Whether all standard errors are what [`Ensemble::until_error`](super::Ensemble::until_error) asked for; `None` if it was not called.

@@ -50,6 +50,10 @@
 //! checkpoint itself, which grows with their number.
 //! `cargo run --release --example long_run -- cost` measures it.
 //!
+//! A checkpoint that cannot be written, on a disk that is full, say, does not end the run: it warns once on the standard error stream, goes on, and tries again at
+//! the next one. If the last one failed, the result says so: [`Trajectory::unsaved`](crate::trajectory::Trajectory::unsaved),
+//! [`Statistics::unsaved`](crate::ensemble::Statistics::unsaved). The first one is written before the first step, and has to succeed.
+//!
 //! # Observers
 //!
 //! What an observer has seen is not kept: one that is attached to a run which goes on sees the nodes after the
@@ -79,6 +83,7 @@ mod identity;
 mod keeper;
 mod nodes;
 mod own;
+mod unsaved;
 
 use std::marker::PhantomData;
 use std::path::PathBuf;

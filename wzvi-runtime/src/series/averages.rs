@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::BatchMeans;
 use super::tally::{Tally, Targets};
-use crate::error::{Error, UnknownName};
+use crate::error::{Error, FileError, UnknownName};
 use crate::increments::Noise;
 use crate::interrupt::Interrupt;
 use crate::retry::Serves;
@@ -55,6 +55,8 @@ pub struct TimeAverages<V> {
     pub met_targets: Option<bool>,
     /// Whether the run was stopped before its end and its targets.
     pub is_partial: bool,
+    /// Why the last [checkpoint](Simulation::checkpoint) could not be written; `None` if it was, and without one.
+    pub unsaved: Option<FileError>,
 }
 
 impl<V> TimeAverages<V> {
@@ -154,6 +156,7 @@ where
             exchanged: end.exchanged,
             met_targets,
             is_partial: end.is_stopped,
+            unsaved: end.unsaved,
         })
     }
 }

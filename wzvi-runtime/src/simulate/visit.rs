@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::{Observer, OnePath, Records, Run, Simulation, prepared};
 use crate::checkpoint::Keeper;
 use crate::due::Due;
-use crate::error::{ConfigError, Error};
+use crate::error::{ConfigError, Error, FileError};
 use crate::increments::Noise;
 use crate::memory::Threads;
 use crate::progress::StepsShown;
@@ -25,6 +25,7 @@ pub(crate) struct End<V> {
     pub(crate) exchanged: Exchange,
     /// Whether somebody stopped it.
     pub(crate) is_stopped: bool,
+    pub(crate) unsaved: Option<FileError>,
 }
 
 /// Why it ended before its end.
@@ -171,6 +172,7 @@ where
             Err(Halt::Stopped(node)) => (node, node < grid.steps),
             Err(Halt::Failed(error)) => return Err(error),
         };
-        Ok(End { last: state, steps, exchanged: stepper.stepper.exchanged(), is_stopped })
+        let (exchanged, unsaved) = (stepper.stepper.exchanged(), keeper.unsaved());
+        Ok(End { last: state, steps, exchanged, is_stopped, unsaved })
     }
 }

@@ -160,6 +160,6 @@ impl<V: Vector> Recorder<V> {
         // A crossing at a node is known one step later than those of other sections.
         let sign = self.path.h.signum();
         self.path.crossings.sort_by(|a, b| (sign * a.state.t).total_cmp(&(sign * b.state.t)));
-        Trajectory { path: self.path, variables: None, scheme: PhantomData }
+        Trajectory { path: self.path, variables: None, unsaved: None, scheme: PhantomData }
     }
 }

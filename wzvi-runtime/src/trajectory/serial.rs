@@ -17,7 +17,7 @@ impl<'de, V: Vector + Deserialize<'de>, E> Deserialize<'de> for Trajectory<V, E>
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let path = Path::<V>::deserialize(deserializer)?;
         match path.mistake() {
-            None => Ok(Self { path, variables: None, scheme: PhantomData }),
+            None => Ok(Self { path, variables: None, unsaved: None, scheme: PhantomData }),
             Some(mistake) => Err(D::Error::custom(mistake)),
         }
     }

@@ -3,7 +3,7 @@
 use super::job::Job;
 use super::statistics::Statistics;
 use crate::checkpoint::Keeping;
-use crate::error::Error;
+use crate::error::{Error, FileError};
 use crate::system::Discretized;
 
 /// Keeps nothing.
@@ -25,6 +25,10 @@ impl BlockKeeper {
 
     pub(super) fn done(&mut self, _blocks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
         Ok(())
+    }
+
+    pub(super) fn unsaved(&self) -> Option<FileError> {
+        None
     }
 
     pub(super) fn close(&mut self, _blocks: u64, _statistics: &mut Statistics) -> Result<(), Error> {

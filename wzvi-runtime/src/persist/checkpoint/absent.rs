@@ -1,7 +1,7 @@
 //! Without the feature `serde` no run keeps anything: what the loop asks for is answered at compile time.
 
 use crate::carry::Carry;
-use crate::error::Error;
+use crate::error::{Error, FileError};
 use crate::retry::Retry;
 use crate::section::Sections;
 use crate::simulate::Run;
@@ -55,6 +55,10 @@ impl Keeper {
     #[inline(always)]
     pub(crate) fn is_due(&mut self, _node: u64) -> bool {
         false
+    }
+
+    pub(crate) fn unsaved(&self) -> Option<FileError> {
+        None
     }
 
     #[inline(always)]

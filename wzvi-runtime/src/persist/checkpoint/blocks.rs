@@ -10,9 +10,11 @@ use super::error::{CheckpointError, Damage};
 use super::format::{self, Content, Words};
 use super::identity::{self, Fields};
 use super::own::Own;
+use super::unsaved::Unsaved;
 use crate::due::Due;
 use crate::error::Error;
 use crate::numbers::Tape;
+use crate::persist::FileError;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
 
@@ -92,6 +94,7 @@ struct Keep {
     /// Whole blocks of the run.
     blocks: u64,
     due: Due,
+    unsaved: Unsaved,
 }
 
 /// The paths of a run.
@@ -122,6 +125,7 @@ impl Keeping {
             saved: 0,
             blocks,
             due: Due::new(every, interval, 0, blocks),
+            unsaved: Unsaved::default(),
         };
         match keep.own.read()? {
             Some(saved) => keep.restore(saved, extent, pass)?,
@@ -143,15 +147,20 @@ impl BlockKeeper {
     /// more paths can go on.
     pub(crate) fn done(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
         let Some(keep) = &mut self.0 else { return Ok(()) };
-        if blocks <= keep.blocks && keep.due.is_due(blocks) { keep.save(blocks, pass) } else { Ok(()) }
+        if blocks <= keep.blocks && keep.due.is_due(blocks) { keep.try_to_save(blocks, pass) } else { Ok(()) }
     }
 
     /// So many blocks are done, and no others will be: saves them if they are not.
     pub(crate) fn close(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
         match &mut self.0 {
-            Some(keep) if blocks <= keep.blocks && blocks > keep.saved => keep.save(blocks, pass),
+            Some(keep) if blocks <= keep.blocks && blocks > keep.saved => keep.try_to_save(blocks, pass),
             _ => Ok(()),
         }
+    }
+
+    /// Why the last checkpoint could not be written.
+    pub(crate) fn unsaved(&self) -> Option<FileError> {
+        self.0.as_ref().and_then(|keep| keep.unsaved.error())
     }
 }
 
@@ -187,6 +196,12 @@ impl Keep {
         if differences.is_empty() { Ok(()) } else { Err(self.own.other_run(differences)) }
     }
 
+    fn try_to_save(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
+        let outcome = self.save(blocks, pass);
+        self.due.done();
+        self.unsaved.note(outcome)
+    }
+
     fn save(&mut self, blocks: u64, pass: impl FnMut(&mut Tape)) -> Result<(), CheckpointError> {
         self.own.check_ours()?;
         let Described { settings, derived, start, .. } = &self.described;
@@ -198,7 +213,6 @@ impl Keep {
             statistics: format::words(Tape::write(pass)),
         })?;
         self.saved = blocks;
-        self.due.done();
         Ok(())
     }
 }

@@ -223,9 +223,3 @@ impl From<FileError> for CheckpointError {
         Self::File(error)
     }
 }
-
-impl From<CheckpointError> for crate::error::Error {
-    fn from(error: CheckpointError) -> Self {
-        Self::Checkpoint(error)
-    }
-}

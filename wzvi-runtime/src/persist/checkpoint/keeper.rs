@@ -6,11 +6,13 @@ use super::format::{self, Saved, Word, Words};
 use super::identity::{self, Fields};
 use super::nodes::Nodes;
 use super::own::Own;
+use super::unsaved::Unsaved;
 use crate::carry::Carry;
 use crate::due::Due;
 use crate::error::Error;
 use crate::increments::{Identity, Noise};
 use crate::numbers::{Numbers, Tape};
+use crate::persist::FileError;
 use crate::retry::Retry;
 use crate::section::Sections;
 use crate::simulate::Run;
@@ -36,6 +38,7 @@ struct Keep {
     derived: Fields,
     start: Words,
     nodes: Nodes,
+    unsaved: Unsaved,
 }
 
 impl Keeping {
@@ -66,6 +69,7 @@ impl Keeping {
             start: format::words(Tape::write(|tape| state.pass(tape))),
             nodes: Nodes::new(own.path(), degrees, stepper.system().increments(degrees)),
             own,
+            unsaved: Unsaved::default(),
         };
         let first = match keep.own.read()? {
             Some(saved) => keep.restore(saved, steps, stepper, run)?,
@@ -115,10 +119,16 @@ impl Keeper {
         node: u64,
     ) -> Result<(), Error> {
         if let Some(file) = &mut self.file {
-            file.save(stepper, run, node)?;
+            let outcome = file.save(stepper, run, node);
             file.due.done();
+            file.unsaved.note(outcome)?;
         }
         Ok(())
+    }
+
+    /// Why the last checkpoint could not be written.
+    pub(crate) fn unsaved(&self) -> Option<FileError> {
+        self.file.as_ref().and_then(|file| file.unsaved.error())
     }
 }
 
