@@ -168,6 +168,9 @@ pub use wzvi_runtime::{
 #[doc(hidden)]
 pub mod absent;
 
+#[doc(hidden)]
+pub mod checks;
+
 /// Everything that a scene needs: `use wzvi::prelude::*`.
 pub mod prelude {
     #[cfg(not(feature = "serde"))]
@@ -213,6 +216,7 @@ pub mod __private {
     pub use core::primitive::{bool, f64, i128, isize, str, usize};
     pub use core::result::Result::{self, Err, Ok};
 
+    pub use crate::checks;
     pub use wzvi_macros::__continue;
 
     pub use wzvi_runtime::bath;

@@ -270,75 +270,33 @@ const _: () = {
         binding as sum, binding as systems, binding as t, binding as term,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for Multiplicative {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<
-                    ::wzvi::embedding::Corrected<::wzvi::embedding::DeltaPlus>,
-                >,
-                ::core::marker::PhantomData::<Corrected<DeltaPlus>>,
-            );
+    impl ::wzvi::__private::checks::Checked for Multiplicative {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Corrected<::wzvi::embedding::DeltaPlus>,
+            >(::core::marker::PhantomData::<Corrected<DeltaPlus>>);
             {
-                __wzvi_hamiltonian(|q, p| 0.5 * p * p + 0.5 * q * q);
+                ::wzvi::__private::checks::of_state::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p| 0.5 * p * p + 0.5 * q * q);
             }
             {
                 let sigma = self.sigma;
-                __wzvi_hamiltonian(|q, p| sigma * q * p);
+                ::wzvi::__private::checks::of_state::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p| sigma * q * p);
             }
         }
     }

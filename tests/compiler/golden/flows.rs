@@ -316,76 +316,34 @@ const _: () = {
         binding as term,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for Perturbed {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::Verlet>,
-                ::core::marker::PhantomData::<Verlet>,
-            );
+    impl ::wzvi::__private::checks::Checked for Perturbed {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Verlet,
+            >(::core::marker::PhantomData::<Verlet>);
             {
                 let omega = self.omega;
-                __wzvi_hamiltonian_of_time(|q, p, t| {
-                    0.5 * p * p + 0.5 * omega * omega * q * q
-                });
+                ::wzvi::__private::checks::of_time::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p, t| 0.5 * p * p + 0.5 * omega * omega * q * q);
             }
             {
                 let epsilon = self.epsilon;
-                __wzvi_hamiltonian_of_time(|q, _, t| epsilon * q.powi(3) * t.cos());
+                ::wzvi::__private::checks::of_time::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, _, t| epsilon * q.powi(3) * t.cos());
             }
         }
     }

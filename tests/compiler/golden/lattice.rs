@@ -574,75 +574,25 @@ const _: () = {
         binding as value, binding as wanted, binding as weight,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl<const N: usize> __WzviTypeChecks for Lattice<{ N }> {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                const N: usize,
-                F: ::core::ops::Fn(
-                        [[::core::primitive::f64; 2usize]; N],
-                        [[::core::primitive::f64; 2usize]; N],
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                const N: usize,
-                F: ::core::ops::Fn(
-                        [[::core::primitive::f64; 2usize]; N],
-                        [[::core::primitive::f64; 2usize]; N],
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                const N: usize,
-                F: ::core::ops::Fn(
-                        [[::core::primitive::f64; 2usize]; N],
-                        [[::core::primitive::f64; 2usize]; N],
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                const N: usize,
-                F: ::core::ops::Fn(
-                        [[::core::primitive::f64; 2usize]; N],
-                        [[::core::primitive::f64; 2usize]; N],
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::DeltaPlus>,
-                ::core::marker::PhantomData::<DeltaPlus>,
-            );
+    impl<const N: usize> ::wzvi::__private::checks::Checked for Lattice<{ N }> {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::DeltaPlus,
+            >(::core::marker::PhantomData::<DeltaPlus>);
             {
                 let k = self.k;
-                __wzvi_hamiltonian::<
-                    { N },
+                ::wzvi::__private::checks::of_state::<
+                    [[::core::primitive::f64; 2usize]; N],
                     _,
                 >(|q: [[f64; 2]; N], p: [[f64; 2]; N]| {
                     p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()

@@ -657,71 +657,28 @@ const _: () = {
         binding as wanted, binding as weight,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for Network {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::DeltaPlus>,
-                ::core::marker::PhantomData::<DeltaPlus>,
-            );
+    impl ::wzvi::__private::checks::Checked for Network {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::DeltaPlus,
+            >(::core::marker::PhantomData::<DeltaPlus>);
             {
                 let bonds = &self.bonds;
                 let strength = &self.strength;
-                __wzvi_hamiltonian(|q: &[f64], p: &[f64]| {
+                ::wzvi::__private::checks::of_state::<
+                    &[::core::primitive::f64],
+                    _,
+                >(|q: &[f64], p: &[f64]| {
                     p.iter().map(|p| 0.5 * p * p).sum::<f64>()
                         + bonds
                             .iter()

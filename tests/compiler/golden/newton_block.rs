@@ -385,69 +385,26 @@ const _: () = {
         binding as y_squared, binding as y_start,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for HenonHeiles {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        [::core::primitive::f64; 2usize],
-                        [::core::primitive::f64; 2usize],
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        [::core::primitive::f64; 2usize],
-                        [::core::primitive::f64; 2usize],
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        [::core::primitive::f64; 2usize],
-                        [::core::primitive::f64; 2usize],
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        [::core::primitive::f64; 2usize],
-                        [::core::primitive::f64; 2usize],
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::Midpoint>,
-                ::core::marker::PhantomData::<Midpoint>,
-            );
+    impl ::wzvi::__private::checks::Checked for HenonHeiles {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Midpoint,
+            >(::core::marker::PhantomData::<Midpoint>);
             {
-                __wzvi_hamiltonian(|[x, y], [px, py]| {
+                ::wzvi::__private::checks::of_state::<
+                    [::core::primitive::f64; 2usize],
+                    _,
+                >(|[x, y], [px, py]| {
                     0.5 * (px * px + py * py + x * x + y * y) + x * x * y
                         - y.powi(3) / 3.0
                 });

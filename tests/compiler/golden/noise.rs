@@ -474,83 +474,43 @@ const _: () = {
         binding as term,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for Kubo {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::Midpoint>,
-                ::core::marker::PhantomData::<Midpoint>,
-            );
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<
-                    ::wzvi::embedding::Uncorrected<::wzvi::embedding::DeltaPlus>,
-                >,
-                ::core::marker::PhantomData::<Uncorrected<DeltaPlus>>,
-            );
+    impl ::wzvi::__private::checks::Checked for Kubo {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Midpoint,
+            >(::core::marker::PhantomData::<Midpoint>);
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Uncorrected<::wzvi::embedding::DeltaPlus>,
+            >(::core::marker::PhantomData::<Uncorrected<DeltaPlus>>);
             {
                 let a = self.a;
-                __wzvi_hamiltonian(|q, p| 0.5 * a * (q * q + p * p));
+                ::wzvi::__private::checks::of_state::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p| 0.5 * a * (q * q + p * p));
             }
             {
                 let sigma = self.sigma;
-                __wzvi_hamiltonian(|q, p| 0.5 * sigma * (q * q + p * p));
+                ::wzvi::__private::checks::of_state::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p| 0.5 * sigma * (q * q + p * p));
             }
             {
-                __wzvi_hamiltonian(|q, p| q * q + p * p);
+                ::wzvi::__private::checks::of_state::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p| q * q + p * p);
             }
         }
     }

@@ -549,75 +549,35 @@ const _: () = {
         binding as value, binding as wanted, binding as weight,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for Bath {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        &[::core::primitive::f64],
-                        &[::core::primitive::f64],
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::Midpoint>,
-                ::core::marker::PhantomData::<Midpoint>,
-            );
+    impl ::wzvi::__private::checks::Checked for Bath {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Midpoint,
+            >(::core::marker::PhantomData::<Midpoint>);
             {
-                __wzvi_hamiltonian(|q: &[f64], p: &[f64]| {
+                ::wzvi::__private::checks::of_state::<
+                    &[::core::primitive::f64],
+                    _,
+                >(|q: &[f64], p: &[f64]| {
                     (0..q.len()).map(|i| 0.5 * (p[i] * p[i] + q[i] * q[i])).sum::<f64>()
                 });
             }
             {
                 let sigma = self.sigma;
-                __wzvi_family(|q, p, k| sigma * q[k]);
+                ::wzvi::__private::checks::family::<
+                    &[::core::primitive::f64],
+                    _,
+                >(|q, p, k| sigma * q[k]);
             }
         }
     }

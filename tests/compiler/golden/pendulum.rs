@@ -513,74 +513,30 @@ const _: () = {
         binding as taken, binding as term, binding as unknowns,
     };
 };
+#[allow(
+    warnings,
+    clippy::all,
+    clippy::pedantic,
+    clippy::nursery,
+    clippy::restriction,
+    clippy::cargo
+)]
 const _: () = {
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    trait __WzviTypeChecks {
-        fn __wzvi_type_checks(&self);
-    }
     #[automatically_derived]
-    #[allow(
-        warnings,
-        unused,
-        clippy::all,
-        clippy::pedantic,
-        clippy::nursery,
-        clippy::restriction,
-        clippy::cargo
-    )]
-    impl __WzviTypeChecks for Pendulum {
-        fn __wzvi_type_checks(&self) {
-            fn __wzvi_hamiltonian<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_hamiltonian_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_family_of_time<
-                F: ::core::ops::Fn(
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::f64,
-                        ::core::primitive::usize,
-                    ) -> ::core::primitive::f64,
-            >(_: F) {}
-            fn __wzvi_scheme<E>(
-                _: ::core::marker::PhantomData<E>,
-                _: ::core::marker::PhantomData<E>,
-            ) {}
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::DeltaPlus>,
-                ::core::marker::PhantomData::<DeltaPlus>,
-            );
-            __wzvi_scheme(
-                ::core::marker::PhantomData::<::wzvi::embedding::Midpoint>,
-                ::core::marker::PhantomData::<Midpoint>,
-            );
+    impl ::wzvi::__private::checks::Checked for Pendulum {
+        fn check(&self) {
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::DeltaPlus,
+            >(::core::marker::PhantomData::<DeltaPlus>);
+            ::wzvi::__private::checks::is_same::<
+                ::wzvi::embedding::Midpoint,
+            >(::core::marker::PhantomData::<Midpoint>);
             {
                 let omega = self.omega;
-                __wzvi_hamiltonian(|q, p| 0.5 * p * p - omega * omega * q.cos());
+                ::wzvi::__private::checks::of_state::<
+                    ::core::primitive::f64,
+                    _,
+                >(|q, p| 0.5 * p * p - omega * omega * q.cos());
             }
         }
     }

@@ -11,128 +11,47 @@ use super::dereference::Dereference;
 use super::scope::context;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
 
-/// Names of ours that none of the user's tokens has.
-struct Fresh {
-    words: HashSet<String>,
-}
-
-impl Fresh {
-    fn beside(system: &Container, declaration: &Declaration) -> Self {
-        let mut used = Vec::new();
-        identifiers(system.item.to_token_stream(), &mut used);
-        let closures = declaration.closures().map(|closure| &closure.tokens);
-        let friction = declaration.friction.iter().map(|friction| &friction.given);
-        let given = friction.chain(&declaration.temperature).map(|given| &given.tokens);
-        closures.chain(given).for_each(|tokens| identifiers(tokens.clone(), &mut used));
-        Self { words: used.iter().map(Ident::to_string).collect() }
-    }
-
-    fn name(&self, wish: &str) -> Ident {
-        let mut name = wish.to_owned();
-        while self.words.contains(&name) {
-            name.push('_');
-        }
-        Ident::new(&name, Span::call_site())
-    }
-}
-
-/// The functions that take closures, by the parameters of these.
-struct Takers {
-    of_state: Ident,
-    of_time: Ident,
-    family: Ident,
-    family_of_time: Ident,
-    friction: Ident,
-}
-
-/// A block of dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
+/// Dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
 /// written: it has to name the type that it was read as, and its import is in use.
 pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, _, condition) = system.item.generics.split_for_impl();
     let arguments = arguments(&system.item.generics);
-    let fresh = Fresh::beside(system, declaration);
-    let takers = Takers {
-        of_state: fresh.name("__wzvi_hamiltonian"),
-        of_time: fresh.name("__wzvi_hamiltonian_of_time"),
-        family: fresh.name("__wzvi_family"),
-        family_of_time: fresh.name("__wzvi_family_of_time"),
-        friction: fresh.name("__wzvi_friction"),
-    };
-    let Takers { of_state, of_time, family, family_of_time, friction } = &takers;
-    let [checks_trait, type_checks, scheme] =
-        ["__WzviTypeChecks", "__wzvi_type_checks", "__wzvi_scheme"].map(|wish| fresh.name(wish));
-    let [f, e, i, r] = ["F", "E", "I", "R"].map(|wish| fresh.name(wish));
+    let (root, vector) = (&declaration.crate_path, shape.tokens());
+    let checks = quote!(#root::__private::checks);
+    let takers = Takers { checks: &checks, vector: &vector };
     let energies = declaration
         .hamiltonians()
-        .map(|hamiltonian| check(system, &takers, hamiltonian, with_plain_scalars(system, hamiltonian)));
-    let entries = fresh.name(match shape {
-        Shape::Real => "__wzvi_real",
-        Shape::Array(..) => "__wzvi_entries",
-    });
-    let covectors = declaration
-        .covectors()
-        .map(|covector| check(system, &takers, covector, with_entries(system, covector, &entries)));
-    let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
-    let given = given.map(|given| check_given(system, &takers, given));
-    let checks = energies.chain(covectors).chain(given);
-    let schemes = declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
-        let meant = embedding.value.path(&declaration.crate_path);
-        quote! { #scheme(::core::marker::PhantomData::<#meant>, ::core::marker::PhantomData::<#written>); }
-    });
-    let vector = shape.tokens();
-    // Functions inside of a method do not see the generics around it.
-    let sizes: Vec<&syn::ConstParam> = system.item.generics.const_params().collect();
-    let declared = sizes.iter().map(|size| {
-        let (name, ty) = (&size.ident, &size.ty);
-        quote! { const #name: #ty, }
-    });
-    let declared = quote! { #( #declared )* };
-    let real = quote! { ::core::primitive::f64 };
-    let of_covectors = declaration.covectors().next().map(|_| match shape {
-        Shape::Real => quote! { fn #entries(_: #real) -> #real { 0.0 } },
+        .map(|hamiltonian| takers.check(system, hamiltonian, with_plain_scalars(system, hamiltonian)));
+    let entries = match shape {
+        Shape::Real => quote!(#checks::entry),
         Shape::Array(point, _) => {
             let entry = point.tokens();
-            quote! { fn #entries<#i: ::core::iter::IntoIterator<Item = #entry>>(_: #i) -> #real { 0.0 } }
+            quote!(#checks::entries::<#entry, _>)
         }
-    });
-    let of_friction = declaration.friction.is_some().then(|| {
-        quote! { fn #friction<#declared #r, #f: ::core::ops::Fn(#vector) -> #r>(_: #f) {} }
-    });
+    };
+    let covectors = declaration
+        .covectors()
+        .map(|covector| takers.check(system, covector, with_entries(system, covector, &entries)));
+    let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
+    let given = given.map(|given| takers.check_given(system, given));
+    let schemes =
+        declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
+            let meant = embedding.value.path(root);
+            quote!(#checks::is_same::<#meant>(::core::marker::PhantomData::<#written>);)
+        });
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
     // they would say about style in generated code helps nobody.
-    let allow = quote! {
-        #[allow(
-            warnings, unused, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo
-        )]
-    };
     quote! {
+        #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo)]
         const _: () = {
-            #allow
-            trait #checks_trait {
-                fn #type_checks(&self);
-            }
             #[automatically_derived]
-            #allow
-            impl #parameters #checks_trait for #name #arguments #condition {
-                fn #type_checks(&self) {
-                    fn #of_state<#declared #f: ::core::ops::Fn(#vector, #vector) -> #real>(_: #f) {}
-                    fn #of_time<
-                        #declared #f: ::core::ops::Fn(#vector, #vector, #real) -> #real
-                    >(_: #f) {}
-                    fn #family<
-                        #declared #f: ::core::ops::Fn(#vector, #vector, ::core::primitive::usize) -> #real
-                    >(_: #f) {}
-                    fn #family_of_time<
-                        #declared #f: ::core::ops::Fn(
-                            #vector, #vector, #real, ::core::primitive::usize,
-                        ) -> #real
-                    >(_: #f) {}
-                    #of_covectors
-                    #of_friction
-                    fn #scheme<#e>(_: ::core::marker::PhantomData<#e>, _: ::core::marker::PhantomData<#e>) {}
-                    #( #schemes )*
-                    #( #checks )*
+            impl #parameters #checks::Checked for #name #arguments #condition {
+                fn check(&self) {
+                    #(#schemes)*
+                    #(#energies)*
+                    #(#covectors)*
+                    #(#given)*
                 }
             }
         };
@@ -152,41 +71,37 @@ fn arguments(generics: &Generics) -> TokenStream {
     quote!(<#( #arguments ),*>)
 }
 
-/// One closure as `rewritten`, with the fields it names in scope.
-fn check(
-    system: &Container,
-    takers: &Takers,
-    hamiltonian: &Hamiltonian,
-    rewritten: TokenStream,
-) -> TokenStream {
-    let fields = fields_in(system, &hamiltonian.tokens);
-    let closure = with_our_self(rewritten);
-    let function = match (hamiltonian.closure.inputs.len(), &hamiltonian.family) {
-        (2, None) => &takers.of_state,
-        (_, None) => &takers.of_time,
-        (3, Some(_)) => &takers.family,
-        _ => &takers.family_of_time,
-    };
-    let sizes = system.item.generics.const_params().map(|size| &size.ident);
-    let generics = if system.item.generics.const_params().next().is_some() {
-        quote! { ::<#( { #sizes }, )* _> }
-    } else {
-        quote! {}
-    };
-    quote! { { #( #fields )* #function #generics (#closure); } }
+/// The functions of the run time that take closures, by what these take.
+struct Takers<'t> {
+    checks: &'t TokenStream,
+    vector: &'t TokenStream,
 }
 
-/// An expression of fields, or a closure of the coordinates.
-fn check_given(system: &Container, takers: &Takers, given: &Given) -> TokenStream {
-    let fields = fields_in(system, &given.tokens);
-    let expression = with_our_self(given.tokens.clone());
-    if !matches!(given.value, syn::Expr::Closure(_)) {
-        return quote! { { #( #fields )* let _ = #expression; } };
+impl Takers<'_> {
+    /// One closure as `rewritten`, with the fields it names in scope.
+    fn check(&self, system: &Container, hamiltonian: &Hamiltonian, rewritten: TokenStream) -> TokenStream {
+        let fields = fields_in(system, &hamiltonian.tokens);
+        let closure = with_our_self(rewritten);
+        let function = match (hamiltonian.closure.inputs.len(), &hamiltonian.family) {
+            (2, None) => quote!(of_state),
+            (_, None) => quote!(of_time),
+            (3, Some(_)) => quote!(family),
+            _ => quote!(family_of_time),
+        };
+        let Self { checks, vector } = self;
+        quote!({ #(#fields)* #checks::#function::<#vector, _>(#closure); })
     }
-    let sizes: Vec<_> = system.item.generics.const_params().map(|size| &size.ident).collect();
-    let generics = (!sizes.is_empty()).then(|| quote! { ::<#( { #sizes }, )* _, _> });
-    let friction = &takers.friction;
-    quote! { { #( #fields )* #friction #generics (#expression); } }
+
+    /// An expression of fields, or a closure of the coordinates.
+    fn check_given(&self, system: &Container, given: &Given) -> TokenStream {
+        let fields = fields_in(system, &given.tokens);
+        let expression = with_our_self(given.tokens.clone());
+        let Self { checks, vector } = self;
+        match given.value {
+            syn::Expr::Closure(_) => quote!({ #(#fields)* #checks::of_place::<#vector, _, _>(#expression); }),
+            _ => quote!({ #(#fields)* let _ = #expression; }),
+        }
+    }
 }
 
 /// The fields that `tokens` name, as variables.
@@ -197,7 +112,7 @@ fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
 }
 
 /// A closure whose entries are taken by a function inside, so that what it maps may borrow its parameters.
-fn with_entries(system: &Container, covector: &Hamiltonian, entries: &Ident) -> TokenStream {
+fn with_entries(system: &Container, covector: &Hamiltonian, entries: &TokenStream) -> TokenStream {
     let mut closure = plain_scalars(system, covector).unwrap_or_else(|| covector.closure.clone());
     let body = &closure.body;
     *closure.body = syn::parse_quote!({ #entries(#body) });

@@ -1,0 +1,37 @@
+//! What generated code hands the user's closures and schemes to, so that `rustc` checks their types where they were written. Nothing here is called.
+
+use core::marker::PhantomData;
+
+/// A system whose closures are checked.
+pub trait Checked {
+    /// Has them as values.
+    fn check(&self);
+}
+
+/// A scheme as it was written is the type that it was read as.
+pub fn is_same<E>(_: PhantomData<E>) {}
+
+/// A Hamiltonian.
+pub fn of_state<V, F: Fn(V, V) -> f64>(_: F) {}
+
+/// The same with the time.
+pub fn of_time<V, F: Fn(V, V, f64) -> f64>(_: F) {}
+
+/// A family of noises.
+pub fn family<V, F: Fn(V, V, usize) -> f64>(_: F) {}
+
+/// The same with the time.
+pub fn family_of_time<V, F: Fn(V, V, f64, usize) -> f64>(_: F) {}
+
+/// A friction that depends on the coordinates.
+pub fn of_place<V, R, F: Fn(V) -> R>(_: F) {}
+
+/// The one entry of a covector.
+pub fn entry(_: f64) -> f64 {
+    0.0
+}
+
+/// The entries of a covector: taken inside of the closure, so that what it maps may borrow its parameters.
+pub fn entries<T, I: IntoIterator<Item = T>>(_: I) -> f64 {
+    0.0
+}
