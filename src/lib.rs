@@ -237,7 +237,9 @@ pub mod __private {
         gradient, increments,
     };
     pub use wzvi_runtime::variables::{Labels, Variables};
-    pub use wzvi_runtime::{__apart as apart, __composition as composition, __gauss as gauss, gauss};
+    pub use wzvi_runtime::{
+        __apart as apart, __composition as composition, __gauss as gauss, __lagrangian as lagrangian, gauss,
+    };
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
     /// constant.

@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 
-use crate::backend::{in_loops, straight_line};
+use crate::backend::generate;
 use crate::check::check;
 use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
@@ -12,7 +12,7 @@ use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::passes::collect::collect;
 use crate::passes::friction::friction;
-use crate::passes::unroll::{unroll, written_out};
+use crate::passes::unroll::unroll;
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.
@@ -81,11 +81,8 @@ fn compile(
         return None;
     }
 
-    // derive, emit: as straight-line code, or in loops
-    Some(match written_out(&mut system) {
-        Some(model) => straight_line(model, &mut system, &facts),
-        None => in_loops(&mut system, &facts),
-    })
+    // derive, emit
+    Some(generate(&mut system, &facts))
 }
 
 #[cfg(test)]

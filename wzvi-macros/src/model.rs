@@ -127,15 +127,6 @@ impl Element {
         self.of_half(Half::Displacements)
     }
 
-    /// The places in the state that it reads, or where it acts.
-    pub(crate) fn state(&self) -> Vec<&Index> {
-        let places = self.locals.iter().filter_map(|local| match &local.slot {
-            Slot::State(_, index) => Some(index),
-            Slot::Entry(..) | Slot::Number(_) => None,
-        });
-        places.collect()
-    }
-
     pub(crate) fn reads(&self) -> Reads {
         match (self.coordinates().next().is_some(), self.momenta().next().is_some()) {
             (false, false) => Reads::Nothing,
@@ -247,6 +238,14 @@ impl System {
         [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force).chain(bath)
     }
 
+    /// The degrees of freedom, where they are known and no element has loops.
+    pub(crate) fn degrees_in_straight_lines(&self) -> Option<usize> {
+        let mut elements = self.terms().chain(&self.parts).flat_map(|term| &term.values);
+        let is_straight = elements.all(|element| element.loops.is_empty());
+        let degrees = self.size.as_integer().filter(|_| is_straight)?.checked_mul(self.components)?;
+        usize::try_from(degrees).ok()
+    }
+
     /// Whether there are functions of displacements.
     pub(crate) fn has_covectors(&self) -> bool {
         self.has_forces() || self.friction.is_some()
@@ -272,78 +271,27 @@ impl System {
     }
 }
 
-impl Model {
-    /// Calls `f` with the system that this model is made of, which has the graph meanwhile.
-    pub(crate) fn lend<T>(&mut self, system: &mut System, f: impl FnOnce(&mut System) -> T) -> T {
-        std::mem::swap(&mut self.graph, &mut system.graph);
-        let made = f(system);
-        std::mem::swap(&mut self.graph, &mut system.graph);
-        made
-    }
-}
-
-/// What a thermostat needs to know.
-pub(crate) struct Bath {
-    /// Rates, one for each degree of freedom, or the rows of `Γ`.
-    pub(crate) damping: Vec<Expr>,
-    pub(crate) is_matrix: bool,
-    pub(crate) temperature: Option<Expr>,
-}
-
-impl Bath {
-    /// From `δq · G p`, with rates on the diagonal of `G`, or a matrix.
-    pub(crate) fn of(
-        graph: &mut Graph,
-        phase: &Phase,
-        (work, is_matrix): (Expr, bool),
-        temperature: Option<Expr>,
-    ) -> Self {
-        let mut damping = Vec::new();
-        for (i, by_displacement) in phase.components(graph, work).into_iter().enumerate() {
-            let columns = if is_matrix { &phase.p[..] } else { &phase.p[i..=i] };
-            damping.extend(columns.iter().map(|&p| graph.derivative(by_displacement, p)));
-        }
-        Self { damping, is_matrix, temperature }
-    }
-}
-
-impl Model {
-    /// The number of increments.
-    pub(crate) fn noises(&self) -> usize {
-        self.noise.len() + self.noise_forces.len()
-    }
-
-    /// As [`System::has_forces`].
-    pub(crate) fn has_forces(&self) -> bool {
-        self.force.is_some() || !self.noise_forces.is_empty()
-    }
-}
-
-/// A [`System`] whose degrees of freedom are variables of their own: every Hamiltonian as one expression without loops.
-pub(crate) struct Model {
-    pub(crate) graph: Graph,
+/// A [`System`] without loops whose degrees of freedom are variables of their own: every Hamiltonian as one expression in the graph of
+/// the system.
+pub(crate) struct StraightLine {
     pub(crate) phase: Phase,
-    pub(crate) labels: [Labels; 2],
+    /// Those of the system, and entries of lists.
     pub(crate) parameters: Vec<Parameter>,
-    pub(crate) drift: Located<Expr>,
+    pub(crate) drift: Expr,
     /// The parts of the drift, where the user has parted it.
-    pub(crate) parts: Vec<Located<Expr>>,
-    pub(crate) noise: Vec<Located<Expr>>,
+    pub(crate) parts: Vec<Expr>,
+    pub(crate) noise: Vec<Expr>,
     /// One component per degree of freedom.
     pub(crate) force: Option<Vec<Expr>>,
     /// The same, driven by the increments after those of the noises.
     pub(crate) noise_forces: Vec<Vec<Expr>>,
-    pub(crate) bath: Option<Bath>,
     /// The rate of friction that steps take in exactly.
     pub(crate) conformal: Option<Expr>,
-    pub(crate) invariants: Vec<Located<Expr>>,
-    /// As [`System::invariant_names`].
-    pub(crate) invariant_names: Vec<String>,
-    pub(crate) embeddings: Vec<Located<Embedding>>,
-    /// The struct: attributes, visibility, name, generics and fields, to be emitted unchanged.
-    pub(crate) item: syn::ItemStruct,
-    /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
-    pub(crate) crate_path: syn::Path,
-    /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
-    pub(crate) type_checks: TokenStream,
+}
+
+impl StraightLine {
+    /// The number of increments.
+    pub(crate) fn noises(&self) -> usize {
+        self.noise.len() + self.noise_forces.len()
+    }
 }

@@ -22,10 +22,6 @@ pub trait Carry<S>: Clone + Debug + Default + Numbers {
     fn add(base: S, increment: S, carried: S) -> (S, S);
     /// Takes what rounding took from a step that succeeded.
     fn keep(&mut self, coordinates: &[S], momenta: &[S]);
-    /// The same for `D` degrees of freedom among others.
-    type Part<const D: usize>: Carry<S>;
-    /// What is carried for the `D` degrees of freedom from `first` on.
-    fn part<const D: usize>(&self, first: usize) -> Self::Part<D>;
 }
 
 /// Plain sums.
@@ -49,11 +45,6 @@ impl<S: Scalar> Carry<S> for Plain {
     }
     #[inline(always)]
     fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
-    type Part<const D: usize> = Self;
-    #[inline(always)]
-    fn part<const D: usize>(&self, _first: usize) -> Self {
-        Self
-    }
 }
 
 impl Numbers for Plain {
@@ -100,22 +91,6 @@ impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
         }
         for (carried, lost) in self.momenta.iter_mut().zip(momenta) {
             *carried = *lost;
-        }
-    }
-    type Part<const N: usize> = Compensation<S, N>;
-    #[inline(always)]
-    fn part<const N: usize>(&self, first: usize) -> Compensation<S, N> {
-        Compensation::of(self, first)
-    }
-}
-
-impl<S: Scalar, const D: usize> Compensation<S, D> {
-    /// What `all` carries for the degrees of freedom from `first` on.
-    #[inline(always)]
-    pub(crate) fn of(all: &impl Carry<S>, first: usize) -> Self {
-        Self {
-            coordinates: std::array::from_fn(|i| all.of_coordinate(first + i)),
-            momenta: std::array::from_fn(|i| all.of_momentum(first + i)),
         }
     }
 }

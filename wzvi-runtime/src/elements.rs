@@ -43,8 +43,6 @@ pub mod places;
 mod preference;
 mod rounding;
 mod scheme;
-#[doc(hidden)]
-pub mod sites;
 mod step;
 mod sums;
 mod windows;
@@ -54,7 +52,7 @@ pub use beside::Placements;
 pub use explicit::{advance_explicit, advance_explicit_vectors};
 pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
 pub use iterate::advance;
-pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
+pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, momentum_between, momentum_solved};
 pub use memory::{CompensationVec, Memory};
 pub use pairs::{Pair, Row};
 pub(crate) use passes::are_finite;
@@ -147,11 +145,11 @@ pub trait Curvature<S> {
 ///
 /// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
 /// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
-/// `weight` and by its increments. Large steps share the system between threads.
-pub trait Elements: Hamiltonian + Sync {
+/// `weight` and by its increments.
+pub trait Elements: Hamiltonian {
     /// What the elements read and the compiler has not shown to be there.
     #[doc(hidden)]
-    const PLACES: places::Places;
+    const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
 
     /// The part that is the first of the first integrals.
     const INTEGRALS: usize;
@@ -161,7 +159,10 @@ pub trait Elements: Hamiltonian + Sync {
 
     /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
     #[doc(hidden)]
-    fn entries(&self, table: usize, outer: &[usize], range: Range<usize>) -> places::Entries;
+    fn entries(&self, table: usize, outer: &[usize], range: Range<usize>) -> places::Entries {
+        let _ = (table, outer, range);
+        places::Entries::of_length(0)
+    }
 
     /// The weighted value of a part; 0 for one that does not exist. All slices have the degrees of freedom that were
     /// checked.
@@ -169,7 +170,7 @@ pub trait Elements: Hamiltonian + Sync {
 
     /// Whether slopes can be taken window by window: elements that read coordinates add to places next to each other, and
     /// those that read momenta read one each, to whose place they add.
-    const HAS_WINDOWS: bool;
+    const HAS_WINDOWS: bool = false;
 
     /// Whether there are elements whose pairs stand in rows, see [`Pair`]: then slopes of large systems by `f64` are taken in vector
     /// instructions.
@@ -180,7 +181,7 @@ pub trait Elements: Hamiltonian + Sync {
     const GATHERS: Slopes = Slopes { by_q: false, by_p: false };
 
     /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
-    const HAS_ONE_VELOCITY: bool;
+    const HAS_ONE_VELOCITY: bool = false;
 
     /// What slopes are computed with where numbers are kept as `f64`: functions have the same bits on every machine, and in
     /// lanes.
@@ -205,7 +206,7 @@ pub trait Elements: Hamiltonian + Sync {
         Q: Sums<S> + ?Sized,
         P: Sums<S> + ?Sized;
 
-    /// Adds the weighted second derivatives of a part. All noises act.
+    /// Adds the weighted second derivatives of a part, of which there are those that steps ask for. All noises act.
     fn curvature<S: Scalar, C: Curvature<S>>(
         &self,
         part: usize,
@@ -213,8 +214,15 @@ pub trait Elements: Hamiltonian + Sync {
         at: &Point<'_, S>,
         wanted: Slopes,
         into: &mut C,
-    );
+    ) {
+        let _ = (part, weight, at, wanted, into);
+    }
 }
+
+/// A system with steps in loops: threads share it where they are large.
+pub trait Shared: Elements + Sync {}
+
+impl<H: Elements + Sync> Shared for H {}
 
 impl<S: Scalar> Point<'_, S> {
     /// The same, if numbers are `f64`.
@@ -228,7 +236,7 @@ impl<S: Scalar> Point<'_, S> {
 
 /// Adds the weighted slopes of a part at all places.
 #[inline(always)]
-fn slopes<H: Elements, S: Scalar>(
+pub(crate) fn slopes<H: Elements, S: Scalar>(
     system: &H,
     part: usize,
     weight: f64,
@@ -359,26 +367,7 @@ where
     }
 }
 
-/// The slopes of a numbered part of the drift, times `h`, as far as they are wanted.
-#[expect(clippy::too_many_arguments, reason = "as `compose::Parts::slopes_of_part`")]
-#[inline(always)]
-pub fn slopes_of_part<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
-    system: &H,
-    number: usize,
-    t: f64,
-    h: f64,
-    q: &[S],
-    p: &[S],
-    by_q: &mut [S],
-    by_p: &mut [S],
-) {
-    by_q.fill(S::from_f64(0.0));
-    by_p.fill(S::from_f64(0.0));
-    let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
-    slopes(system, number, 1.0, &at, Slopes { by_q: BY_Q, by_p: BY_P }, by_q, by_p);
-}
-
-/// The value of a numbered part of the drift.
+/// The value of a part of the drift, or of the temperature.
 pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
     system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 })
 }

@@ -110,8 +110,8 @@ pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
     by_p.fill(S::from_f64(f64::NAN));
 }
 
-/// The plan of a step with so many stages, from that of the mid-point step.
-pub const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool, degrees: usize) -> Plan {
-    let unknowns = degrees.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
+/// The plan of a step with so many stages, from that of the mid-point step with one unknown for each degree of freedom.
+pub const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool) -> Plan {
+    let unknowns = midpoint.unknowns.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
     Plan { solver: Solver::Newton, unknowns, order: 2 * stages as u32, consistent: true, ..midpoint }
 }

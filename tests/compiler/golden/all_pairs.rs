@@ -59,12 +59,12 @@ pub struct Bodies {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, KeptEnergy, Knowledge, Labels, LagrangianGradient, NoiseClass,
-        Number, Option, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver,
-        State, StepFailure, Variables, bool, f64, isize, str, usize,
+        Err, Hamiltonian, KeptEnergy, Knowledge, Labels, NoiseClass, Number, Option,
+        Plain, Plan, Range, Result, Scalar, Sized, Solver, StepFailure, Variables, bool,
+        f64, isize, str, usize,
         elements::{
-            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Pair,
-            Point, Row, Run, Scheme, Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Elements, Given, Memory, MomentumUpdate, Pair, Point, Row,
+            Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -289,7 +289,6 @@ const _: () = {
             }
             value
         }
-        const HAS_WINDOWS: bool = false;
         const HAS_PAIRS: bool = true;
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
@@ -415,158 +414,6 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<S: Scalar, C: Curvature<S>>(
-            &self,
-            part: usize,
-            weight: f64,
-            at: &Point<'_, S>,
-            wanted: Slopes,
-            into: &mut C,
-        ) {
-            let g: f64 = self.g;
-            let size = (at.degrees() / 2) as isize;
-            match part {
-                0 => {
-                    if wanted.by_p {
-                        {
-                            let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                let first0 = i0 as usize;
-                                let s2 = &self.mass[first0..first0 + len];
-                                for place in 0..len {
-                                    let i0 = low + place as isize;
-                                    let mass_i = S::from_f64(s2[place]);
-                                    let quotient = factor / mass_i;
-                                    into.add_pp(
-                                        (2 * i0) as usize,
-                                        (2 * i0) as usize,
-                                        true,
-                                        quotient,
-                                    );
-                                    into.add_pp(
-                                        (2 * i0 + 1) as usize,
-                                        (2 * i0 + 1) as usize,
-                                        true,
-                                        quotient,
-                                    );
-                                }
-                            }
-                        }
-                    }
-                    if wanted.by_q {
-                        {
-                            let three_g = 3.0 * g;
-                            for i1 in 0 as isize..size {
-                                let factor = S::from_f64(at.h);
-                                let q_2i = at.q[(2 * i1) as usize];
-                                let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
-                                let mass_i = S::from_f64(self.mass[i1 as usize]);
-                                let mut b0 = S::from_f64(0.0);
-                                let mut b2 = S::from_f64(0.0);
-                                let mut b7 = S::from_f64(0.0);
-                                let (low, end): (isize, isize) = (0, i1);
-                                if low < end {
-                                    let i2 = low;
-                                    let len = (end - low) as usize;
-                                    let first0 = (2 * i2) as usize;
-                                    let first1 = i2 as usize;
-                                    let points0 = &at
-                                        .q[first0..first0 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let s5 = &self.mass[first1..first1 + len];
-                                    for place in 0..len {
-                                        let i2 = low + place as isize;
-                                        let q_2j = points0[place][0];
-                                        let q_2j_plus_1 = points0[place][1];
-                                        let mass_j = S::from_f64(s5[place]);
-                                        let difference = q_2i_plus_1 - q_2j_plus_1;
-                                        let difference2 = q_2i - q_2j;
-                                        let difference2_squared = difference2 * difference2;
-                                        let difference_squared = difference * difference;
-                                        let sum = difference2_squared + difference_squared;
-                                        let inverse = sum.recip();
-                                        let product = inverse * (inverse * sum.sqrt());
-                                        let product2 = inverse * product;
-                                        let product3 = mass_i * (mass_j * factor);
-                                        let product4 = (product
-                                            - difference2_squared * product2 * 3.0) * product3 * g;
-                                        let product5 = product2
-                                            * (difference
-                                                * (difference2 * (factor * (mass_i * mass_j)))) * three_g;
-                                        let minus = -product5;
-                                        let product6 = product3
-                                            * (product - difference_squared * product2 * 3.0) * g;
-                                        b0 = b0 + product4;
-                                        into.add_qq(
-                                            (2 * i1) as usize,
-                                            (2 * i2) as usize,
-                                            false,
-                                            -product4,
-                                        );
-                                        b2 = b2 + minus;
-                                        into.add_qq(
-                                            (2 * i1) as usize,
-                                            (2 * i2 + 1) as usize,
-                                            false,
-                                            product5,
-                                        );
-                                        into.add_qq(
-                                            (2 * i2) as usize,
-                                            (2 * i2) as usize,
-                                            true,
-                                            product4,
-                                        );
-                                        into.add_qq(
-                                            (2 * i2) as usize,
-                                            (2 * i1 + 1) as usize,
-                                            false,
-                                            product5,
-                                        );
-                                        into.add_qq(
-                                            (2 * i2) as usize,
-                                            (2 * i2 + 1) as usize,
-                                            false,
-                                            minus,
-                                        );
-                                        b7 = b7 + product6;
-                                        into.add_qq(
-                                            (2 * i1 + 1) as usize,
-                                            (2 * i2 + 1) as usize,
-                                            false,
-                                            -product6,
-                                        );
-                                        into.add_qq(
-                                            (2 * i2 + 1) as usize,
-                                            (2 * i2 + 1) as usize,
-                                            true,
-                                            product6,
-                                        );
-                                    }
-                                }
-                                into.add_qq((2 * i1) as usize, (2 * i1) as usize, true, b0);
-                                into.add_qq(
-                                    (2 * i1) as usize,
-                                    (2 * i1 + 1) as usize,
-                                    false,
-                                    b2,
-                                );
-                                into.add_qq(
-                                    (2 * i1 + 1) as usize,
-                                    (2 * i1 + 1) as usize,
-                                    true,
-                                    b7,
-                                );
-                            }
-                        }
-                    }
-                }
-                _ => {}
-            }
-        }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
@@ -654,53 +501,28 @@ const _: () = {
                 )
             }
             wzvi::apart!(Self);
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     #[automatically_derived]
     impl Conservative for Bodies {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as b2, binding as b7,
-        binding as before, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as difference, binding as difference2,
-        binding as difference2_squared, binding as difference_squared, binding as dw,
+        binding as at, binding as b0, binding as by_p, binding as by_q, binding as carry,
+        binding as degrees, binding as difference, binding as difference2, binding as dw,
         binding as end, binding as factor, binding as first0, binding as first1,
         binding as g, binding as h, binding as i0, binding as i1, binding as i2,
-        binding as index, binding as into, binding as inverse, binding as len,
-        binding as list, binding as low, binding as mass_i, binding as mass_j,
-        binding as memory, binding as minus, binding as outer, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as prepared, binding as product,
-        binding as product2, binding as product3, binding as product4,
-        binding as product5, binding as product6, binding as q, binding as q_2i,
+        binding as index, binding as inverse, binding as len, binding as list,
+        binding as low, binding as mass_i, binding as mass_j, binding as memory,
+        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
+        binding as part, binding as place, binding as points0, binding as points1,
+        binding as prepared, binding as product, binding as product2,
+        binding as product3, binding as product4, binding as q, binding as q_2i,
         binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
-        binding as quotient, binding as range, binding as s2, binding as s5,
-        binding as segment, binding as size, binding as skipped, binding as sum,
-        binding as t, binding as table, binding as term, binding as three_g,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as range, binding as s2, binding as s5, binding as size,
+        binding as skipped, binding as sum, binding as t, binding as table,
+        binding as term, binding as total, binding as value, binding as wanted,
+        binding as weight,
     };
 };
 #[allow(

@@ -56,15 +56,14 @@ pub struct Chain {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, Number, Option,
-        Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, State, StepFailure,
-        bool, f64, isize, str, usize,
+        Err, Hamiltonian, Knowledge, NoiseClass, Number, Option, Plain, Plan, Result,
+        Scalar, Sized, Solver, StepFailure, bool, f64, isize, str, usize,
         compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
             CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
             Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
-        elements::places::{Entries, Index, Name, Nest, Places, Slot},
+        elements::places::{Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -115,14 +114,6 @@ const _: () = {
                 },
             ],
         };
-        fn entries(
-            &self,
-            table: usize,
-            outer: &[usize],
-            range: Range<usize>,
-        ) -> Entries {
-            Entries::of_length(0)
-        }
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let beta: f64 = self.beta;
@@ -417,29 +408,7 @@ const _: () = {
                 >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             wzvi::apart!(Self);
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     wzvi::composition! {
@@ -453,20 +422,18 @@ const _: () = {
     impl Conservative for Chain {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as ahead, binding as at, binding as at1, binding as b0,
-        binding as b1, binding as before, binding as beta, binding as by_p,
-        binding as by_q, binding as carried1, binding as carry, binding as degrees,
-        binding as difference, binding as difference_squared, binding as dw,
-        binding as end, binding as factor, binding as first0, binding as first1,
-        binding as h, binding as i0, binding as i1, binding as index, binding as into,
-        binding as len, binding as low, binding as memory, binding as outer,
-        binding as p, binding as p_i, binding as part, binding as place,
-        binding as prepared, binding as product, binding as q, binding as q0,
-        binding as q0_squared, binding as q_i, binding as q_i_plus_1,
-        binding as quarter_beta, binding as range, binding as s0, binding as s1,
-        binding as segment, binding as size, binding as skipped, binding as t,
-        binding as table, binding as term, binding as three_beta, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as ahead, binding as at, binding as at1, binding as b0, binding as b1,
+        binding as beta, binding as by_p, binding as by_q, binding as carried1,
+        binding as carry, binding as degrees, binding as difference,
+        binding as difference_squared, binding as dw, binding as end, binding as factor,
+        binding as first0, binding as first1, binding as h, binding as i0, binding as i1,
+        binding as index, binding as into, binding as len, binding as low,
+        binding as memory, binding as p, binding as p_i, binding as part,
+        binding as place, binding as prepared, binding as product, binding as q,
+        binding as q0, binding as q0_squared, binding as q_i, binding as q_i_plus_1,
+        binding as quarter_beta, binding as s0, binding as s1, binding as size,
+        binding as skipped, binding as t, binding as term, binding as three_beta,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -49,16 +49,23 @@ pub struct Multiplicative {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, Lanes,
-        NoiseClass, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
-        Segment, Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str,
-        usize, embedding::{Corrected, DeltaPlus},
+        Effort, Err, Gradient, Hamiltonian, KeptEnergy, Knowledge, Lanes, NoiseClass,
+        Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Sized, Solution, Solver, Some, State, StepFailure, bool, f64, str, usize,
+        elements::{
+            Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
+            Unknowns,
+        },
+        embedding::{Corrected, DeltaPlus},
     };
     #[automatically_derived]
     impl Hamiltonian for Multiplicative {
         type Vector = SVector<f64, 1>;
         fn degrees(&self) -> usize {
             1
+        }
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
         fn noises(&self) -> usize {
             1
@@ -67,14 +74,7 @@ const _: () = {
             [("sigma", self.sigma)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            match (term, q, p) {
-                (0, &[q], &[p]) => (q * q + p * p) * 0.5,
-                (1, &[q], &[p]) => {
-                    let sigma: f64 = self.sigma;
-                    q * p * sigma
-                }
-                _ => S::from_f64(f64::NAN),
-            }
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -85,20 +85,140 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q, p) {
-                (0, &[q], &[p]) => wzvi::gradient(by_q, by_p, [q], [p]),
-                (1, &[q], &[p]) => {
-                    let sigma: f64 = self.sigma;
-                    wzvi::gradient(by_q, by_p, [p * sigma], [q * sigma])
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+        fn differentiate_noises(
+            &self,
+            dw: &[f64],
+            state: &State<Self::Vector>,
+            into: &mut Gradient<Self::Vector>,
+        ) {
+            wzvi::elements::differentiate_noises(self, dw, state, into);
+        }
+    }
+    #[automatically_derived]
+    impl Elements for Multiplicative {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let sigma: f64 = self.sigma;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + (q * q + p * p) * 0.5;
+                    }
+                    value = value + total * S::from_f64(at.h);
                 }
-                _ => {
-                    by_q.fill(S::from_f64(f64::NAN));
-                    by_p.fill(S::from_f64(f64::NAN));
+                1 => {
+                    if at.acting.contains(&0) {
+                        let mut total = S::from_f64(0.0);
+                        {
+                            let q = at.q[0];
+                            let p = at.p[0];
+                            total = total + q * p * sigma;
+                        }
+                        value = value + total * at.increment(0);
+                    }
                 }
+                2 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let sigma_squared = sigma * sigma;
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + q * p * sigma_squared;
+                    }
+                    value = value + total * at.increment(0) * at.increment(0) * weight;
+                }
+                _ => {}
+            }
+            value
+        }
+        type Exact = f64;
+        type Usual = f64;
+        #[inline(always)]
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S, V>,
+            wanted: Slopes,
+            by_q: &mut Q,
+            by_p: &mut P,
+        ) {
+            use Run as _;
+            let sigma: f64 = self.sigma;
+            match part {
+                0 => {
+                    if wanted.by_q {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let q = T::of(at.q[0]);
+                            by_q.add(0, q * factor);
+                        }
+                    }
+                    if wanted.by_p {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let p = T::of(at.p[0]);
+                            by_p.add(0, p * factor);
+                        }
+                    }
+                }
+                1 => {
+                    if at.acting.contains(&0) {
+                        if (wanted.by_q || wanted.by_p) {
+                            {
+                                let factor = T::of(at.increment(0));
+                                let q = T::of(at.q[0]);
+                                let p = T::of(at.p[0]);
+                                by_q.add(0, p * factor * sigma);
+                                by_p.add(0, q * factor * sigma);
+                            }
+                        }
+                    }
+                }
+                2 => {
+                    if (wanted.by_q || wanted.by_p) {
+                        {
+                            let sigma_squared = sigma * sigma;
+                            let factor = T::of(at.increment(0)) * T::of(at.increment(0))
+                                * weight;
+                            let q = T::of(at.q[0]);
+                            let p = T::of(at.p[0]);
+                            by_q.add(0, p * factor * sigma_squared);
+                            by_p.add(0, q * factor * sigma_squared);
+                        }
+                    }
+                }
+                _ => {}
             }
         }
     }
     const _: () = {
+        const SCHEME: Scheme = Scheme {
+            stages: &[
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0), (1, 1.0), (2, 0.5)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(1.0),
+            unknowns: Unknowns::Momenta,
+            remembers: false,
+            is_linear: false,
+        };
         type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
@@ -116,12 +236,10 @@ const _: () = {
             let product = dw * (dw * half_sigma + 1.0) * sigma;
             let inverse_pivot = wzvi::reciprocal::<S>(product + 1.0)?;
             let product2 = inverse_pivot * (p * product + q * h);
-            let node_p = p - product2;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[q * product + node_p * h], [-product2]],
-                [node_p],
+                [[q * product + (p - product2) * h], [-product2]],
                 Effort::fast(0),
             );
             if !next.is_finite() {
@@ -205,69 +323,19 @@ const _: () = {
                 >(prepared, h, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[dw]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return f64::NAN;
-                };
-                let sigma: f64 = self.sigma;
-                let difference = p
-                    * (q_end - q_start
-                        - (dw * (0.5 * sigma) + 1.0) * (q_start * dw) * sigma)
-                    - (q_start * q_start + p * p) * (0.5 * h);
-                difference
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[dw]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return LagrangianGradient::not_a_number();
-                };
-                let sigma: f64 = self.sigma;
-                let sum = dw * (0.5 * sigma) + 1.0;
-                LagrangianGradient::from_components(
-                    [-(p * (dw * sum * sigma + 1.0) + q_start * h)],
-                    [p],
-                    [q_end - q_start - p * h - sum * (q_start * dw) * sigma],
-                )
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                after.p
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as beside, binding as by_p,
-        binding as by_q, binding as carry, binding as difference, binding as dw,
-        binding as h, binding as half_sigma, binding as index, binding as inverse_pivot,
-        binding as memory, binding as next, binding as node_p, binding as p,
-        binding as prepared, binding as product, binding as product2, binding as q,
-        binding as q_end, binding as q_start, binding as segment, binding as sigma,
-        binding as sum, binding as systems, binding as t, binding as term,
+        binding as at, binding as beside, binding as by_p, binding as by_q,
+        binding as carry, binding as degrees, binding as dw, binding as factor,
+        binding as h, binding as half_sigma, binding as index, binding as into,
+        binding as inverse_pivot, binding as memory, binding as next, binding as p,
+        binding as part, binding as prepared, binding as product, binding as product2,
+        binding as q, binding as sigma, binding as sigma_squared, binding as state,
+        binding as systems, binding as t, binding as term, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

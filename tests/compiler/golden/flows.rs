@@ -80,11 +80,13 @@ pub struct Perturbed {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Constant, Discretized, Hamiltonian, Knowledge, Lanes, NoiseClass,
-        Option, Over, Plan, SVector, Scalar, Solver, Some, bool, f64, str, usize,
+        Number, Option, Over, Plan, Result, SVector, Scalar, Sized, Solver, Some,
+        StepFailure, bool, f64, str, usize,
         compose::{
-            Composes, Equations, Flows, Form, Half, Nystrom, Parted, Parts, ROOM,
-            Sequence, Structure,
+            Composes, Equations, Flows, Form, Nystrom, Parted, Parts, ROOM, Sequence,
+            Structure,
         },
+        elements::{Alone, Elements, Given, Point, Run, Slopes, Sums, Usual},
         embedding::{Composed, Verlet},
         gauss::{Field, Fixed},
     };
@@ -95,46 +97,156 @@ const _: () = {
         fn degrees(&self) -> usize {
             1
         }
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega), ("epsilon", self.epsilon)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q_: &[S], p_: &[S], t: f64) -> S {
-            match (term, q_, p_) {
-                (0, &[q], &[p]) => {
-                    let omega: f64 = self.omega;
-                    let epsilon: f64 = self.epsilon;
-                    (q * (t.cos() * epsilon) + omega * omega * 0.5) * (q * q)
-                        + p * p * 0.5
-                }
-                _ => S::from_f64(f64::NAN),
-            }
+        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
             term: usize,
-            q_: &[S],
-            p_: &[S],
+            q: &[S],
+            p: &[S],
             t: f64,
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q_, p_) {
-                (0, &[q], &[p]) => {
-                    let omega: f64 = self.omega;
-                    let epsilon: f64 = self.epsilon;
-                    wzvi::gradient(
-                        by_q,
-                        by_p,
-                        [q * (q * (3.0 * epsilon * t.cos()) + omega * omega)],
-                        [p],
-                    )
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+    }
+    #[automatically_derived]
+    impl Elements for Perturbed {
+        const INTEGRALS: usize = 5;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let omega: f64 = self.omega;
+            let epsilon: f64 = self.epsilon;
+            let t = at.t;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let product = omega * omega * 0.5;
+                        let product2 = t.cos() * epsilon;
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + (q * product2 + product) * (q * q) + p * p * 0.5;
+                    }
+                    value = value + total * S::from_f64(at.h);
                 }
-                _ => {
-                    by_q.fill(S::from_f64(f64::NAN));
-                    by_p.fill(S::from_f64(f64::NAN));
+                3 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let omega_squared = omega * omega;
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + (q * q * omega_squared + p * p) * 0.5;
+                    }
+                    value = value + total * S::from_f64(at.h);
                 }
+                4 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let product = t.cos() * epsilon;
+                        let q = at.q[0];
+                        total = total + q * (q * q) * product;
+                    }
+                    value = value + total * S::from_f64(at.h);
+                }
+                _ => {}
+            }
+            value
+        }
+        type Exact = Alone;
+        type Usual = Usual;
+        #[inline(always)]
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S, V>,
+            wanted: Slopes,
+            by_q: &mut Q,
+            by_p: &mut P,
+        ) {
+            use Run as _;
+            let omega: f64 = self.omega;
+            let epsilon: f64 = self.epsilon;
+            let t = at.t;
+            match part {
+                0 => {
+                    if wanted.by_q {
+                        {
+                            let omega_squared = omega * omega;
+                            let product = 3.0 * epsilon * t.cos();
+                            let factor = T::from_f64(at.h);
+                            let q = T::of(at.q[0]);
+                            by_q.add(0, factor * (q * (q * product + omega_squared)));
+                        }
+                    }
+                    if wanted.by_p {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let p = T::of(at.p[0]);
+                            by_p.add(0, p * factor);
+                        }
+                    }
+                }
+                3 => {
+                    if wanted.by_q {
+                        {
+                            let omega_squared = omega * omega;
+                            let factor = T::from_f64(at.h);
+                            let q = T::of(at.q[0]);
+                            by_q.add(0, q * factor * omega_squared);
+                        }
+                    }
+                    if wanted.by_p {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let p = T::of(at.p[0]);
+                            by_p.add(0, p * factor);
+                        }
+                    }
+                }
+                4 => {
+                    if wanted.by_q {
+                        {
+                            let product = 3.0 * epsilon * t.cos();
+                            let factor = T::from_f64(at.h);
+                            let q = T::of(at.q[0]);
+                            by_q.add(0, factor * (q * q) * product);
+                        }
+                    }
+                }
+                _ => {}
             }
         }
+    }
+    #[automatically_derived]
+    impl Parts for Perturbed {
+        const PLAN: Plan = Plan {
+            solver: Solver::Explicit,
+            unknowns: 0,
+            order: 2,
+            noise: NoiseClass::None,
+            consistent: true,
+            conserves_energy: Knowledge::Refuted,
+            commuting: Knowledge::Proven,
+        };
+        const FORMS: [Form; 2] = [Form::Quadratic, Form::Coordinates];
+        const FIRST: usize = 3;
+        type Shape = Fixed<1>;
     }
     #[automatically_derived]
     impl Field for Perturbed {
@@ -161,8 +273,8 @@ const _: () = {
             &self,
             t: S,
             h: S,
-            q_: &[S],
-            p_: &[S],
+            q: &[S],
+            p: &[S],
             dw: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
@@ -172,21 +284,21 @@ const _: () = {
                 f64,
                 { BY_Q },
                 { BY_P },
-            >(&[self.omega, self.epsilon], t, h, q_, p_, dw, by_q, by_p)
+            >(&[self.omega, self.epsilon], t, h, q, p, dw, by_q, by_p)
         }
         #[inline(always)]
         fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
             parameters: &Self::Parameters<K>,
             t: S,
             h: S,
-            q_: &[S],
-            p_: &[S],
+            q: &[S],
+            p: &[S],
             dw: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             let [omega, epsilon] = *parameters;
-            let (&[q], &[p], &[]) = (q_, p_, dw) else {
+            let (&[q], &[p], &[]) = (q, p, dw) else {
                 return wzvi::gauss::unfit(by_q, by_p);
             };
             if BY_Q {
@@ -213,86 +325,6 @@ const _: () = {
         const FORCE_READS_TIME: bool = true;
         const IN_PLACE: bool = false;
     }
-    #[automatically_derived]
-    impl Parts for Perturbed {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 2,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-        };
-        const FORMS: [Form; 2] = [Form::Quadratic, Form::Coordinates];
-        type Shape = Fixed<1>;
-        #[inline(always)]
-        fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
-            &self,
-            part: Half,
-            t: f64,
-            h: f64,
-            q_: &[S],
-            p_: &[S],
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            match part {
-                Half::First => {
-                    match (q_, p_) {
-                        (&[q], &[p]) => {
-                            let omega: f64 = self.omega;
-                            if BY_Q {
-                                by_q.copy_from_slice(&[q * (omega * omega * h)]);
-                            }
-                            if BY_P {
-                                by_p.copy_from_slice(&[p * h]);
-                            }
-                        }
-                        _ => wzvi::gauss::unfit(by_q, by_p),
-                    }
-                }
-                Half::Second => {
-                    match (q_, p_) {
-                        (&[q], &[p]) => {
-                            let epsilon: f64 = self.epsilon;
-                            if BY_Q {
-                                by_q.copy_from_slice(
-                                    &[q * q * (3.0 * epsilon * t.cos() * h)],
-                                );
-                            }
-                            if BY_P {
-                                by_p.copy_from_slice(&[S::from_f64(0.0)]);
-                            }
-                        }
-                        _ => wzvi::gauss::unfit(by_q, by_p),
-                    }
-                }
-            }
-        }
-        fn value_of_part(&self, part: Half, t: f64, q_: &[f64], p_: &[f64]) -> f64 {
-            match part {
-                Half::First => {
-                    match (q_, p_) {
-                        (&[q], &[p]) => {
-                            let omega: f64 = self.omega;
-                            (q * q * (omega * omega) + p * p) * 0.5
-                        }
-                        _ => f64::NAN,
-                    }
-                }
-                Half::Second => {
-                    match (q_, p_) {
-                        (&[q], &[p]) => {
-                            let epsilon: f64 = self.epsilon;
-                            q * (q * q) * (t.cos() * epsilon)
-                        }
-                        _ => f64::NAN,
-                    }
-                }
-            }
-        }
-    }
     wzvi::composition! {
         [impl Discretized < Verlet > for Perturbed] Verlet, < Nystrom as Structure <
         Verlet >> ::Sequence, 2,
@@ -309,11 +341,13 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as by_p, binding as by_q, binding as dw, binding as epsilon,
-        binding as h, binding as index, binding as k, binding as omega, binding as p,
-        binding as p_, binding as parameters, binding as part, binding as q,
-        binding as q_, binding as system, binding as systems, binding as t,
-        binding as term,
+        binding as at, binding as by_p, binding as by_q, binding as degrees,
+        binding as dw, binding as epsilon, binding as factor, binding as h,
+        binding as index, binding as k, binding as omega, binding as omega_squared,
+        binding as p, binding as parameters, binding as part, binding as product,
+        binding as product2, binding as q, binding as system, binding as systems,
+        binding as t, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 #[allow(

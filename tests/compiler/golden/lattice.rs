@@ -58,14 +58,13 @@ pub struct Lattice<const N: usize> {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, KeptEnergy, Knowledge, Labels, LagrangianGradient, NoiseClass,
-        Number, Option, Ord, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver,
-        State, StepFailure, Variables, bool, f64, isize, str, usize,
+        Err, Hamiltonian, KeptEnergy, Knowledge, Labels, NoiseClass, Number, Option, Ord,
+        Plain, Plan, Result, Scalar, Sized, Solver, StepFailure, Variables, bool, f64,
+        isize, str, usize,
         elements::{
-            Alone, CompensationVec, Curvature, Elements, Given, LEAST_IN_WINDOWS, Memory,
+            Alone, CompensationVec, Elements, Given, LEAST_IN_WINDOWS, Memory,
             MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
-        elements::places::{Entries, Name, Places},
         embedding::DeltaPlus,
     };
     #[automatically_derived]
@@ -110,19 +109,6 @@ const _: () = {
     }
     #[automatically_derived]
     impl<const N: usize> Elements for Lattice<{ N }> {
-        const PLACES: Places = Places {
-            components: 2,
-            tables: &[Name { name: "", suffix: "" }],
-            nests: &[],
-        };
-        fn entries(
-            &self,
-            table: usize,
-            outer: &[usize],
-            range: Range<usize>,
-        ) -> Entries {
-            Entries::of_length(0)
-        }
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let k: f64 = self.k;
@@ -330,116 +316,6 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<S: Scalar, C: Curvature<S>>(
-            &self,
-            part: usize,
-            weight: f64,
-            at: &Point<'_, S>,
-            wanted: Slopes,
-            into: &mut C,
-        ) {
-            let k: f64 = self.k;
-            match part {
-                0 => {
-                    if wanted.by_p {
-                        {
-                            let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, N as isize);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                for place in 0..len {
-                                    let i0 = low + place as isize;
-                                    into.add_pp(
-                                        (2 * i0) as usize,
-                                        (2 * i0) as usize,
-                                        true,
-                                        factor,
-                                    );
-                                    into.add_pp(
-                                        (2 * i0 + 1) as usize,
-                                        (2 * i0 + 1) as usize,
-                                        true,
-                                        factor,
-                                    );
-                                }
-                            }
-                        }
-                    }
-                    if wanted.by_q {
-                        {
-                            let k_squared = k * k;
-                            let factor = S::from_f64(at.h);
-                            let mut i1: isize = 0;
-                            let end: isize = N as isize;
-                            while i1 < end {
-                                let low = i1;
-                                let mut len = (end - low) as usize;
-                                len = Ord::min(
-                                    len,
-                                    ((N as isize) - (i1 + 1) % (N as isize)) as usize,
-                                );
-                                let first0 = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                let first1 = (2 * i1) as usize;
-                                let points0 = &at
-                                    .q[first0..first0 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                let points1 = &at
-                                    .q[first1..first1 + 2 * len]
-                                    .as_chunks::<2>()
-                                    .0[..len];
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    let q_2_i_plus_1_mod_N = points0[place][0];
-                                    let q_2i = points1[place][0];
-                                    let product = factor
-                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).cos() * k_squared;
-                                    into.add_qq(
-                                        (2 * ((i1 + 1) % (N as isize))) as usize,
-                                        (2 * ((i1 + 1) % (N as isize))) as usize,
-                                        true,
-                                        product,
-                                    );
-                                    into.add_qq(
-                                        (2 * ((i1 + 1) % (N as isize))) as usize,
-                                        (2 * i1) as usize,
-                                        false,
-                                        -product,
-                                    );
-                                    into.add_qq(
-                                        (2 * i1) as usize,
-                                        (2 * i1) as usize,
-                                        true,
-                                        product,
-                                    );
-                                    into.add_qq(
-                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                        true,
-                                        factor,
-                                    );
-                                    into.add_qq(
-                                        (2 * ((i1 + 1) % (N as isize)) + 1) as usize,
-                                        (2 * i1 + 1) as usize,
-                                        false,
-                                        -factor,
-                                    );
-                                    into.add_qq(
-                                        (2 * i1 + 1) as usize,
-                                        (2 * i1 + 1) as usize,
-                                        true,
-                                        factor,
-                                    );
-                                }
-                                i1 += len as isize;
-                            }
-                        }
-                    }
-                }
-                _ => {}
-            }
-        }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
@@ -527,51 +403,27 @@ const _: () = {
                 )
             }
             wzvi::apart!(Self);
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     #[automatically_derived]
     impl<const N: usize> Conservative for Lattice<{ N }> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as b1, binding as b3,
-        binding as before, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as difference, binding as dw, binding as end,
-        binding as factor, binding as first0, binding as first1, binding as from,
-        binding as h, binding as half_k, binding as i0, binding as i1, binding as index,
-        binding as into, binding as k, binding as k_squared, binding as len,
+        binding as at, binding as b0, binding as b1, binding as b3, binding as by_p,
+        binding as by_q, binding as carry, binding as degrees, binding as difference,
+        binding as dw, binding as end, binding as factor, binding as first0,
+        binding as first1, binding as from, binding as h, binding as half_k,
+        binding as i0, binding as i1, binding as index, binding as k, binding as len,
         binding as low, binding as memory, binding as most, binding as next,
-        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
-        binding as part, binding as place, binding as points0, binding as points1,
-        binding as points2, binding as prepared, binding as product, binding as product2,
-        binding as q, binding as q_2_i_plus_1_mod_N,
-        binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
-        binding as range, binding as run, binding as segment, binding as sin,
-        binding as skip, binding as skipped, binding as t, binding as table,
-        binding as taken, binding as term, binding as total, binding as until,
-        binding as value, binding as wanted, binding as weight,
+        binding as p, binding as p_2i, binding as p_2i_plus_1, binding as part,
+        binding as place, binding as points0, binding as points1, binding as points2,
+        binding as prepared, binding as product, binding as product2, binding as q,
+        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
+        binding as q_2i, binding as q_2i_plus_1, binding as run, binding as sin,
+        binding as skip, binding as skipped, binding as t, binding as taken,
+        binding as term, binding as total, binding as until, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -53,12 +53,12 @@ pub struct Network {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, NoiseClass, None, Number,
-        Ord, Plain, Plan, Range, Result, Scalar, Segment, Sized, Solver, Some, State,
-        StepFailure, bool, f64, i128, isize, str, usize,
+        Hamiltonian, KeptEnergy, Knowledge, NoiseClass, None, Number, Ord, Plain, Plan,
+        Range, Result, Scalar, Sized, Solver, Some, StepFailure, bool, f64, i128, isize,
+        str, usize,
         elements::{
-            Alone, CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate,
-            Pair, Placements, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
+            Alone, CompensationVec, Elements, Given, Memory, MomentumUpdate, Pair,
+            Placements, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -306,7 +306,6 @@ const _: () = {
             }
             value
         }
-        const HAS_WINDOWS: bool = false;
         const GATHERS: Slopes = Slopes { by_q: true, by_p: false };
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = Alone;
@@ -455,79 +454,6 @@ const _: () = {
                 _ => {}
             }
         }
-        fn curvature<S: Scalar, C: Curvature<S>>(
-            &self,
-            part: usize,
-            weight: f64,
-            at: &Point<'_, S>,
-            wanted: Slopes,
-            into: &mut C,
-        ) {
-            let size = at.degrees() as isize;
-            match part {
-                0 => {
-                    if wanted.by_p {
-                        {
-                            let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                for place in 0..len {
-                                    let i0 = low + place as isize;
-                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
-                                }
-                            }
-                        }
-                    }
-                    if wanted.by_q {
-                        {
-                            let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (
-                                0,
-                                Ord::min(
-                                    (self.bonds.len() as isize),
-                                    (self.strength.len() as isize),
-                                ),
-                            );
-                            if low < end {
-                                let i1 = low;
-                                let len = (end - low) as usize;
-                                let first0 = i1 as usize;
-                                let s0 = &self.strength[first0..first0 + len];
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    let strength_i = S::from_f64(s0[place]);
-                                    let q_bonds_i_0 = at.q[self.bonds[i1 as usize][0] as usize];
-                                    let q_bonds_i_1 = at.q[self.bonds[i1 as usize][1] as usize];
-                                    let product = (q_bonds_i_0 - q_bonds_i_1).cos()
-                                        * (strength_i * factor);
-                                    into.add_qq(
-                                        self.bonds[i1 as usize][0] as usize,
-                                        self.bonds[i1 as usize][0] as usize,
-                                        true,
-                                        product,
-                                    );
-                                    into.add_qq(
-                                        self.bonds[i1 as usize][0] as usize,
-                                        self.bonds[i1 as usize][1] as usize,
-                                        false,
-                                        -product,
-                                    );
-                                    into.add_qq(
-                                        self.bonds[i1 as usize][1] as usize,
-                                        self.bonds[i1 as usize][1] as usize,
-                                        true,
-                                        product,
-                                    );
-                                }
-                            }
-                        }
-                    }
-                }
-                _ => {}
-            }
-        }
     }
     const _: () = {
         const SCHEME: Scheme = Scheme {
@@ -612,49 +538,26 @@ const _: () = {
                 )
             }
             wzvi::apart!(Self);
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                wzvi::elements::step_momentum(self, &SCHEME, before, after, h, dw)
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     #[automatically_derived]
     impl Conservative for Network {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as before,
-        binding as block, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as dw, binding as end, binding as entry,
-        binding as factor, binding as few, binding as first, binding as first0,
-        binding as h, binding as i0, binding as i1, binding as inner, binding as integer,
-        binding as into, binding as lane, binding as len, binding as list,
+        binding as at, binding as b0, binding as block, binding as by_p, binding as by_q,
+        binding as carry, binding as degrees, binding as dw, binding as end,
+        binding as entry, binding as factor, binding as few, binding as first,
+        binding as first0, binding as h, binding as i0, binding as i1, binding as inner,
+        binding as integer, binding as lane, binding as len, binding as list,
         binding as list0, binding as list1, binding as low, binding as memory,
         binding as o0, binding as outer, binding as p, binding as p_i, binding as part,
         binding as place, binding as prepared, binding as product, binding as q,
         binding as q_bonds_i_0, binding as q_bonds_i_1, binding as range, binding as s0,
-        binding as segment, binding as sin, binding as size, binding as skipped,
-        binding as slope0, binding as slope1, binding as strength_i, binding as t,
-        binding as table, binding as term, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as sin, binding as size, binding as skipped, binding as slope0,
+        binding as slope1, binding as strength_i, binding as t, binding as table,
+        binding as term, binding as total, binding as value, binding as wanted,
+        binding as weight,
     };
 };
 #[allow(

@@ -53,10 +53,13 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
         Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
-        Labels, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, Plain, Plan,
-        Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some, State,
-        StepFailure, Variables, Vector, bool, f64, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        Labels, Lanes, NoiseClass, Number, Ok, Option, Over, Plain, Plan, Result,
+        Rounded, SVector, Scalar, Sized, Solution, Solver, Some, StepFailure, Variables,
+        bool, f64, str, usize, compose::{Composes, Equations, General, ROOM, Structure},
+        elements::{
+            Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
+            Unknowns,
+        },
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
@@ -64,6 +67,9 @@ const _: () = {
         type Vector = SVector<f64, 2>;
         fn degrees(&self) -> usize {
             2
+        }
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
         fn variables(&self) -> Variables {
             Variables {
@@ -73,15 +79,7 @@ const _: () = {
             }
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            match (term, q, p) {
-                (0, &[x, y], &[px, py]) => {
-                    let x_squared = x * x;
-                    let y_squared = y * y;
-                    y * (x_squared - y_squared * 0.3333333333333333)
-                        + (y_squared + (x_squared + (py * py + px * px))) * 0.5
-                }
-                _ => S::from_f64(f64::NAN),
-            }
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -92,23 +90,92 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q, p) {
-                (0, &[x, y], &[px, py]) => {
-                    wzvi::gradient(
-                        by_q,
-                        by_p,
-                        [x * (y * 2.0 + 1.0), y * (-y + 1.0) + x * x],
-                        [px, py],
-                    )
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+    }
+    #[automatically_derived]
+    impl Elements for HenonHeiles {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let x = at.q[0];
+                        let y = at.q[1];
+                        let px = at.p[0];
+                        let py = at.p[1];
+                        let x_squared = x * x;
+                        let y_squared = y * y;
+                        total = total + y * (x_squared - y_squared * 0.3333333333333333)
+                            + (y_squared + (x_squared + (py * py + px * px))) * 0.5;
+                    }
+                    value = value + total * S::from_f64(at.h);
                 }
-                _ => {
-                    by_q.fill(S::from_f64(f64::NAN));
-                    by_p.fill(S::from_f64(f64::NAN));
+                _ => {}
+            }
+            value
+        }
+        type Exact = f64;
+        type Usual = f64;
+        #[inline(always)]
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S, V>,
+            wanted: Slopes,
+            by_q: &mut Q,
+            by_p: &mut P,
+        ) {
+            use Run as _;
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let px = T::of(at.p[0]);
+                            let py = T::of(at.p[1]);
+                            by_p.add(0, px * factor);
+                            by_p.add(1, py * factor);
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let x = T::of(at.q[0]);
+                            let y = T::of(at.q[1]);
+                            by_q.add(0, factor * (x * (y * 2.0 + 1.0)));
+                            by_q.add(1, factor * (y * (-y + 1.0) + x * x));
+                        }
+                    }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
+        const SCHEME: Scheme = Scheme {
+            stages: &[
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(2.0),
+            unknowns: Unknowns::Momenta,
+            remembers: false,
+            is_linear: false,
+        };
         type Prepared<K> = [K; 3];
         type Memory<S> = Extrapolation<S, 2>;
         /// The equations of a block, and their Jacobian by rows.
@@ -210,7 +277,6 @@ const _: () = {
                 carry,
                 [[x, y], [px, py]],
                 [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
-                [node_px, node_py],
                 effort,
             );
             if !next.is_finite() {
@@ -295,66 +361,7 @@ const _: () = {
                 >(prepared, h, *q, *p, memory, carry, &mut next);
                 next.arrive(solved, q, p, carry)
             }
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                let h = segment.h;
-                let (&[x_start, y_start], &[x_end, y_end], &[px, py], &[]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return f64::NAN;
-                };
-                let product = (y_start + y_end) * 0.5;
-                let product2 = (x_start + x_end) * 0.5;
-                let product2_squared = product2 * product2;
-                let product_squared = product * product;
-                let difference = px * (x_end - x_start)
-                    - (product
-                        * (product2_squared - product_squared * 0.3333333333333333)
-                        + (product_squared + (product2_squared + (py * py + px * px)))
-                            * 0.5) * h;
-                py * (y_end - y_start) + difference
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                let h = segment.h;
-                let (&[x_start, y_start], &[x_end, y_end], &[px, py], &[]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return LagrangianGradient::not_a_number();
-                };
-                let product = (y_start + y_end) * 0.5;
-                let product2 = (x_start + x_end) * 0.5;
-                let half_h = 0.5 * h;
-                let product3 = (product * 2.0 + 1.0) * product2 * half_h;
-                let product4 = (product * (-product + 1.0) + product2 * product2)
-                    * half_h;
-                LagrangianGradient::from_components(
-                    [-(px + product3), -(py + product4)],
-                    [px - product3, py - product4],
-                    [x_end - x_start - px * h, y_end - y_start - py * h],
-                )
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                before.p + (after.p - before.p) * 0.5
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     wzvi::composition! {
@@ -368,21 +375,19 @@ const _: () = {
     impl Conservative for HenonHeiles {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as beside, binding as by_p,
-        binding as by_q, binding as carry, binding as constants, binding as delta_px,
-        binding as delta_py, binding as difference, binding as dw, binding as effort,
+        binding as at, binding as beside, binding as by_p, binding as by_q,
+        binding as carry, binding as constants, binding as degrees, binding as delta_px,
+        binding as delta_py, binding as dw, binding as effort, binding as factor,
         binding as given, binding as h, binding as h_squared, binding as half_h,
         binding as half_h_squared, binding as iterate, binding as lane,
         binding as memory, binding as next, binding as node_px, binding as node_py,
-        binding as number, binding as p, binding as prepared, binding as product,
-        binding as product2, binding as product2_squared, binding as product3,
-        binding as product4, binding as product_squared, binding as px, binding as py,
-        binding as q, binding as quarter_h_squared, binding as segment,
-        binding as solved, binding as stage_x, binding as stage_y, binding as sum,
-        binding as systems, binding as t, binding as taken, binding as term,
-        binding as twice_stage_y, binding as unknowns, binding as x, binding as x_end,
-        binding as x_squared, binding as x_start, binding as y, binding as y_end,
-        binding as y_squared, binding as y_start,
+        binding as number, binding as p, binding as part, binding as prepared,
+        binding as product, binding as px, binding as py, binding as q,
+        binding as quarter_h_squared, binding as solved, binding as stage_x,
+        binding as stage_y, binding as sum, binding as systems, binding as t,
+        binding as taken, binding as term, binding as total, binding as twice_stage_y,
+        binding as unknowns, binding as value, binding as wanted, binding as weight,
+        binding as x, binding as x_squared, binding as y, binding as y_squared,
     };
 };
 #[allow(

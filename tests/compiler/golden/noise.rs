@@ -79,10 +79,14 @@ pub struct Kubo {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Hamiltonian, KeptEnergy, Knowledge, LagrangianGradient, Lanes,
-        NoiseClass, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
-        Segment, Solution, Solver, Some, State, StepFailure, Vector, bool, f64, str,
-        usize, compose::{Composes, Equations, General, ROOM, Structure},
+        Effort, Err, Gradient, Hamiltonian, KeptEnergy, Knowledge, Lanes, NoiseClass,
+        Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
+        Sized, Solution, Solver, Some, State, StepFailure, bool, f64, str, usize,
+        compose::{Composes, Equations, General, ROOM, Structure},
+        elements::{
+            Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
+            Unknowns,
+        },
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
@@ -90,6 +94,9 @@ const _: () = {
         type Vector = SVector<f64, 1>;
         fn degrees(&self) -> usize {
             1
+        }
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
         }
         fn noises(&self) -> usize {
             1
@@ -101,17 +108,7 @@ const _: () = {
             [("a", self.a), ("sigma", self.sigma)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            match (term, q, p) {
-                (0, &[q], &[p]) => {
-                    let a: f64 = self.a;
-                    (p * p + q * q) * (0.5 * a)
-                }
-                (1, &[q], &[p]) => {
-                    let sigma: f64 = self.sigma;
-                    (p * p + q * q) * (0.5 * sigma)
-                }
-                _ => S::from_f64(f64::NAN),
-            }
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -122,29 +119,138 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q, p) {
-                (0, &[q], &[p]) => {
-                    let a: f64 = self.a;
-                    wzvi::gradient(by_q, by_p, [q * a], [p * a])
-                }
-                (1, &[q], &[p]) => {
-                    let sigma: f64 = self.sigma;
-                    wzvi::gradient(by_q, by_p, [q * sigma], [p * sigma])
-                }
-                _ => {
-                    by_q.fill(S::from_f64(f64::NAN));
-                    by_p.fill(S::from_f64(f64::NAN));
-                }
-            }
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
         }
-        fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64 {
-            match (index, Vector::components(&state.q), Vector::components(&state.p)) {
-                (0, &[q], &[p]) => p * p + q * q,
-                _ => f64::NAN,
+        fn differentiate_noises(
+            &self,
+            dw: &[f64],
+            state: &State<Self::Vector>,
+            into: &mut Gradient<Self::Vector>,
+        ) {
+            wzvi::elements::differentiate_noises(self, dw, state, into);
+        }
+        fn invariant(&self, number: usize, state: &State<Self::Vector>) -> f64 {
+            wzvi::elements::invariant(self, number, state)
+        }
+    }
+    #[automatically_derived]
+    impl Elements for Kubo {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let a: f64 = self.a;
+            let sigma: f64 = self.sigma;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let half_a = 0.5 * a;
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + (p * p + q * q) * half_a;
+                    }
+                    value = value + total * S::from_f64(at.h);
+                }
+                1 => {
+                    if at.acting.contains(&0) {
+                        let mut total = S::from_f64(0.0);
+                        {
+                            let half_sigma = 0.5 * sigma;
+                            let q = at.q[0];
+                            let p = at.p[0];
+                            total = total + (p * p + q * q) * half_sigma;
+                        }
+                        value = value + total * at.increment(0);
+                    }
+                }
+                3 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + p * p + q * q;
+                    }
+                    value = value + total;
+                }
+                _ => {}
+            }
+            value
+        }
+        type Exact = f64;
+        type Usual = f64;
+        #[inline(always)]
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S, V>,
+            wanted: Slopes,
+            by_q: &mut Q,
+            by_p: &mut P,
+        ) {
+            use Run as _;
+            let a: f64 = self.a;
+            let sigma: f64 = self.sigma;
+            match part {
+                0 => {
+                    if wanted.by_p {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let p = T::of(at.p[0]);
+                            by_p.add(0, p * factor * a);
+                        }
+                    }
+                    if wanted.by_q {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let q = T::of(at.q[0]);
+                            by_q.add(0, q * factor * a);
+                        }
+                    }
+                }
+                1 => {
+                    if at.acting.contains(&0) {
+                        if wanted.by_p {
+                            {
+                                let factor = T::of(at.increment(0));
+                                let p = T::of(at.p[0]);
+                                by_p.add(0, p * factor * sigma);
+                            }
+                        }
+                        if wanted.by_q {
+                            {
+                                let factor = T::of(at.increment(0));
+                                let q = T::of(at.q[0]);
+                                by_q.add(0, q * factor * sigma);
+                            }
+                        }
+                    }
+                }
+                _ => {}
             }
         }
     }
     const _: () = {
+        const SCHEME: Scheme = Scheme {
+            stages: &[
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0), (1, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(2.0),
+            unknowns: Unknowns::Momenta,
+            remembers: false,
+            is_linear: false,
+        };
         type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
@@ -162,12 +268,10 @@ const _: () = {
             let inverse_pivot = wzvi::reciprocal_above_one::<S>(sum * sum * 0.25 + 1.0);
             let sum2 = q + p * (sum * 0.5);
             let product = sum * inverse_pivot;
-            let node_p = p - sum2 * (product * 0.5);
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[sum * node_p], [-(sum2 * product)]],
-                [node_p],
+                [[sum * (p - sum2 * (product * 0.5))], [-(sum2 * product)]],
                 Effort::fast(0),
             );
             if !next.is_finite() {
@@ -246,62 +350,24 @@ const _: () = {
                 >(prepared, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[dw]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return f64::NAN;
-                };
-                let a: f64 = self.a;
-                let sigma: f64 = self.sigma;
-                let product = (q_start + q_end) * 0.5;
-                p * (q_end - q_start)
-                    - (dw * sigma + a * h) * (p * p + product * product) * 0.5
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[dw]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return LagrangianGradient::not_a_number();
-                };
-                let a: f64 = self.a;
-                let sigma: f64 = self.sigma;
-                let sum = dw * sigma + a * h;
-                let product = sum * ((q_start + q_end) * 0.5) * 0.5;
-                LagrangianGradient::from_components(
-                    [-(p + product)],
-                    [p - product],
-                    [q_end - q_start - p * sum],
-                )
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                before.p + (after.p - before.p) * 0.5
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     const _: () = {
+        const SCHEME: Scheme = Scheme {
+            stages: &[
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0), (1, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(1.0),
+            unknowns: Unknowns::Momenta,
+            remembers: false,
+            is_linear: false,
+        };
         type Prepared<K> = [K; 2];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
@@ -317,12 +383,10 @@ const _: () = {
             let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let product = q * sum;
-            let node_p = p - product;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[sum * node_p], [-product]],
-                [node_p],
+                [[sum * (p - product)], [-product]],
                 Effort::fast(0),
             );
             if !next.is_finite() {
@@ -402,57 +466,7 @@ const _: () = {
                 >(prepared, *q, *p, dw, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[dw]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return f64::NAN;
-                };
-                let a: f64 = self.a;
-                let sigma: f64 = self.sigma;
-                p * (q_end - q_start)
-                    - (dw * sigma + a * h) * (p * p + q_start * q_start) * 0.5
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[dw]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return LagrangianGradient::not_a_number();
-                };
-                let a: f64 = self.a;
-                let sigma: f64 = self.sigma;
-                let sum = dw * sigma + a * h;
-                LagrangianGradient::from_components(
-                    [-(p + q_start * sum)],
-                    [p],
-                    [q_end - q_start - p * sum],
-                )
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                after.p
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     wzvi::composition! {
@@ -464,14 +478,15 @@ const _: () = {
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as a, binding as a_h, binding as after, binding as before,
-        binding as beside, binding as by_p, binding as by_q, binding as carry,
-        binding as dw, binding as h, binding as index, binding as inverse_pivot,
-        binding as memory, binding as next, binding as node_p, binding as p,
-        binding as prepared, binding as product, binding as q, binding as q_end,
-        binding as q_start, binding as segment, binding as sigma, binding as state,
-        binding as sum, binding as sum2, binding as systems, binding as t,
-        binding as term,
+        binding as a, binding as a_h, binding as at, binding as beside, binding as by_p,
+        binding as by_q, binding as carry, binding as degrees, binding as dw,
+        binding as factor, binding as h, binding as half_a, binding as half_sigma,
+        binding as index, binding as into, binding as inverse_pivot, binding as memory,
+        binding as next, binding as number, binding as p, binding as part,
+        binding as prepared, binding as product, binding as q, binding as sigma,
+        binding as state, binding as sum, binding as sum2, binding as systems,
+        binding as t, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 #[allow(

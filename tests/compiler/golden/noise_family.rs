@@ -15,20 +15,23 @@ Hamiltonians, as sums of elements
   H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]
   H_k = Σ_(i=0..sites - 1) [sigma q[i]]
 
-The sites k = 0..n - 1 are not coupled: each is a system of its own
-
-Discrete Lagrangian of the step from t_i to t_i + h
-  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW
-  Δq[k] = q[k]_{i+1} - q[k]_i
-  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i
+Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
+  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})
+  Δq = q' - q
+  q_{1/2} = q + 1/2 Δq
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq[k] = P h
-  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2
-  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]
+  ∂L_d/∂P = 0:  Δq[i] is the sum of
+    P[i] h   for i = 0..n - 1
+  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of
+    -q_{1/2}[i] h/2   for i = 0..n - 1
+    -sigma ΔW[i]/2   for i = 0..sites - 1
+  p' = D2 L_d:  p'[i] = P[i] + the sum of
+    -q_{1/2}[i] h/2   for i = 0..n - 1
+    -sigma ΔW[i]/2   for i = 0..sites - 1
 
 Step
-  solve for δp[k]: linear (then Δq[k])
+  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated
 
 Facts
   converges to the Stratonovich system; D = 0
@@ -52,17 +55,16 @@ pub struct Bath {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Constant, DVector, Discretized, Effort, Err,
-        Gradient, Hamiltonian, Knowledge, LagrangianGradient, NoiseClass, None, Number,
-        Ok, Option, Ord, Over, PhantomData, Plain, Plan, Range, Result, Scalar, Segment,
-        Sized, Solution, Solver, Some, State, StepFailure, bool, f64, i128, isize, str,
+        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Gradient,
+        Hamiltonian, Knowledge, NoiseClass, Number, Option, Ord, Plain, Plan, Range,
+        Result, Scalar, Sized, Solver, State, StepFailure, bool, f64, i128, isize, str,
         usize, compose::{Composes, Equations, General, ROOM, Structure},
         elements::{
-            CompensationVec, Curvature, Elements, Given, MomentumUpdate, Point, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
+            Run, Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
-        elements::sites::Sites, embedding::{Composed, Midpoint},
+        embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
     impl Hamiltonian for Bath {
@@ -357,126 +359,37 @@ const _: () = {
                 },
             ],
             update: MomentumUpdate::Multiple(2.0),
-            unknowns: Unknowns::Both,
+            unknowns: Unknowns::Momenta,
             remembers: false,
-            is_linear: false,
+            is_linear: true,
         };
-        type Prepared<K> = ([K; 4], [<K as Scalar>::Mask; 1]);
-        type Memory<S> = PhantomData<S>;
-        #[inline(always)]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
-            h: f64,
-            q: [S; 1],
-            p: [S; 1],
-            dw: [S; 1],
-            carry: &C,
-            next: &mut Solution<S, 1>,
-        ) -> Result<(), StepFailure> {
-            let ([q_k], [p_k], [dw]) = (q, p, dw);
-            let ([sigma, inverse_pivot, half_h, half_inverse_pivot], [condition]) = *prepared;
-            let dw_sigma = dw * sigma;
-            let sum = dw_sigma + (q_k + p_k * half_h) * h;
-            let node_p_k = <S as Over<
-                K,
-            >>::choose(
-                condition,
-                || (p_k - (dw_sigma + q_k * h) * 0.5) * inverse_pivot,
-                || p_k - sum * half_inverse_pivot,
-            );
-            *next = Solution::new(
-                carry,
-                [[q_k], [p_k]],
-                [[node_p_k * h], [-(sum * inverse_pivot)]],
-                [node_p_k],
-                Effort::fast(0),
-            );
-            if !next.is_finite() {
-                return Err(StepFailure::NonFinite);
-            }
-            Ok(())
-        }
-        #[automatically_derived]
-        impl Sites<Midpoint, 1, 1> for Bath {
-            const IS_UNIFORM: bool = true;
-            const IS_EXACT_IN_LANES: bool = true;
-            type SitePrepared = Prepared<f64>;
-            type SiteMemory<S: Scalar> = Memory<S>;
-            fn prepare_site(
-                &self,
-                h: f64,
-                site: usize,
-                sites: usize,
-            ) -> Result<Prepared<f64>, ConfigError> {
-                let sigma: f64 = self.sigma;
-                if sigma.is_nan() {
-                    return Err(ConfigError::Parameter);
-                }
-                let sum = 1.0 + h * h * 0.25;
-                let inverse_pivot = wzvi::prepared(h, wzvi::reciprocal(sum))?;
-                Ok(([sigma, inverse_pivot, 0.5 * h, 0.5 * inverse_pivot], [2.0 < sum]))
-            }
-            #[inline(always)]
-            fn increments(&self, site: usize, sites: usize) -> [Option<usize>; 1] {
-                let i2 = site as isize;
-                [
-                    if i2 >= 0 && i2 < (self.sites as isize) {
-                        Some(i2 as usize)
-                    } else {
-                        None
-                    },
-                ]
-            }
-            #[inline(always)]
-            fn solve_site<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                prepared: &Prepared<f64>,
-                t: f64,
-                h: f64,
-                q: [S; 1],
-                p: [S; 1],
-                dw: [S; 1],
-                memory: &mut Memory<S>,
-                carry: &C,
-            ) -> Result<Solution<S, 1>, StepFailure> {
-                let mut next = Solution::nowhere();
-                solve::<
-                    S,
-                    f64,
-                    C,
-                    { CAREFUL },
-                >(prepared, h, q, p, dw, carry, &mut next)?;
-                Ok(next)
-            }
-        }
         #[automatically_derived]
         impl Discretized<Midpoint> for Bath {
             const PLAN: Plan = Plan {
                 solver: Solver::Linear,
-                unknowns: 1,
+                unknowns: usize::MAX,
                 order: 2,
                 noise: NoiseClass::Additive,
                 consistent: true,
                 conserves_energy: Knowledge::Refuted,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nThe sites k = 0..n - 1 are not coupled: each is a system of its own\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq[k] - h (q[k]_{i+1/2}²/2 + P²/2) - sigma q[k]_{i+1/2} ΔW\n  Δq[k] = q[k]_{i+1} - q[k]_i\n  q[k]_{i+1/2} = Δq[k]/2 + q[k]_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[k] = P h\n  p[k]_i = -D1 L_d:  P = p[k]_i + δp[k],  δp[k] = (-q[k]_{i+1/2} h - sigma ΔW)/2\n  p[k]_{i+1} = D2 L_d:  p[k]_{i+1} - p[k]_i = 2 δp[k]\n\nStep\n  solve for δp[k]: linear (then Δq[k])\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
             const REMEMBERS: bool = false;
-            const IN_LANES: bool = true;
-            type Prepared = wzvi::elements::sites::Prepared<Prepared<f64>>;
-            type Memory<S: Scalar> = wzvi::elements::sites::Memory<
-                S,
-                Memory<S>,
-                Prepared<f64>,
-            >;
+            const IN_LANES: bool = false;
+            type Prepared = ();
+            type Memory<S: Scalar> = Memory<S>;
             type Compensated<S: Scalar> = CompensationVec<S>;
             type Carry<S: Scalar> = Plain;
             fn memory(&self) -> Self::Memory<f64> {
-                wzvi::elements::sites::Memory::new(self, 1)
+                Memory::new(self, &SCHEME)
             }
             fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                wzvi::elements::sites::prepare::<_, Midpoint, 1, 1>(self, h)
+                if f64::is_nan(self.sigma) {
+                    return Err(ConfigError::Parameter);
+                }
+                wzvi::elements::prepare(self)
             }
-            #[inline(always)]
             fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
                 &self,
                 prepared: &Self::Prepared,
@@ -488,65 +401,36 @@ const _: () = {
                 memory: &mut Self::Memory<S>,
                 carry: &mut C,
             ) -> Result<Effort, StepFailure> {
-                wzvi::elements::sites::advance::<
+                wzvi::elements::advance::<
                     _,
-                    Midpoint,
                     S,
                     C,
                     { CAREFUL },
-                    1,
-                    1,
-                >(self, prepared, t, h, q, p, dw, memory, carry)
+                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
             }
             wzvi::apart!(Self);
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                wzvi::elements::discrete_lagrangian(self, &SCHEME, segment, dw)
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                wzvi::elements::discrete_lagrangian_gradient(self, &SCHEME, segment, dw)
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                wzvi::elements::sites::step_momentum(&before.p, &after.p, [0.5])
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     wzvi::composition! {
         [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
         > > for Bath] Composed < Midpoint, W >, < General as Structure < Midpoint >>
         ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
-        Midpoint, General, W, { 831 + ROOM } > ::ALL, < W as Composes < Midpoint, General
+        Midpoint, General, W, { 957 + ROOM } > ::ALL, < W as Composes < Midpoint, General
         > > ::substeps()
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as at, binding as b0, binding as before,
-        binding as by_p, binding as by_q, binding as carry, binding as condition,
-        binding as degrees, binding as dw, binding as dw_sigma, binding as end,
-        binding as factor, binding as first0, binding as h, binding as half_h,
-        binding as half_inverse_pivot, binding as i0, binding as i1, binding as i2,
-        binding as index, binding as into, binding as inverse_pivot, binding as len,
-        binding as low, binding as memory, binding as next, binding as node_p_k,
-        binding as outer, binding as p, binding as p_i, binding as p_k, binding as part,
+        binding as at, binding as b0, binding as by_p, binding as by_q, binding as carry,
+        binding as degrees, binding as dw, binding as end, binding as factor,
+        binding as first0, binding as h, binding as i0, binding as i1, binding as index,
+        binding as into, binding as len, binding as low, binding as memory,
+        binding as outer, binding as p, binding as p_i, binding as part,
         binding as place, binding as prepared, binding as q, binding as q_i,
-        binding as q_k, binding as range, binding as s0, binding as s1,
-        binding as segment, binding as sigma, binding as site, binding as sites,
-        binding as size, binding as skipped, binding as state, binding as sum,
-        binding as t, binding as table, binding as term, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as range, binding as s0, binding as s1, binding as sigma,
+        binding as size, binding as skipped, binding as state, binding as t,
+        binding as table, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 #[allow(

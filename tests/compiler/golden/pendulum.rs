@@ -78,10 +78,13 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
         Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, KeptEnergy,
-        Knowledge, LagrangianGradient, Lanes, NoiseClass, Ok, Option, Over, PhantomData,
-        Plain, Plan, Result, Rounded, SVector, Scalar, Segment, Solution, Solver, Some,
-        State, StepFailure, Vector, bool, f64, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        Knowledge, Lanes, NoiseClass, Number, Ok, Option, Over, PhantomData, Plain, Plan,
+        Result, Rounded, SVector, Scalar, Sized, Solution, Solver, Some, StepFailure,
+        bool, f64, str, usize, compose::{Composes, Equations, General, ROOM, Structure},
+        elements::{
+            Alone, Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage,
+            Sums, Unknowns, Usual,
+        },
         embedding::{Composed, DeltaPlus, Midpoint},
     };
     #[automatically_derived]
@@ -90,17 +93,14 @@ const _: () = {
         fn degrees(&self) -> usize {
             1
         }
+        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+            wzvi::elements::check(self, degrees)
+        }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega)].get(index).copied()
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            match (term, q, p) {
-                (0, &[q], &[p]) => {
-                    let omega: f64 = self.omega;
-                    p * p * 0.5 - q.cos() * (omega * omega)
-                }
-                _ => S::from_f64(f64::NAN),
-            }
+            wzvi::elements::evaluate(self, term, q, p, t)
         }
         fn differentiate<S: Scalar>(
             &self,
@@ -111,19 +111,87 @@ const _: () = {
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
-            match (term, q, p) {
-                (0, &[q], &[p]) => {
-                    let omega: f64 = self.omega;
-                    wzvi::gradient(by_q, by_p, [q.sin() * (omega * omega)], [p])
+            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
+        }
+    }
+    #[automatically_derived]
+    impl Elements for Pendulum {
+        const INTEGRALS: usize = 3;
+        fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
+            let omega: f64 = self.omega;
+            let mut value = S::from_f64(0.0);
+            match part {
+                0 => {
+                    let mut total = S::from_f64(0.0);
+                    {
+                        let omega_squared = omega * omega;
+                        let q = at.q[0];
+                        let p = at.p[0];
+                        total = total + p * p * 0.5 - q.cos() * omega_squared;
+                    }
+                    value = value + total * S::from_f64(at.h);
                 }
-                _ => {
-                    by_q.fill(S::from_f64(f64::NAN));
-                    by_p.fill(S::from_f64(f64::NAN));
+                _ => {}
+            }
+            value
+        }
+        type Exact = Alone;
+        type Usual = Usual;
+        #[inline(always)]
+        fn slopes<
+            S: Scalar,
+            T: Number<S>,
+            V: Given<S> + ?Sized,
+            Q: Sums<S> + ?Sized,
+            P: Sums<S> + ?Sized,
+        >(
+            &self,
+            part: usize,
+            weight: f64,
+            at: &Point<'_, S, V>,
+            wanted: Slopes,
+            by_q: &mut Q,
+            by_p: &mut P,
+        ) {
+            use Run as _;
+            let omega: f64 = self.omega;
+            match part {
+                0 => {
+                    if wanted.by_q {
+                        {
+                            let omega_squared = omega * omega;
+                            let factor = T::from_f64(at.h);
+                            let q = T::of(at.q[0]);
+                            by_q.add(0, factor * q.sin() * omega_squared);
+                        }
+                    }
+                    if wanted.by_p {
+                        {
+                            let factor = T::from_f64(at.h);
+                            let p = T::of(at.p[0]);
+                            by_p.add(0, p * factor);
+                        }
+                    }
                 }
+                _ => {}
             }
         }
     }
     const _: () = {
+        const SCHEME: Scheme = Scheme {
+            stages: &[
+                Stage {
+                    point: 0.0,
+                    start: 1.0,
+                    end: 0.0,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(1.0),
+            unknowns: Unknowns::Momenta,
+            remembers: false,
+            is_linear: false,
+        };
         type Prepared<K> = [K; 1];
         type Memory<S> = PhantomData<S>;
         #[inline(always)]
@@ -138,12 +206,10 @@ const _: () = {
             let ([q], [p]) = (q, p);
             let [product] = *prepared;
             let product2 = q.sin() * product;
-            let node_p = p - product2;
             *next = Solution::new(
                 carry,
                 [[q], [p]],
-                [[node_p * h], [-product2]],
-                [node_p],
+                [[(p - product2) * h], [-product2]],
                 Effort::fast(0),
             );
             if !next.is_finite() {
@@ -222,57 +288,24 @@ const _: () = {
                 >(prepared, h, *q, *p, carry, &mut next)?;
                 Ok(next.store(q, p, carry))
             }
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return f64::NAN;
-                };
-                let omega: f64 = self.omega;
-                p * (q_end - q_start)
-                    - (p * p * 0.5 - q_start.cos() * (omega * omega)) * h
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return LagrangianGradient::not_a_number();
-                };
-                let omega: f64 = self.omega;
-                LagrangianGradient::from_components(
-                    [-(p + q_start.sin() * (omega * omega * h))],
-                    [p],
-                    [q_end - q_start - p * h],
-                )
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                after.p
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     const _: () = {
+        const SCHEME: Scheme = Scheme {
+            stages: &[
+                Stage {
+                    point: 0.5,
+                    start: 0.5,
+                    end: 0.5,
+                    parts: &[(0, 1.0)],
+                },
+            ],
+            update: MomentumUpdate::Multiple(2.0),
+            unknowns: Unknowns::Momenta,
+            remembers: false,
+            is_linear: false,
+        };
         type Prepared<K> = [K; 3];
         type Memory<S> = Extrapolation<S, 1>;
         /// The equations of a block, and their Jacobian by rows.
@@ -348,7 +381,6 @@ const _: () = {
                 carry,
                 [[q], [p]],
                 [[node_p * h], [delta_p * 2.0]],
-                [node_p],
                 effort,
             );
             if !next.is_finite() {
@@ -437,57 +469,7 @@ const _: () = {
                 >(prepared, h, *q, *p, memory, carry, &mut next);
                 next.arrive(solved, q, p, carry)
             }
-            fn discrete_lagrangian(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> f64 {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return f64::NAN;
-                };
-                let omega: f64 = self.omega;
-                p * (q_end - q_start)
-                    - (p * p * 0.5 - ((q_start + q_end) * 0.5).cos() * (omega * omega))
-                        * h
-            }
-            fn discrete_lagrangian_gradient(
-                &self,
-                segment: &Segment<Self::Vector>,
-                dw: &[f64],
-            ) -> LagrangianGradient<Self::Vector> {
-                let h = segment.h;
-                let (&[q_start], &[q_end], &[p], &[]) = (
-                    Vector::components(&segment.q0),
-                    Vector::components(&segment.q1),
-                    Vector::components(&segment.p),
-                    dw,
-                ) else {
-                    return LagrangianGradient::not_a_number();
-                };
-                let omega: f64 = self.omega;
-                let product = ((q_start + q_end) * 0.5).sin()
-                    * (omega * omega * 0.5 * h);
-                LagrangianGradient::from_components(
-                    [-(p + product)],
-                    [p - product],
-                    [q_end - q_start - p * h],
-                )
-            }
-            fn step_momentum(
-                &self,
-                before: &State<Self::Vector>,
-                after: &State<Self::Vector>,
-                h: f64,
-                dw: &[f64],
-            ) -> Self::Vector {
-                before.p + (after.p - before.p) * 0.5
-            }
+            wzvi::lagrangian!(SCHEME);
         }
     };
     wzvi::composition! {
@@ -501,16 +483,17 @@ const _: () = {
     impl Conservative for Pendulum {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as after, binding as before, binding as beside, binding as by_p,
-        binding as by_q, binding as carry, binding as constants, binding as cos_stage_q,
-        binding as delta_p, binding as dw, binding as effort, binding as given,
-        binding as h, binding as half_h, binding as index, binding as iterate,
-        binding as lane, binding as memory, binding as next, binding as node_p,
-        binding as number, binding as omega, binding as omega_squared, binding as p,
-        binding as prepared, binding as product, binding as product2, binding as q,
-        binding as q_end, binding as q_start, binding as segment, binding as sin_stage_q,
+        binding as at, binding as beside, binding as by_p, binding as by_q,
+        binding as carry, binding as constants, binding as cos_stage_q,
+        binding as degrees, binding as delta_p, binding as dw, binding as effort,
+        binding as factor, binding as given, binding as h, binding as half_h,
+        binding as index, binding as iterate, binding as lane, binding as memory,
+        binding as next, binding as node_p, binding as number, binding as omega,
+        binding as omega_squared, binding as p, binding as part, binding as prepared,
+        binding as product, binding as product2, binding as q, binding as sin_stage_q,
         binding as solved, binding as stage_q, binding as systems, binding as t,
-        binding as taken, binding as term, binding as unknowns,
+        binding as taken, binding as term, binding as total, binding as unknowns,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

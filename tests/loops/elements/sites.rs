@@ -1,7 +1,6 @@
-//! Sites that are not coupled are a small system, placed once at each of them.
+//! Sites that are not coupled go as a small system goes at each of them.
 
 use wzvi::nalgebra::{DVector, SVector};
-use wzvi::plan::Knowledge;
 use wzvi::prelude::*;
 
 /// Oscillators whose frequencies diffuse, in three spellings of the size.
@@ -34,31 +33,6 @@ struct Generic<const N: usize> {
 struct Literal {
     a: f64,
     s: f64,
-}
-
-#[test]
-fn plans_do_not_depend_on_how_the_size_is_spelled() {
-    macro_rules! plans {
-        ($scheme:ty) => {
-            [
-                <Literal as Discretized<$scheme>>::PLAN,
-                <Slices as Discretized<$scheme>>::PLAN,
-                <Generic<3> as Discretized<$scheme>>::PLAN,
-                <Generic<17> as Discretized<$scheme>>::PLAN,
-                <Generic<64> as Discretized<$scheme>>::PLAN,
-            ]
-        };
-    }
-    for plans in [plans!(Midpoint), plans!(Corrected<DeltaPlus>)] {
-        for plan in plans {
-            assert_eq!((plan.solver, plan.unknowns), (plans[0].solver, plans[0].unknowns));
-            assert_eq!((plan.noise, plan.consistent), (plans[0].noise, plans[0].consistent));
-            assert_eq!(plan.conserves_energy, plans[0].conserves_energy);
-            assert_eq!(plan.commuting, plans[0].commuting);
-        }
-    }
-    let plan = <Generic<17> as Discretized<Midpoint>>::PLAN;
-    assert_eq!((plan.solver, plan.unknowns, plan.conserves_energy), (Solver::Linear, 1, Knowledge::Proven));
 }
 
 fn start(n: usize) -> (Vec<f64>, Vec<f64>) {
@@ -157,10 +131,6 @@ fn every_site_has_its_own_parameters_and_increments() {
     let dw = [0.1, -0.1, 0.2, 0.15];
     let mut together = State::<DVector<f64>>::new(q.clone(), p.clone());
     let found = steps::<Midpoint, _>(&all, &mut together, 0.05, &dw, 20);
-    assert_eq!(
-        <Points as Discretized<Midpoint>>::PLAN.unknowns,
-        <Point as Discretized<Midpoint>>::PLAN.unknowns
-    );
     for i in 0..sites {
         let one = Point { mass: mass[i], charge: *charge.get(i).unwrap_or(&1.0), s: 0.4, number: i as f64 };
         let mut state = State::new([q[2 * i], q[2 * i + 1]], [p[2 * i], p[2 * i + 1]]);
@@ -217,7 +187,6 @@ fn paths_satisfy_the_euler_lagrange_equations() {
     let path = Quartic.simulate::<Midpoint>(0.1).start(State::new(q, p)).steps(20).run().unwrap();
     // Residuals are differences of momenta of order one.
     assert!(path.euler_lagrange_residual(&Quartic).unwrap() < 1e-14);
-    assert!(<Quartic as Discretized<Midpoint>>::EQUATIONS.contains("not coupled"));
 }
 
 /// One noise that acts at all sites.
@@ -232,7 +201,6 @@ struct Shared {
 
 #[test]
 fn one_increment_may_act_at_all_sites() {
-    assert_eq!(<Shared as Discretized<Midpoint>>::PLAN.solver, Solver::Linear);
     let (q, p) = start(4);
     let mut together = State::<DVector<f64>>::new(q.clone(), p.clone());
     let found = steps::<Midpoint, _>(&Shared { s: 0.3 }, &mut together, 0.1, &[0.2], 20);

@@ -17,7 +17,7 @@ macro_rules! spellings {
             fixtures::$system!(Sites16, [], [f64; 16], 16);
             fixtures::$system!(Sites17, [], [f64; 17], 17);
 
-            pub(super) fn check<E>(facts: super::Facts, is_alone_special: bool)
+            pub(super) fn check<E>(facts: Option<super::Facts>, is_alone_special: bool)
             where
                 Slices: super::Driven<E>,
                 Generic<1>: Discretized<E>, Sites1: Discretized<E>,
@@ -69,7 +69,7 @@ macro_rules! spellings {
             let literal = $literal { a, s, sites };
             let generic = Generic::<$sites> { a, s, sites };
             let slices = Slices { a, s, sites };
-            let facts = if $special && sites == 1 { None } else { Some($facts) };
+            let facts = $facts.filter(|_| !$special || sites > 1);
             let check = super::Comparison::<$scheme>::new($name, &slices, sites);
             check.plan::<$literal>(facts, "literal");
             check.plan::<Generic<$sites>>(facts, "const generic");
@@ -227,16 +227,19 @@ fn means<E, H: Driven<E>>(system: &H, sites: usize) -> Vec<f64> {
     vec![run.mean("q").unwrap(), run.mean("p").unwrap()]
 }
 
-fn facts(solver: Solver, unknowns: Unknowns, noise: NoiseClass, conserves_energy: Knowledge) -> Facts {
-    Facts { solver, unknowns, noise, conserves_energy }
+fn facts(
+    solver: Solver,
+    unknowns: Unknowns,
+    noise: NoiseClass,
+    conserves_energy: Knowledge,
+) -> Option<Facts> {
+    Some(Facts { solver, unknowns, noise, conserves_energy })
 }
 
 #[test]
 fn sites_that_are_not_coupled() {
-    kubo::check::<Midpoint>(
-        facts(Solver::Linear, Unknowns::OfASite(1), NoiseClass::Multiplicative, Knowledge::Proven),
-        false,
-    );
+    // In straight lines each site is solved by itself, in loops all of them are at once.
+    kubo::check::<Midpoint>(None, false);
     kubo::check_ensembles::<Midpoint>();
 }
 

@@ -10,24 +10,18 @@ use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::modified;
 use crate::discretise::structure::{Block, Solution, Unknown};
 use crate::embedding::Embedding;
-use crate::model::Model;
+use crate::model::StraightLine;
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The text of one scheme.
-pub(crate) fn describe(model: &mut Model, facts: &Facts, scheme: &Scheme) -> String {
-    let mut text = format!("{}\n", scheme.embedding);
-    hamiltonians(model, &mut text);
-    derivation(&mut model.graph, scheme, &mut text);
-    properties(&mut model.graph, facts, &scheme.embedding, &mut text);
+pub(crate) fn describe(graph: &mut Graph, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> String {
+    let mut text = format!("{}\n{}", scheme.embedding, hamiltonians(graph, line));
+    lagrangian(graph, scheme, &mut text);
+    equations(graph, scheme, &mut text);
+    step(graph, scheme, &mut text);
+    properties(graph, facts, &scheme.embedding, &mut text);
     text
-}
-
-/// From the discrete Lagrangian to the step.
-pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
-    lagrangian(graph, scheme, text);
-    equations(graph, scheme, text);
-    step(graph, scheme, text);
 }
 
 /// Writing to a `String` cannot fail.
@@ -36,35 +30,38 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     text.push('\n');
 }
 
-pub(crate) fn hamiltonians(model: &Model, text: &mut String) {
+/// Every Hamiltonian.
+pub(crate) fn hamiltonians(graph: &Graph, system: &StraightLine) -> String {
+    let text = &mut String::new();
     line(text, format_args!("\nHamiltonians"));
-    for (k, term) in [model.drift].iter().chain(&model.noise).enumerate() {
-        line(text, format_args!("  H{k} = {}", model.graph.display(term.value)));
+    for (k, &term) in [system.drift].iter().chain(&system.noise).enumerate() {
+        line(text, format_args!("  H{k} = {}", graph.display(term)));
         if k == 0 {
-            for (name, part) in ["H_A", "H_B"].iter().zip(&model.parts) {
-                line(text, format_args!("  {name} = {}, a part of H0", model.graph.display(part.value)));
+            for (name, &part) in ["H_A", "H_B"].iter().zip(&system.parts) {
+                line(text, format_args!("  {name} = {}, a part of H0", graph.display(part)));
             }
         }
     }
-    let forces = model.force.iter().map(|force| (0, force));
-    let noise_forces = model.noise_forces.iter().zip(model.noise.len() + 1..);
+    let forces = system.force.iter().map(|force| (0, force));
+    let noise_forces = system.noise_forces.iter().zip(system.noise.len() + 1..);
     let forces: Vec<_> = forces.chain(noise_forces.map(|(force, number)| (number, force))).collect();
     if !forces.is_empty() {
         line(text, format_args!("\nForces"));
     }
     for (number, force) in forces {
         let components: Vec<String> =
-            force.iter().map(|&component| model.graph.display(component).to_string()).collect();
+            force.iter().map(|&component| graph.display(component).to_string()).collect();
         let components = components.join(", ");
         match force.len() {
             1 => line(text, format_args!("  F{number} = {components}")),
             _ => line(text, format_args!("  F{number} = [{components}]")),
         }
     }
-    if let Some(rate) = model.conformal {
+    if let Some(rate) = system.conformal {
         line(text, format_args!("\nFriction"));
-        line(text, format_args!("  γ = {}", model.graph.display(rate)));
+        line(text, format_args!("  γ = {}", graph.display(rate)));
     }
+    std::mem::take(text)
 }
 
 fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use super::describe::hamiltonians;
-use crate::model::Model;
+use crate::model::StraightLine;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// The slopes of the step Hamiltonian in the symbols of the phase space, `h` and `ΔW`.
@@ -27,16 +27,15 @@ pub(crate) struct StepSlopes {
 }
 
 impl StepSlopes {
-    pub(crate) fn new(model: &mut Model) -> Self {
-        let noises = model.noises();
-        let graph = &mut model.graph;
+    pub(crate) fn new(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Self {
+        let noises = line.noises();
         let h = graph.new_symbol("h");
         let name = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
         let dw: Vec<Symbol> = (1..=noises).map(|k| graph.new_symbol(name(k))).collect();
         let weights: Vec<Expr> = [h].iter().chain(&dw).map(|&symbol| graph.symbol(symbol)).collect();
-        let terms: Vec<Expr> = [model.drift].iter().chain(&model.noise).map(|term| term.value).collect();
-        let forces: Vec<(&Vec<Expr>, Expr)> = model.force.iter().map(|force| (force, weights[0])).collect();
-        let driven = model.noise_forces.iter().zip(weights[terms.len()..].iter().copied());
+        let terms: Vec<Expr> = [line.drift].iter().chain(&line.noise).copied().collect();
+        let forces: Vec<(&Vec<Expr>, Expr)> = line.force.iter().map(|force| (force, weights[0])).collect();
+        let driven = line.noise_forces.iter().zip(weights[terms.len()..].iter().copied());
         let forces: Vec<(&Vec<Expr>, Expr)> = forces.into_iter().chain(driven).collect();
         // `∂F/∂x`, and for a coordinate the forces in its direction, which take their part of it.
         let mut slope = |symbol: Symbol, direction: Option<usize>| {
@@ -53,44 +52,21 @@ impl StepSlopes {
             }
             graph.linear_combination(&slopes)
         };
-        let by_q: Vec<Expr> = model.phase.q.iter().enumerate().map(|(i, &q)| slope(q, Some(i))).collect();
-        let by_p: Vec<Expr> = model.phase.p.iter().map(|&p| slope(p, None)).collect();
-        let is_nystrom = is_nystrom(model, (&by_q, &by_p), &dw);
-        let stiffness = if is_nystrom { stiffness(model) } else { Vec::new() };
+        let by_q: Vec<Expr> = line.phase.q.iter().enumerate().map(|(i, &q)| slope(q, Some(i))).collect();
+        let by_p: Vec<Expr> = line.phase.p.iter().map(|&p| slope(p, None)).collect();
+        let stiffness = if is_nystrom { stiffness(graph, line) } else { Vec::new() };
         Self { h, dw, by_q, by_p, is_nystrom, stiffness }
     }
 }
 
-/// Whether `∂F/∂p` is a constant matrix times `p`, and nothing else reads momenta.
-fn is_nystrom(model: &mut Model, (by_q, by_p): (&[Expr], &[Expr]), dw: &[Symbol]) -> bool {
-    let Model { graph, phase, conformal, .. } = model;
-    if conformal.is_some() || by_q.iter().any(|&slope| graph.depends_on(slope, &phase.p)) {
-        return false;
-    }
-    let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).chain(dw).copied().collect();
-    by_p.iter().all(|&velocity| {
-        let mut rest = vec![(velocity, Rational::ONE)];
-        for &p in &phase.p {
-            let mass = graph.derivative(velocity, p);
-            if graph.depends_on(mass, &moving) {
-                return false;
-            }
-            let p = graph.symbol(p);
-            rest.push((graph.multiply(mass, p), Rational::MINUS_ONE));
-        }
-        let rest = graph.linear_combination(&rest);
-        graph.is_zero(rest)
-    })
-}
-
 /// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off: the one that has all of them leaves
 /// a rest without quadratic terms.
-fn stiffness(model: &mut Model) -> Vec<(usize, usize, Expr)> {
-    let Model { graph, phase, drift, .. } = model;
+fn stiffness(graph: &mut Graph, line: &StraightLine) -> Vec<(usize, usize, Expr)> {
+    let StraightLine { phase, drift, .. } = line;
     let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).copied().collect();
     let mut entries = Vec::new();
     for (row, &a) in phase.q.iter().enumerate() {
-        let slope = graph.derivative(drift.value, a);
+        let slope = graph.derivative(*drift, a);
         for (column, &b) in phase.q.iter().enumerate() {
             let curvature = graph.derivative(slope, b);
             let constant = constant_part(graph, curvature, &moving);
@@ -115,10 +91,9 @@ fn constant_part(graph: &mut Graph, expr: Expr, moving: &[Symbol]) -> Expr {
 }
 
 /// The text of `Gauss<stages>`, without its facts.
-pub(crate) fn describe(model: &mut Model, slopes: &StepSlopes, stages: u32) -> String {
-    let mut text = format!("Gauss<{stages}>\n");
-    hamiltonians(model, &mut text);
-    let Model { graph, phase, .. } = model;
+pub(crate) fn describe(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes, stages: u32) -> String {
+    let mut text = format!("Gauss<{stages}>\n{}", hamiltonians(graph, line));
+    let phase = &line.phase;
     let mut placement = HashMap::new();
     for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
         let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));

@@ -13,7 +13,7 @@
 use std::collections::HashMap;
 
 use super::quadrature::{Part, Quadrature, Stage};
-use crate::model::{Model, Phase};
+use crate::model::{Phase, StraightLine};
 use crate::symbolic::{Expr, Function, Graph, Rational, Symbol};
 
 /// One stage with the symbols of `Q_l` and `T_l`.
@@ -53,14 +53,12 @@ pub(crate) struct DiscreteLagrangian {
 }
 
 impl DiscreteLagrangian {
-    pub(crate) fn new(model: &mut Model, quadrature: &Quadrature) -> Self {
-        let noises = model.noises();
-        let symbols = StepSymbols::new(&mut model.graph, &model.phase, noises, quadrature);
+    pub(crate) fn new(graph: &mut Graph, line: &StraightLine, quadrature: &Quadrature) -> Self {
+        let symbols = StepSymbols::new(graph, &line.phase, line.noises(), quadrature);
         let forces: Vec<Vec<Expr>> =
-            symbols.stages.iter().map(|stage| forces(model, &symbols, stage)).collect();
-        let decay = decay(model, &symbols);
-        let step_hamiltonian = step_hamiltonian(model, &symbols);
-        let graph = &mut model.graph;
+            symbols.stages.iter().map(|stage| forces(graph, line, &symbols, stage)).collect();
+        let decay = decay(graph, line, &symbols);
+        let step_hamiltonian = step_hamiltonian(graph, line, &symbols);
         let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
         for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.u) {
             let (momentum, u) = (graph.symbol(momentum), graph.symbol(u));
@@ -171,9 +169,13 @@ impl StageSymbols {
 }
 
 /// `e^{γ l h}` at a quadrature point, where friction has a rate that steps take in.
-fn scale(model: &mut Model, symbols: &StepSymbols, stage: &StageSymbols) -> Option<Expr> {
-    let rate = model.conformal.filter(|_| !stage.at.l.is_zero())?;
-    let graph = &mut model.graph;
+fn scale(
+    graph: &mut Graph,
+    line: &StraightLine,
+    symbols: &StepSymbols,
+    stage: &StageSymbols,
+) -> Option<Expr> {
+    let rate = line.conformal.filter(|_| !stage.at.l.is_zero())?;
     let h = graph.symbol(symbols.h);
     let product = graph.multiply(rate, h);
     let exponent = graph.scale(product, stage.at.l);
@@ -181,9 +183,8 @@ fn scale(model: &mut Model, symbols: &StepSymbols, stage: &StageSymbols) -> Opti
 }
 
 /// `e^{-γ h} - 1`
-fn decay(model: &mut Model, symbols: &StepSymbols) -> Option<Expr> {
-    let rate = model.conformal?;
-    let graph = &mut model.graph;
+fn decay(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols) -> Option<Expr> {
+    let rate = line.conformal?;
     let h = graph.symbol(symbols.h);
     let product = graph.multiply(rate, h);
     let exponent = graph.negate(product);
@@ -191,9 +192,9 @@ fn decay(model: &mut Model, symbols: &StepSymbols) -> Option<Expr> {
 }
 
 /// The forces at a stage, `h f + Σ_k ΔW_k f_k`; none if there are none.
-fn forces(model: &mut Model, symbols: &StepSymbols, stage: &StageSymbols) -> Vec<Expr> {
-    let scale = scale(model, symbols, stage);
-    let Model { graph, phase, noise, force, noise_forces, .. } = model;
+fn forces(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, stage: &StageSymbols) -> Vec<Expr> {
+    let scale = scale(graph, line, symbols, stage);
+    let StraightLine { phase, noise, force, noise_forces, .. } = line;
     let placement = stage.placement(graph, phase, &symbols.momentum, scale);
     let mut terms: Vec<Vec<Expr>> = Vec::new();
     for (part, _) in &stage.at.parts {
@@ -215,13 +216,11 @@ fn forces(model: &mut Model, symbols: &StepSymbols, stage: &StageSymbols) -> Vec
 }
 
 /// `F = Σ_s Σ_m w_m F_m(P, Q_s, T_s)`
-fn step_hamiltonian(model: &mut Model, symbols: &StepSymbols) -> Expr {
-    let noise: Vec<Expr> = model.noise.iter().map(|noise| noise.value).collect();
+fn step_hamiltonian(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols) -> Expr {
     let mut terms = Vec::new();
     for stage in &symbols.stages {
-        let scale = scale(model, symbols, stage);
-        let graph = &mut model.graph;
-        let placement = stage.placement(graph, &model.phase, &symbols.momentum, scale);
+        let scale = scale(graph, line, symbols, stage);
+        let placement = stage.placement(graph, &line.phase, &symbols.momentum, scale);
         let scaled = |graph: &mut Graph, hamiltonians: &[Expr]| -> Vec<Expr> {
             let placed = graph.substitute(hamiltonians, &placement).into_iter();
             placed.map(|value| scale.map_or(value, |scale| graph.multiply(scale, value))).collect()
@@ -230,25 +229,25 @@ fn step_hamiltonian(model: &mut Model, symbols: &StepSymbols) -> Expr {
             match part {
                 Part::Force => {}
                 Part::Drift => {
-                    let drift = scaled(graph, &[model.drift.value])[0];
+                    let drift = scaled(graph, &[line.drift])[0];
                     let h = graph.symbol(symbols.h);
                     terms.push((graph.multiply(h, drift), weight));
                 }
                 Part::Noise => {
-                    let noise = scaled(graph, &noise);
+                    let noise = scaled(graph, &line.noise);
                     for (hamiltonian, &dw) in noise.into_iter().zip(&symbols.dw) {
                         let dw = graph.symbol(dw);
                         terms.push((graph.multiply(dw, hamiltonian), weight));
                     }
                 }
                 Part::CounterTerm => {
-                    let noise = scaled(graph, &noise);
+                    let noise = scaled(graph, &line.noise);
                     terms.push((counter_term(graph, symbols, stage, &noise), weight));
                 }
             }
         }
     }
-    model.graph.linear_combination(&terms)
+    graph.linear_combination(&terms)
 }
 
 /// `(Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is symmetric in the noises by itself.

@@ -13,12 +13,12 @@ pub(crate) mod gauss;
 pub(crate) mod lagrangian;
 pub(crate) mod modified;
 pub(crate) mod quadrature;
-pub(crate) mod sites;
 pub(crate) mod structure;
 pub(crate) mod sums;
 
 use crate::embedding::Embedding;
-use crate::model::Model;
+use crate::model::StraightLine;
+use crate::symbolic::Graph;
 use equations::Equations;
 use facts::{Facts, NoiseClass};
 use lagrangian::DiscreteLagrangian;
@@ -54,11 +54,16 @@ impl Scheme {
     }
 }
 
-/// Discretises `model` by `embedding`: the one road from a Hamiltonian to a step.
-pub(crate) fn discretise(model: &mut Model, facts: &Facts, embedding: &Embedding) -> Scheme {
-    let lagrangian = DiscreteLagrangian::new(model, &Quadrature::new(facts, embedding));
-    let equations = Equations::new(&mut model.graph, &lagrangian);
-    let structure = Structure::new(&mut model.graph, &lagrangian, &equations);
+/// Discretises `line` by `embedding`: from Hamiltonians to a step in straight lines.
+pub(crate) fn discretise(
+    graph: &mut Graph,
+    line: &StraightLine,
+    facts: &Facts,
+    embedding: &Embedding,
+) -> Scheme {
+    let lagrangian = DiscreteLagrangian::new(graph, line, &Quadrature::new(facts, embedding));
+    let equations = Equations::new(graph, &lagrangian);
+    let structure = Structure::new(graph, &lagrangian, &equations);
     let embedding = embedding.clone();
     Scheme { lagrangian, equations, structure, consistent: facts.converges(&embedding), embedding }
 }

@@ -90,6 +90,11 @@ impl Quadrature {
         parts.find(|(known, _)| *known == part).map(|&(_, weight)| weight)
     }
 
+    /// Whether `P` follows from the momenta at both ends, and nothing has to be solved: `v` is a multiple of their difference, or zero.
+    pub(crate) fn gives_momentum(&self) -> bool {
+        self.momentum_update().is_some() || self.stages.iter().all(|stage| stage.l.is_one())
+    }
+
     /// `p_{i+1} - p_i` as a multiple of `v = P - p_i`: with one quadrature point, `v = -(1 - l) F_q` and
     /// `p_{i+1} - P = -l F_q`.
     pub(crate) fn momentum_update(&self) -> Option<Rational> {

@@ -6,8 +6,7 @@ use std::fmt::Write;
 
 use super::plan::Strategy;
 use crate::diagnostics::internal::Promised;
-use crate::discretise::Scheme;
-use crate::discretise::describe::{derivation, properties};
+use crate::discretise::describe::properties;
 use crate::discretise::facts::Facts;
 use crate::embedding::Embedding;
 use crate::model::display::{Names, letter_at};
@@ -75,23 +74,10 @@ pub(crate) fn describe(
     model: &mut System,
     facts: &Facts,
     embedding: &Embedding,
-    strategy: &Strategy,
+    strategy: Strategy,
 ) -> String {
     let mut text = format!("{embedding}\n\n{}", hamiltonians(model));
-    match strategy {
-        Strategy::Sweep { unknowns, is_linear } => {
-            sweep::sweep(model, facts, embedding, (*unknowns, *is_linear), &mut text);
-        }
-        Strategy::Sites(_, scheme) => sites(model, scheme, &mut text),
-    }
+    sweep::sweep(model, facts, embedding, strategy, &mut text);
     properties(&mut model.graph, facts, embedding, &mut text);
     text
-}
-
-/// The equations of one site, which are those of all.
-fn sites(model: &mut System, scheme: &Scheme, text: &mut String) {
-    let last = model.size.shifted(-1).promised("sizes are integers");
-    let last = Names { tables: &model.tables, letter: &|_| "k" }.index(&last);
-    let _ = writeln!(text, "\nThe sites k = 0..{last} are not coupled: each is a system of its own");
-    derivation(&mut model.graph, scheme, text);
 }

@@ -11,14 +11,11 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
-use std::rc::Rc;
-
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Part, Quadrature};
-use crate::discretise::sites::Site;
 use crate::discretise::{Scheme, discretise};
 use crate::embedding::Embedding;
-use crate::model::{Element, Reads, System, Term};
+use crate::model::{Element, Reads, StraightLine, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,33 +25,49 @@ pub(crate) enum Unknowns {
     Both,
 }
 
-/// How the steps of a scheme are solved.
-pub(crate) enum Strategy {
-    /// For all unknowns at once, in loops; with a Jacobian that never changes if `is_linear`.
-    Sweep { unknowns: Unknowns, is_linear: bool },
-    /// Site by site: what a small system does at each of them.
-    Sites(Rc<Site>, Box<Scheme>),
+/// How the steps of a scheme are solved in loops, for all unknowns at once.
+#[derive(Clone, Copy)]
+pub(crate) struct Strategy {
+    pub(crate) unknowns: Unknowns,
+    /// Whether the Jacobian never changes.
+    pub(crate) is_linear: bool,
 }
 
-/// A sweep where nothing is iterated; else site by site, if the sites are not coupled.
-pub(crate) fn strategy(
-    system: &mut System,
-    site: Option<&Rc<Site>>,
-    facts: &Facts,
-    embedding: &Embedding,
-) -> Strategy {
-    match (unknowns(system, facts, embedding), site) {
-        (Unknowns::None, _) => Strategy::Sweep { unknowns: Unknowns::None, is_linear: false },
-        (_, Some(site)) => {
-            let scheme =
-                site.with_model(system, super::emit::site_entry, |model| discretise(model, facts, embedding));
-            Strategy::Sites(site.clone(), Box::new(scheme))
+/// A scheme, and how its steps are taken.
+pub(crate) enum Step {
+    StraightLine(Box<Scheme>),
+    InLoops(Embedding, Strategy),
+}
+
+impl Step {
+    /// In straight lines where the system is one, and loops do not cost less.
+    pub(crate) fn of(
+        system: &mut System,
+        line: Option<&StraightLine>,
+        facts: &Facts,
+        embedding: &Embedding,
+    ) -> Self {
+        let scheme = line.map(|line| discretise(&mut system.graph, line, facts, embedding));
+        match scheme.filter(|scheme| system.emission.is_some() || !scheme.is_cheaper_swept(facts.noise)) {
+            Some(scheme) => Self::StraightLine(Box::new(scheme)),
+            None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
         }
-        (unknowns, None) => {
-            let corrects = Quadrature::new(facts, embedding).weight_of(Part::CounterTerm).is_some();
-            let is_linear = !corrects && has_constant_curvature(system);
-            Strategy::Sweep { unknowns, is_linear }
+    }
+
+    pub(crate) fn embedding(&self) -> &Embedding {
+        match self {
+            Self::StraightLine(scheme) => &scheme.embedding,
+            Self::InLoops(embedding, _) => embedding,
         }
+    }
+}
+
+impl Strategy {
+    fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
+        let unknowns = unknowns(system, facts, embedding);
+        let corrects = || Quadrature::new(facts, embedding).weight_of(Part::CounterTerm).is_some();
+        let is_linear = unknowns != Unknowns::None && !corrects() && has_constant_curvature(system);
+        Self { unknowns, is_linear }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::discretise::facts::flows::Flows;
 use crate::embedding::Embedding;
 
 /// The plan of a step that is made of flows.
-pub(super) fn explicit_plan(facts: &Facts) -> TokenStream {
+pub(crate) fn explicit_plan(facts: &Facts) -> TokenStream {
     Plan {
         solver: quote!(Explicit),
         unknowns: quote!(0),

@@ -21,7 +21,7 @@ pub(crate) struct Discretized<'a> {
     pub(crate) embedding: &'a Embedding,
     /// `EQUATIONS`
     pub(crate) text: &'a str,
-    /// What stands beside the implementation.
+    /// What stands beside the implementation: `__SCHEME`, and what else the bodies name.
     pub(crate) items: TokenStream,
     /// Constants that differ from those of the trait.
     pub(crate) constants: TokenStream,
@@ -41,9 +41,6 @@ pub(crate) struct Discretized<'a> {
     pub(crate) advance: TokenStream,
     /// The body of `advance_vectors`, if that of the trait is not enough.
     pub(crate) advance_vectors: Option<TokenStream>,
-    pub(crate) lagrangian: TokenStream,
-    pub(crate) gradient: TokenStream,
-    pub(crate) momentum: TokenStream,
 }
 
 impl Discretized<'_> {
@@ -51,7 +48,7 @@ impl Discretized<'_> {
         let Self {
             item, embedding, text, items, constants, plan, prepared, memory, compensated, carry, ..
         } = self;
-        let Self { prepare, inline, advance, lagrangian, gradient, momentum, .. } = self;
+        let Self { prepare, inline, advance, .. } = self;
         let name = &item.ident;
         let (generics, arguments, filter) = item.generics.split_for_impl();
         let (scheme, f64) = (embedding.path(&quote!(__wzvi)), f64_type());
@@ -129,31 +126,7 @@ impl Discretized<'_> {
 
                     #beside
 
-                    fn discrete_lagrangian(
-                        &self,
-                        __segment: &__wzvi::Segment<Self::Vector>,
-                        __dw: &[#f64],
-                    ) -> #f64 {
-                        #lagrangian
-                    }
-
-                    fn discrete_lagrangian_gradient(
-                        &self,
-                        __segment: &__wzvi::Segment<Self::Vector>,
-                        __dw: &[#f64],
-                    ) -> __wzvi::LagrangianGradient<Self::Vector> {
-                        #gradient
-                    }
-
-                    fn step_momentum(
-                        &self,
-                        __before: &__wzvi::State<Self::Vector>,
-                        __after: &__wzvi::State<Self::Vector>,
-                        __h: #f64,
-                        __dw: &[#f64],
-                    ) -> Self::Vector {
-                        #momentum
-                    }
+                    __wzvi::lagrangian!(__SCHEME);
                 }
             };
         }

@@ -8,47 +8,49 @@ use quote::{format_ident, quote};
 
 use super::compose;
 use super::names::Names;
-use super::plan::Plan;
 use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
-use super::system::{Body, Inputs, Letters, body, count, evaluation_over};
+use super::system::{Body, Inputs, Letters, count, evaluation, evaluation_over};
 use crate::describe::Texts;
 use crate::discretise::facts::Facts;
+use crate::discretise::facts::flows::is_nystrom;
 use crate::discretise::gauss::StepSlopes;
+use crate::elements;
+use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
-use crate::model::Model;
-use crate::symbolic::Expr;
+use crate::model::{StraightLine, System};
+use crate::symbolic::{Expr, Graph};
 
 /// Every `Gauss<S>` that was listed, and the flows.
-pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStream {
-    let staged: Vec<(&Embedding, u32, &String)> = texts.staged().collect();
-    if staged.is_empty() && texts.flows.is_none() {
+pub(super) fn emit(
+    system: &mut System,
+    line: Option<&StraightLine>,
+    facts: &Facts,
+    texts: &Texts,
+) -> TokenStream {
+    if texts.staged().next().is_none() && texts.flows.is_none() {
         return TokenStream::new();
     }
-    let mut generated = field(model);
+    let is_nystrom = is_nystrom(system, facts);
+    let (mut generated, in_place) = match line {
+        Some(line) => (field(&system.item, (&mut system.graph, line), is_nystrom), TokenStream::new()),
+        None => (elements::emit::field(system, is_nystrom), elements::emit::in_place()),
+    };
     if let Some(flows) = texts.flows {
-        generated.extend(compose::flows(&model.item, flows, facts, &TokenStream::new()));
+        generated.extend(compose::flows(&system.item, flows, facts, &in_place));
     }
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let degrees = count(model.phase.q.len());
-    let midpoint = Plan {
-        solver: quote!(Newton),
-        unknowns: quote!(0),
-        order: 2,
-        noise: facts.noise,
-        consistent: true,
-        conserves_energy: &facts.conserves_energy,
-        commuting: &facts.commuting,
-    }
-    .emit();
-    for (embedding, stages, text) in staged {
+    // Its unknowns are those of one stage with one unknown for each degree of freedom.
+    let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
+    let midpoint = elements::emit::plan(system, facts, &Embedding::Midpoint, strategy);
+    let name = &system.item.ident;
+    let (generics, arguments, filter) = system.item.generics.split_for_impl();
+    for (embedding, stages, text) in texts.staged() {
         let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         generated.extend(quote! {
             __wzvi::gauss! {
                 [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]
-                #scheme, #stages, #midpoint, #degrees, #text
+                #scheme, #stages, #midpoint, #text
             }
         });
     }
@@ -56,22 +58,26 @@ pub(super) fn emit(model: &mut Model, facts: &Facts, texts: &Texts) -> TokenStre
 }
 
 /// The slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
-fn field(model: &mut Model) -> TokenStream {
-    let slopes = StepSlopes::new(model);
-    let degrees = model.phase.q.len();
-    let mut letters = Letters::of(model, Names::default());
+fn field(
+    item: &syn::ItemStruct,
+    (graph, line): (&mut Graph, &StraightLine),
+    is_nystrom: bool,
+) -> TokenStream {
+    let slopes = StepSlopes::new(graph, line, is_nystrom);
+    let phase = &line.phase;
+    let degrees = phase.q.len();
+    let mut letters = Letters::of(graph, line, Names::default());
     let dw = increment_names(&mut letters.names, slopes.dw.len());
     let (q, p) = (&letters.q, &letters.p);
-    let of_state =
-        model.phase.q.iter().zip(q).chain(model.phase.p.iter().zip(p)).chain(slopes.dw.iter().zip(&dw));
+    let of_state = phase.q.iter().zip(q).chain(phase.p.iter().zip(p)).chain(slopes.dw.iter().zip(&dw));
     let mut names: Vec<_> = of_state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();
     // Stages have times and weights of their own.
-    names.push((model.phase.t, format_ident!("__t"), Level::State));
+    names.push((phase.t, format_ident!("__t"), Level::State));
     names.push((slopes.h, format_ident!("__h"), Level::State));
     let inputs = Inputs { names, definitions: HashMap::new() };
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
     let numbers = (&quote!(__S), Some(quote!(__K)));
-    let system = (&mut model.graph, model.parameters.as_slice());
+    let system = (&mut *graph, line.parameters.as_slice());
     let (Body { statements, values }, reads) = evaluation_over(system, &letters, &inputs, numbers, &roots);
     let (parameters, read): (Vec<_>, Vec<_>) = reads.into_iter().unzip();
     let number = count(parameters.len());
@@ -79,11 +85,10 @@ fn field(model: &mut Model) -> TokenStream {
     let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
     let (by_q, by_p) = values.split_at(degrees);
     let (degrees, noises) = (count(degrees), count(dw.len()));
-    let stiffness = stiffness(model, &slopes);
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let stiffness = stiffness(graph, line, &slopes);
+    let name = &item.ident;
+    let (generics, arguments, filter) = item.generics.split_for_impl();
     let (bool, f64, usize) = (quote!(__wzvi::bool), f64_type(), quote!(__wzvi::usize));
-    let is_nystrom = slopes.is_nystrom;
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
@@ -156,16 +161,16 @@ fn with_self(tokens: TokenStream, name: &Ident) -> TokenStream {
 }
 
 /// The matrix of the linear part of the force, where there is one.
-fn stiffness(model: &mut Model, slopes: &StepSlopes) -> TokenStream {
+fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes) -> TokenStream {
     if slopes.stiffness.is_empty() {
         return TokenStream::new();
     }
-    let letters = Letters::of(model, Names::default());
+    let letters = Letters::of(graph, line, Names::default());
     let inputs = Inputs { names: Vec::new(), definitions: HashMap::new() };
     let roots: Vec<Expr> = slopes.stiffness.iter().map(|&(.., value)| value).collect();
     let f64 = f64_type();
-    let Body { statements, values } = body(model, &letters, &inputs, &f64, &roots);
-    let degrees = model.phase.q.len();
+    let Body { statements, values } = evaluation((graph, &line.parameters), &letters, &inputs, &f64, &roots);
+    let degrees = line.phase.q.len();
     let places =
         slopes.stiffness.iter().map(|(row, column, _)| Literal::usize_unsuffixed(row * degrees + column));
     quote! {

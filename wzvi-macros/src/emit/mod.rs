@@ -1,12 +1,9 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
-pub(crate) mod bath;
 pub(crate) mod compose;
 pub(crate) mod discretized;
 mod gauss;
-mod lagrangian;
 pub(crate) mod names;
-pub(crate) mod parts;
 pub(crate) mod plan;
 mod print;
 mod program;
@@ -17,68 +14,61 @@ mod system;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
-use crate::describe::Texts;
-use crate::discretise::Scheme;
+use crate::describe::{Texts, stepped};
+use crate::diagnostics::internal;
 use crate::discretise::facts::Facts;
-use crate::discretise::facts::kinetic::Kinetic;
-use crate::model::Model;
+use crate::elements;
+use crate::elements::plan::Step;
+use crate::model::{StraightLine, System};
 
-pub(crate) use names::{Names, Surroundings, readable};
+pub(crate) use names::Names;
+use names::{Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::{
-    count, friction_rate, invariants, number_of, parameter, parameter_names, reads_time, validate, variables,
-};
+pub(crate) use system::{Body, Inputs, Letters, count, evaluation, parameter_names};
 
-/// Steps that are emitted another way, and what they read of the struct.
-#[derive(Default)]
-pub(crate) struct Beside {
-    /// The kinetic energy, where a thermostat needs to know.
-    pub(crate) kinetic: Option<Kinetic>,
-    pub(crate) generated: TokenStream,
-    pub(crate) user_tokens: Vec<TokenStream>,
-}
-
-/// Everything that `#[hamiltonian]` stands for: the schemes with their texts, and steps that are emitted another way.
+/// The struct as it was written, documented, and in a scope of its own everything that `#[hamiltonian]` stands for: the terms, what is
+/// made of them, and the steps.
 pub(crate) fn emit(
-    model: &mut Model,
+    system: &mut System,
+    line: Option<&StraightLine>,
     facts: &Facts,
-    schemes: &[(&Scheme, &str)],
-    beside: Beside,
+    steps: &[Step],
     texts: &Texts,
 ) -> TokenStream {
-    let mut generated = system::emit(model);
-    for (scheme, text) in schemes {
-        generated.extend(step::emit(model, facts, scheme, text));
+    let parameters = line.map(|line| line.parameters.as_slice());
+    let mut generated = elements::emit::terms(system, parameters, facts, steps, texts);
+    let is_taken =
+        stepped(&texts.listed.iter().map(|(listed, _)| listed.clone()).collect::<Vec<_>>(), texts.flows);
+    for (step, text) in steps.iter().zip(&texts.of_parts) {
+        match (step, line) {
+            _ if !is_taken.contains(step.embedding()) => {}
+            (Step::StraightLine(scheme), Some(line)) => {
+                generated.extend(step::emit(&system.item, (&mut system.graph, line), facts, scheme, text));
+            }
+            (Step::InLoops(embedding, strategy), _) => {
+                generated.extend(elements::emit::step(system, facts, embedding, *strategy, text));
+            }
+            (Step::StraightLine(_), None) => {
+                internal::broken("steps in straight lines are of systems that are")
+            }
+        }
     }
-    generated.extend(beside.generated);
-    generated.extend(gauss::emit(model, facts, texts));
-    generated.extend(parts::emit(model, facts, texts));
-    generated.extend(bath::emit(model, beside.kinetic));
-    let surroundings = Surroundings {
-        crate_path: &model.crate_path,
-        tokens: with_header(
-            &model.item,
-            model.parameters.iter().map(|parameter| &parameter.tokens).chain(&beside.user_tokens),
-        ),
-        spelled: &model.type_checks,
-        generics: &model.item.generics,
-    };
-    wrapped(&model.item, facts, generated, &surroundings, texts)
-}
-
-/// The struct as it was written, documented, and `generated` in a scope of its own.
-pub(crate) fn wrapped(
-    item: &syn::ItemStruct,
-    facts: &Facts,
-    mut generated: TokenStream,
-    surroundings: &Surroundings<'_>,
-    texts: &Texts,
-) -> TokenStream {
-    generated.extend(compose::emit(item, texts));
-    generated.extend(facts.is_conservative.then(|| conservative(item)));
-    let (doc, type_checks) = (documentation(texts), surroundings.spelled);
-    let generated = readable(generated, surroundings);
+    generated.extend(gauss::emit(system, line, facts, texts));
+    generated.extend(compose::emit(&system.item, texts));
+    generated.extend(facts.is_conservative.then(|| conservative(&system.item)));
+    let read = elements::emit::user_tokens(system);
+    let listed = parameters.unwrap_or_default().iter().map(|parameter| &parameter.tokens);
+    let generated = readable(
+        generated,
+        &Surroundings {
+            crate_path: &system.crate_path,
+            tokens: with_header(&system.item, read.iter().chain(listed)),
+            spelled: &system.type_checks,
+            generics: &system.item.generics,
+        },
+    );
+    let (doc, item, type_checks) = (documentation(texts), &system.item, &system.type_checks);
     quote! {
         #doc
         #item
@@ -102,10 +92,7 @@ fn conservative(item: &syn::ItemStruct) -> TokenStream {
 
 /// What implementations name of the user's: the struct with its generics, and what `read` reads. The type of a constant
 /// is left out: only primitive ones are allowed there.
-pub(crate) fn with_header<'t>(
-    item: &syn::ItemStruct,
-    read: impl Iterator<Item = &'t TokenStream>,
-) -> TokenStream {
+fn with_header<'t>(item: &syn::ItemStruct, read: impl Iterator<Item = &'t TokenStream>) -> TokenStream {
     let parameters = item.generics.params.iter().map(|parameter| match parameter {
         syn::GenericParam::Const(constant) => constant.ident.to_token_stream(),
         other => other.to_token_stream(),

@@ -1,10 +1,9 @@
 //! The step of one scheme as straight-line code.
 
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::discretized::{Beside, Discretized};
-use super::lagrangian;
 use super::names::Names;
 use super::plan::Plan;
 use super::print::f64_type;
@@ -12,7 +11,10 @@ use super::system::{Letters, count};
 use crate::discretise::Scheme;
 use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::structure::Solution;
-use crate::model::Model;
+use crate::elements;
+use crate::elements::plan::{Strategy, Unknowns};
+use crate::model::StraightLine;
+use crate::symbolic::Graph;
 
 mod flow;
 mod given;
@@ -30,20 +32,18 @@ pub(crate) struct Kernel {
     pub(crate) items: TokenStream,
     /// The body of a method that makes a `__Prepared` of numbers of `self` and `__h`.
     pub(crate) prepare: TokenStream,
-    /// `(P - p_i) / (p_{i+1} - p_i)` of each degree of freedom, if that is a number.
-    pub(crate) momentum_factors: Option<Vec<f64>>,
     affords_compensation: bool,
     /// What `__solve` reads of `__t`, `__h`, `__dw` and `__memory`.
     reads: [bool; 4],
 }
 
 impl Kernel {
-    pub(crate) fn new(model: &mut Model, facts: &Facts, scheme: &Scheme) -> Self {
-        let flow = Flow::new(&mut model.graph, &model.parameters, scheme, facts.noise == NoiseClass::None);
+    pub(crate) fn new(graph: &mut Graph, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> Self {
+        let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
         let noises = scheme.lagrangian.symbols.dw.len();
-        let Letters { q, p, mut names, .. } = Letters::of_state(model, Names::default());
+        let Letters { q, p, mut names, .. } = Letters::of_state(graph, line, Names::default());
         let arguments = Arguments { q, p, dw: increment_names(&mut names, noises) };
-        let prepared = Prepared::new(&flow, model, &mut names);
+        let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
         let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);
         let sizes = flow.newton_sizes();
         let reads =
@@ -94,13 +94,7 @@ impl Kernel {
                 #statements
             }
         };
-        Self {
-            items,
-            prepare: prepared.body,
-            momentum_factors: flow.momentum_factors(scheme),
-            affords_compensation: flow.affords_compensation(),
-            reads,
-        }
+        Self { items, prepare: prepared.body, affords_compensation: flow.affords_compensation(), reads }
     }
 
     /// Whether there is something to iterate on.
@@ -143,11 +137,15 @@ pub(crate) fn increment_names(names: &mut Names, noises: usize) -> Vec<Ident> {
 }
 
 /// The implementation of one scheme.
-pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str) -> TokenStream {
-    let lagrangian = lagrangian::emit(model, scheme);
+pub(crate) fn emit(
+    item: &syn::ItemStruct,
+    (graph, line): (&mut Graph, &StraightLine),
+    facts: &Facts,
+    scheme: &Scheme,
+    text: &str,
+) -> TokenStream {
     let plan = plan(facts, scheme);
-    let kernel = Kernel::new(model, facts, scheme);
-    let momentum = momentum(&kernel, scheme);
+    let kernel = Kernel::new(graph, line, facts, scheme);
     let advance = advance(&kernel, scheme, [&quote!(__S), &f64_type(), &quote!(__C), &quote!(__CAREFUL)]);
     let beside = Beside {
         ty: quote!(__Prepared<__wzvi::Lanes<__L>>),
@@ -158,11 +156,14 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
     let carry =
         if kernel.affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
     let Kernel { items, prepare, .. } = kernel;
+    // Of what is solved in loops only the momentum between two ends, if that.
+    let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
+    let data = elements::emit::scheme(facts, &scheme.embedding, strategy, false);
     Discretized {
-        item: &model.item,
+        item,
         embedding: &scheme.embedding,
         text,
-        items,
+        items: quote!(#data #items),
         constants: TokenStream::new(),
         plan,
         prepared: quote!(__Prepared<__wzvi::f64>),
@@ -175,9 +176,6 @@ pub(crate) fn emit(model: &mut Model, facts: &Facts, scheme: &Scheme, text: &str
         inline: quote!(#[inline(always)]),
         advance,
         advance_vectors: None,
-        lagrangian: lagrangian.value,
-        gradient: lagrangian.gradient,
-        momentum,
     }
     .emit()
 }
@@ -218,66 +216,6 @@ fn advance_beside(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
     quote! {
         let (__prepared, __carry) = (__beside, &mut __wzvi::Plain);
         #advance
-    }
-}
-
-/// The body of `step_momentum`: `P = p_i + (p_{i+1} - p_i) / factor` where the update is a multiple of `v`, else from the
-/// step.
-fn momentum(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
-    if let Some(factors) = &kernel.momentum_factors {
-        return momentum_between(factors);
-    }
-    let symbols = &scheme.lagrangian.symbols;
-    let (degrees, noises) = (count(symbols.u.len()), symbols.dw.len());
-    let embedding = scheme.embedding.path(&quote!(__wzvi));
-    let (f64, option) = (f64_type(), quote!(__wzvi::Option));
-    let increments = match noises {
-        0 => quote!(__wzvi::increments::<_, 0>(__dw).ok()?;),
-        _ => quote!(let __dw = __wzvi::increments(__dw).ok()?;),
-    };
-    let memory = kernel.reads[3].then(|| quote!(let mut __memory = __wzvi::Default::default();));
-    let solve = kernel.call(
-        [&f64, &f64, &quote!(__wzvi::Plain), &quote!(true)],
-        [
-            quote!(&__prepared),
-            quote!(__before.t),
-            quote!(__h),
-            quote!(__wzvi::Into::into(__before.q)),
-            quote!(__wzvi::Into::into(__before.p)),
-            quote!(__dw),
-            quote!(&mut __memory),
-            quote!(&__wzvi::Plain),
-        ],
-    );
-    quote! {
-        let __momentum = || -> #option<[#f64; #degrees]> {
-            let __prepared = __wzvi::Discretized::<#embedding>::prepare(self, __h).ok()?;
-            #increments
-            #memory
-            let mut __next = __wzvi::Solution::nowhere();
-            #solve.ok()?;
-            __wzvi::Some(__next.momentum)
-        };
-        __wzvi::Into::into(__momentum().unwrap_or([#f64::NAN; #degrees]))
-    }
-}
-
-/// The momentum that lies at `factors` between those of both ends.
-fn momentum_between(factors: &[f64]) -> TokenStream {
-    let is = |wanted: f64| factors.iter().all(|&factor| factor == wanted);
-    match factors {
-        _ if is(1.0) => quote!(__after.p),
-        [first, ..] if is(*first) => {
-            let factor = Literal::f64_unsuffixed(*first);
-            quote!(__before.p + (__after.p - __before.p) * #factor)
-        }
-        factors => {
-            let components = factors.iter().enumerate().map(|(i, &factor)| {
-                let (i, factor) = (count(i), Literal::f64_unsuffixed(factor));
-                quote!(__before.p[#i] + (__after.p[#i] - __before.p[#i]) * #factor)
-            });
-            quote!(__wzvi::SVector::from_row_slice(&[#(#components),*]))
-        }
     }
 }
 

@@ -9,12 +9,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use quote::quote;
 
-use crate::diagnostics::Located;
 use crate::elements::emit::Indices;
 use crate::input::Emission;
 use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};
-use crate::model::{Bath, Family, Local, Model, Noise, Parameter, Phase, Slot, System, Table, Term};
+use crate::model::{Family, Local, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Turns of a loop, and points of a system, up to which it is written out: there, straight-line code with dense
@@ -213,28 +212,13 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with each degree of freedom a variable of its own, which has its graph until it is
-/// [given back](Model::lend); `None` if it has many points, loops are left, or indices that only the running program knows.
-pub(crate) fn written_out(system: &mut System) -> Option<Model> {
+/// The system with each degree of freedom a variable of its own; `None` if it has many points, loops are left, or indices that only the
+/// running program knows.
+pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
     let has_covectors = system.has_covectors();
-    let System {
-        graph,
-        symbols,
-        tables,
-        labels,
-        parameters,
-        t,
-        drift,
-        parts,
-        noise,
-        force,
-        friction,
-        temperature,
-        invariants,
-        ..
-    } = &mut *system;
+    let System { graph, symbols, tables, parameters, t, drift, parts, noise, force, conformal, .. } = system;
     let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
     let indices = Indices { tables, checked: true, lists: &[] };
     let mut parameters: Vec<Parameter> = parameters
@@ -255,44 +239,19 @@ pub(crate) fn written_out(system: &mut System) -> Option<Model> {
     // In the order of their first use.
     parameters.sort_by_key(|parameter| parameter.symbol.index());
     let [q, p] = symbols.phase();
-    let (t, mut graph) = (*t, std::mem::take(graph));
-    let phase = Phase { q, p, displacements, t };
+    let phase = Phase { q, p, displacements, t: *t };
     let mut value = |term: &Term| {
         let values: Vec<Expr> = term.values.iter().map(|element| element.value).collect();
         graph.sum(&values)
     };
-    let [of_force, of_friction, of_temperature] =
-        [force.as_ref(), friction.as_ref().map(|friction| &friction.term), temperature.as_ref()]
-            .map(|term| term.map(&mut value));
+    let work = force.as_ref().map(&mut value);
     let (forces, noise): (Vec<&Noise>, Vec<&Noise>) = noise.iter().partition(|noise| noise.is_force);
     let forces: Vec<Expr> = forces.into_iter().map(|noise| value(&noise.term)).collect();
-    let mut located = |term: &Term| Located { value: value(term), extent: term.extent };
-    let (drift, parts) = (located(drift), parts.iter().map(&mut located).collect());
-    let noise = noise.into_iter().map(|noise| located(&noise.term)).collect();
-    let invariants = invariants.iter().map(located).collect();
-    let force = of_force.map(|work| phase.components(&mut graph, work));
-    let noise_forces = forces.into_iter().map(|work| phase.components(&mut graph, work)).collect();
-    let is_matrix = friction.as_ref().is_some_and(|friction| friction.is_matrix);
-    let bath = of_friction.map(|work| Bath::of(&mut graph, &phase, (work, is_matrix), of_temperature));
-    Some(Model {
-        phase,
-        labels: labels.clone(),
-        parameters,
-        drift,
-        parts,
-        noise,
-        force,
-        noise_forces,
-        bath,
-        conformal: system.conformal,
-        invariants,
-        invariant_names: system.invariant_names.clone(),
-        embeddings: system.embeddings.clone(),
-        item: system.item.clone(),
-        crate_path: system.crate_path.clone(),
-        type_checks: system.type_checks.clone(),
-        graph,
-    })
+    let (drift, parts) = (value(drift), parts.iter().map(&mut value).collect());
+    let noise = noise.into_iter().map(|noise| value(&noise.term)).collect();
+    let force = work.map(|work| phase.components(graph, work));
+    let noise_forces = forces.into_iter().map(|work| phase.components(graph, work)).collect();
+    Some(StraightLine { phase, parameters, drift, parts, noise, force, noise_forces, conformal: *conformal })
 }
 
 /// The local variables of a system that straight-line code can stand for: no element has loops, no index reads the state's

@@ -13,13 +13,14 @@ use super::sequence::{Followed, Half, Sequence, Substep};
 use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check, follow};
 use super::structure::{Parted, Structure, TwoFlows};
 use crate::carry::{Carry, Plain};
+use crate::elements::{Elements, Point, Slopes, slopes, value_of_part};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
 use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::{Hamiltonian, Segment};
+use crate::system::Segment;
 
 /// The form of a part of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,19 +34,19 @@ pub enum Form {
 }
 
 /// A system in two parts with known flows; generated.
-pub trait Parts: Hamiltonian {
+pub trait Parts: Elements + Sized {
     /// The plan of a step of order two.
     const PLAN: Plan;
     /// The forms of `H_A` and `H_B`.
     const FORMS: [Form; 2];
+    /// The number of `H_A` among the parts that elements are added up by; `H_B` has the next one.
+    const FIRST: usize;
     /// Lists of one number per degree of freedom.
     type Shape: Shape;
 
     /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as they are wanted.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "generated code implements it, and each is one thing that slopes depend on"
-    )]
+    #[expect(clippy::too_many_arguments, reason = "each is one thing that slopes depend on")]
+    #[inline(always)]
     fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
         &self,
         part: Half,
@@ -55,10 +56,18 @@ pub trait Parts: Hamiltonian {
         p: &[S],
         by_q: &mut [S],
         by_p: &mut [S],
-    );
+    ) {
+        by_q.fill(S::from_f64(0.0));
+        by_p.fill(S::from_f64(0.0));
+        let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
+        let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+        slopes(self, Self::FIRST + part as usize, 1.0, &at, wanted, by_q, by_p);
+    }
 
     /// The value of a part.
-    fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64;
+    fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64 {
+        value_of_part(self, Self::FIRST + part as usize, t, q, p)
+    }
 }
 
 /// The flows of the parts in turn.

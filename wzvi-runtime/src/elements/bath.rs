@@ -1,6 +1,6 @@
 //! Friction of any sum of elements, for thermostats.
 
-use super::{Elements, Point, Slopes, slopes};
+use super::{Curvature, Elements, Point, Slopes, slopes};
 use crate::scalar::Scalar;
 
 /// The rates of friction: part number `part`, whose slopes are those of a covector.
@@ -11,20 +11,32 @@ pub fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mu
     along(system, part, [q, q], into);
 }
 
-/// `Γ` by rows: those of part number `part` with each unit momentum.
+/// `Γ` by rows: part number `part` is a covector that is linear in the momenta, with this matrix.
 pub fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
     let degrees = q.len();
     if into.len() != degrees * degrees {
         return into.fill(S::from_f64(f64::NAN));
     }
-    let (mut p, mut column) = (vec![S::from_f64(0.0); degrees], vec![S::from_f64(0.0); degrees]);
-    for j in 0..degrees {
-        p.fill(S::from_f64(0.0));
-        p[j] = S::from_f64(1.0);
-        along(system, part, [q, &p], &mut column);
-        for (i, &entry) in column.iter().enumerate() {
-            into[i * degrees + j] = entry;
-        }
+    into.fill(S::from_f64(0.0));
+    // The momenta do not matter.
+    let at = Point { q, p: q, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
+    system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut Rows { degrees, into });
+}
+
+/// The matrix of a covector `f` that is linear in the momenta: second derivatives are those of `-f`.
+struct Rows<'a, S> {
+    degrees: usize,
+    into: &'a mut [S],
+}
+
+impl<S: Scalar> Curvature<S> for Rows<'_, S> {
+    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
+        let entry = &mut self.into[i * self.degrees + j];
+        *entry = *entry - value;
     }
 }
 

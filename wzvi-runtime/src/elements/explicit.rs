@@ -5,7 +5,7 @@ use super::passes::{add, are_finite};
 use super::step::{Step, nothing};
 use super::sums::Onto;
 use super::windows::takes_windows;
-use super::{Elements, Memory, MomentumUpdate, Scheme, Slopes};
+use super::{Memory, MomentumUpdate, Scheme, Shared, Slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
@@ -22,7 +22,7 @@ use crate::state::Vector;
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance_explicit<H: Elements, S: Scalar, C: Carry<S>>(
+pub fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -51,7 +51,7 @@ struct Givens<'a, H, S> {
 }
 
 #[inline(never)]
-fn advance_apart<H: Elements, S: Scalar, C: Carry<S>>(
+fn advance_apart<H: Shared, S: Scalar, C: Carry<S>>(
     givens: Givens<'_, H, S>,
     q: &mut [S],
     p: &mut [S],
@@ -61,7 +61,7 @@ fn advance_apart<H: Elements, S: Scalar, C: Carry<S>>(
     givens.advance(q, p, memory, carry)
 }
 
-impl<H: Elements, S: Scalar> Givens<'_, H, S> {
+impl<H: Shared, S: Scalar> Givens<'_, H, S> {
     #[inline(always)]
     fn advance<C: Carry<S>>(
         self,
@@ -113,7 +113,7 @@ impl<H: Elements, S: Scalar> Givens<'_, H, S> {
 /// Those of [`advance_explicit`].
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance_explicit_vectors<H: Elements, C: Carry<f64>>(
+pub fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -132,7 +132,7 @@ pub fn advance_explicit_vectors<H: Elements, C: Carry<f64>>(
     advance_explicit(system, scheme, t, h, q, p, dw, memory, carry)
 }
 
-impl<H: Elements> Givens<'_, H, f64> {
+impl<H: Shared> Givens<'_, H, f64> {
     /// The same, window by window.
     #[inline(always)]
     fn exchange(
@@ -156,7 +156,7 @@ impl<H: Elements> Givens<'_, H, f64> {
     }
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
     #[inline(always)]
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {

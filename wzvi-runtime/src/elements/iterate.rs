@@ -7,7 +7,7 @@ use super::passes::{Corrected, largest, subtract};
 use super::preference::Solution;
 use super::rounding::variation;
 use super::step::Step;
-use super::{CONTRACTS, Elements, Iteration, Memory, Scheme, Unknowns};
+use super::{CONTRACTS, Iteration, Memory, Scheme, Shared, Unknowns};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
@@ -28,7 +28,7 @@ const MOST_ITERATIONS: u32 = 100;
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+pub fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -49,7 +49,7 @@ pub fn advance<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[cold]
 #[inline(never)]
-fn advance_anyhow<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -79,7 +79,7 @@ fn advance_anyhow<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 /// The step in a memory of the size of the state.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-fn advance_fitting<H: Elements, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -200,7 +200,7 @@ struct Taken {
     is_kept: bool,
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the short way.
     #[inline(always)]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {

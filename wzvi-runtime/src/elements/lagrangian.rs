@@ -3,9 +3,9 @@
 
 use super::hamiltonian::fits;
 use super::step::{Step, decay, scale_at};
-use super::{Elements, Memory, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns, slopes};
+use super::{Elements, Memory, Point, Scheme, Slopes, Stage, Unknowns, slopes};
 use crate::state::{State, Vector};
-use crate::system::{LagrangianGradient, Segment};
+use crate::system::{Hamiltonian, LagrangianGradient, Segment};
 
 /// What the discrete Lagrangian is evaluated at: a segment whose sizes were checked, and increments.
 struct Evaluated<'a, V> {
@@ -100,9 +100,28 @@ pub fn discrete_lagrangian_gradient<H: Elements>(
     gradient
 }
 
-/// `P` of the step between two states, from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`. NaN where that has no solution, or sizes do
-/// not fit.
-pub fn step_momentum<H: Elements>(
+/// `P` of the step between two states, which is what `factor` says if the change of the momenta is so many times `v = P - p_i`. NaN if sizes do not fit.
+pub fn momentum_between<H: Hamiltonian>(
+    system: &H,
+    factor: f64,
+    before: &State<H::Vector>,
+    after: &State<H::Vector>,
+    h: f64,
+) -> H::Vector {
+    let decay = if H::IS_CONFORMAL { decay(system, h) } else { 0.0 };
+    let (mut momentum, end) = (before.p.clone(), after.p.components());
+    if end.len() != momentum.components().len() {
+        momentum.components_mut().fill(f64::NAN);
+    }
+    for (p, end) in momentum.components_mut().iter_mut().zip(end) {
+        // What friction took off is put back.
+        *p += ((end - *p) - decay * *p) / (1.0 + decay) / factor;
+    }
+    momentum
+}
+
+/// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where that has no solution.
+pub fn momentum_solved<H: Elements>(
     system: &H,
     scheme: &Scheme,
     before: &State<H::Vector>,
@@ -127,22 +146,55 @@ fn momentum_increment<H: Elements>(
     h: f64,
     dw: &[f64],
 ) -> Option<Vec<f64>> {
-    let [q, p, end_q, end_p] = [&before.q, &before.p, &after.q, &after.p].map(Vector::components);
-    if [p.len(), end_q.len(), end_p.len()] != [q.len(); 3] || dw.len() != system.noises() {
+    let [q, p, end_q] = [&before.q, &before.p, &after.q].map(Vector::components);
+    if [p.len(), end_q.len()] != [q.len(); 2] || dw.len() != system.noises() {
         return None;
     }
-    let change = |start: &[f64], end: &[f64]| start.iter().zip(end).map(|(a, b)| b - a).collect::<Vec<_>>();
-    if let MomentumUpdate::Multiple(factor) = scheme.update {
-        let decay = if H::IS_CONFORMAL { decay(system, h) } else { 0.0 };
-        // What friction took off is put back.
-        let undecayed = change(p, end_p).into_iter().zip(p).map(|(dp, p)| (dp - decay * p) / (1.0 + decay));
-        return Some(undecayed.map(|v| v / factor).collect());
-    }
-    let u = change(q, end_q);
+    let u: Vec<f64> = q.iter().zip(end_q).map(|(a, b)| b - a).collect();
     let scheme = &Scheme { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
     let mut memory = Memory::default();
     memory.fit(system, scheme, q.len()).ok()?;
     let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
     step.careful(&mut memory).ok()?;
     Some(memory.work.lists(scheme, q.len()).x.to_vec())
+}
+
+/// The discrete Lagrangian of a scheme, its gradient and the momentum of a step, for an implementation of `Discretized`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __lagrangian {
+    ($scheme:expr) => {
+        fn discrete_lagrangian(
+            &self,
+            __segment: &$crate::system::Segment<Self::Vector>,
+            __dw: &[$crate::core::primitive::f64],
+        ) -> $crate::core::primitive::f64 {
+            $crate::elements::discrete_lagrangian(self, &$scheme, __segment, __dw)
+        }
+
+        fn discrete_lagrangian_gradient(
+            &self,
+            __segment: &$crate::system::Segment<Self::Vector>,
+            __dw: &[$crate::core::primitive::f64],
+        ) -> $crate::system::LagrangianGradient<Self::Vector> {
+            $crate::elements::discrete_lagrangian_gradient(self, &$scheme, __segment, __dw)
+        }
+
+        fn step_momentum(
+            &self,
+            __before: &$crate::state::State<Self::Vector>,
+            __after: &$crate::state::State<Self::Vector>,
+            __h: $crate::core::primitive::f64,
+            __dw: &[$crate::core::primitive::f64],
+        ) -> Self::Vector {
+            // Only what is called is compiled.
+            const FACTOR: $crate::core::option::Option<$crate::core::primitive::f64> = $scheme.factor();
+            if FACTOR.is_some() {
+                let __factor = FACTOR.unwrap_or($crate::core::primitive::f64::NAN);
+                $crate::elements::momentum_between(self, __factor, __before, __after, __h)
+            } else {
+                $crate::elements::momentum_solved(self, &$scheme, __before, __after, __h, __dw)
+            }
+        }
+    };
 }

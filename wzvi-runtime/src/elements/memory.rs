@@ -468,11 +468,6 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
     fn add(base: S, increment: S, carried: S) -> (S, S) {
         Compensation::<S, 1>::add(base, increment, carried)
     }
-    type Part<const D: usize> = Compensation<S, D>;
-    #[inline(always)]
-    fn part<const D: usize>(&self, first: usize) -> Compensation<S, D> {
-        Compensation::of(self, first)
-    }
     fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
         let zero = S::from_f64(0.0);
         self.coordinates.resize(coordinates.len(), zero);

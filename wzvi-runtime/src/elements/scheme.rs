@@ -71,6 +71,22 @@ pub struct Scheme {
 }
 
 impl Scheme {
+    /// How many times `v` the change of the momenta is, if it is: infinitely many where `D_1 L_d` reads no slopes, and `v` is zero.
+    #[doc(hidden)]
+    pub const fn factor(&self) -> Option<f64> {
+        if let MomentumUpdate::Multiple(factor) = self.update {
+            return Some(factor);
+        }
+        let mut stages = self.stages;
+        while let [stage, rest @ ..] = stages {
+            if stage.start != 0.0 {
+                return None;
+            }
+            stages = rest;
+        }
+        Some(f64::INFINITY)
+    }
+
     /// Whether no part is evaluated at two stages.
     #[inline(always)]
     pub(super) fn takes_parts_once(&self) -> bool {

@@ -10,6 +10,7 @@ use super::{Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes, Stage, U
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::{Number, Scalar};
+use crate::system::Hamiltonian;
 
 /// The givens of one step.
 pub(super) struct Step<'a, H, S> {
@@ -31,7 +32,7 @@ pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
 }
 
 /// `e^{-γ h} - 1`
-pub(super) fn decay<H: Elements>(system: &H, h: f64) -> f64 {
+pub(super) fn decay<H: Hamiltonian>(system: &H, h: f64) -> f64 {
     (-system.friction_rate() * h).exp_m1()
 }
 

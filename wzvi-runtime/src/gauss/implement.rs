@@ -1,17 +1,16 @@
 //! The implementation of a Gauss method, which is the same for all systems.
 
-/// What follows the header `impl Discretized<Gauss<$stages>> for ...` of a system with `$degrees` degrees of freedom.
+/// What follows the header `impl Discretized<Gauss<$stages>> for ...`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __gauss {
-    ([$($header:tt)*] $scheme:ty, $stages:literal, $midpoint:expr, $degrees:expr, $text:expr) => {
+    ([$($header:tt)*] $scheme:ty, $stages:literal, $midpoint:expr, $text:expr) => {
         #[automatically_derived]
         $($header)* {
             const PLAN: $crate::plan::Plan = $crate::gauss::plan(
                 $midpoint,
                 $stages,
                 <Self as $crate::gauss::Field>::IS_NYSTROM,
-                $degrees,
             );
             const EQUATIONS: &'static $crate::core::primitive::str = $text;
             const IN_LANES: $crate::core::primitive::bool =

@@ -12,8 +12,6 @@ pub struct Solution<S, const D: usize> {
     pub q: [(S, S); D],
     /// `p_{i+1}`, and what its rounding took.
     pub p: [(S, S); D],
-    /// `P`
-    pub momentum: [S; D],
     /// What Newton's method took, over all blocks.
     pub effort: Effort,
 }
@@ -24,18 +22,12 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     #[inline(always)]
     pub fn nowhere() -> Self {
         let nan = S::from_f64(f64::NAN);
-        Self { q: [(nan, nan); D], p: [(nan, nan); D], momentum: [nan; D], effort: Effort::fast(0) }
+        Self { q: [(nan, nan); D], p: [(nan, nan); D], effort: Effort::fast(0) }
     }
 
     /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
     #[inline(always)]
-    pub fn new<C: Carry<S>>(
-        carry: &C,
-        [q, p]: [[S; D]; 2],
-        [dq, dp]: [[S; D]; 2],
-        momentum: [S; D],
-        effort: Effort,
-    ) -> Self {
+    pub fn new<C: Carry<S>>(carry: &C, [q, p]: [[S; D]; 2], [dq, dp]: [[S; D]; 2], effort: Effort) -> Self {
         // Plain loops: closures would be compiled without the vector instructions of the caller.
         let zero = S::from_f64(0.0);
         let (mut next_q, mut next_p) = ([(zero, zero); D], [(zero, zero); D]);
@@ -43,7 +35,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
             next_q[i] = C::add(q[i], dq[i], carry.of_coordinate(i));
             next_p[i] = C::add(p[i], dp[i], carry.of_momentum(i));
         }
-        Self { q: next_q, p: next_p, momentum, effort }
+        Self { q: next_q, p: next_p, effort }
     }
 
     /// Whether every component is finite.

@@ -6,7 +6,7 @@ use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Part, Quadrature, Stage};
 use crate::discretise::sums::{Slope, Space, Sum, Weighted};
 use crate::elements::parts::parts;
-use crate::elements::plan::Unknowns;
+use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational};
@@ -16,7 +16,7 @@ pub(super) fn sweep(
     system: &mut System,
     facts: &Facts,
     embedding: &Embedding,
-    (unknowns, is_linear): (Unknowns, bool),
+    Strategy { unknowns, is_linear }: Strategy,
     text: &mut String,
 ) {
     let Quadrature { stages } = Quadrature::new(facts, embedding);

@@ -1,12 +1,11 @@
-//! `impl Damped` of a system of elements: friction and temperature as parts with numbers of their own.
+//! `impl Damped`: friction and temperature as parts with numbers of their own.
 
 use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::parts::Numbers;
 use crate::discretise::facts::kinetic::Kinetic;
-use crate::emit::bath::Damped;
-use crate::emit::count;
+use crate::emit::{count, f64_type};
 use crate::model::System;
 
 /// For a thermostat, if there is friction for one.
@@ -29,7 +28,23 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             quote!(__wzvi::Some(__wzvi::elements::value_of_part(self, #number, 0.0, &[], &[])))
         }
     };
-    let has_diagonal_masses = is_diagonal;
-    let damped = Damped { is_matrix, is_per_state, has_diagonal_masses, damping, temperature };
-    damped.emit(&model.item)
+    let name = &model.item.ident;
+    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let (f64, bool, option) = (f64_type(), quote!(__wzvi::bool), quote!(__wzvi::Option));
+    quote! {
+        #[automatically_derived]
+        impl #generics __wzvi::bath::Damped for #name #arguments #filter {
+            const IS_MATRIX: #bool = #is_matrix;
+            const PER_STATE: #bool = #is_per_state;
+            const HAS_DIAGONAL_MASSES: #bool = #is_diagonal;
+
+            fn damping<__S: __wzvi::Scalar>(&self, __q: &[__S], __into: &mut [__S]) {
+                #damping
+            }
+
+            fn temperature(&self) -> #option<#f64> {
+                #temperature
+            }
+        }
+    }
 }

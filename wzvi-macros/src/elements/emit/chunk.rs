@@ -44,6 +44,8 @@ pub(super) struct Chunk<'a> {
     pub(super) locals: &'a [Ident],
     /// Components of a point.
     pub(super) components: i128,
+    /// Whether places are asked for before they are added to.
+    pub(super) has_windows: bool,
     pub(super) wanted: Wanted,
     /// Where placements are taken beside each other that are not next to each other.
     pub(super) beside: Option<Beside<'a>>,
@@ -193,7 +195,7 @@ impl Chunk<'_> {
             Target::Total | Target::Curvature { .. } => None,
         };
         match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
-            Some(places) if self.wanted == Wanted::Slopes && !places.is_empty() => {
+            Some(places) if self.has_windows && self.wanted == Wanted::Slopes && !places.is_empty() => {
                 let sums = written(self.outputs);
                 quote! {
                     if #sums.clip::<1, _>(1, [#(#places),*]).1 > 0 {

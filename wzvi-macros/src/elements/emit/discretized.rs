@@ -5,7 +5,7 @@ use quote::quote;
 
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Quadrature, Stage};
-use crate::elements::plan::Unknowns;
+use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::emit::discretized::Discretized;
 use crate::emit::plan::Plan;
@@ -13,68 +13,71 @@ use crate::emit::{count, f64_type};
 use crate::input::{Length, Shape};
 use crate::model::{Parameter, System};
 
-/// The way in which the steps of a scheme are solved, as code.
-pub(super) struct Road {
-    /// What stands beside the implementation.
-    pub(super) items: TokenStream,
-    pub(super) plan: TokenStream,
-    pub(super) unknowns: Unknowns,
-    pub(super) is_linear: bool,
-    /// Whether the paths of an ensemble run beside each other.
-    pub(super) in_lanes: bool,
-    /// The types, the last for numbers `__S`.
-    pub(super) prepared: TokenStream,
-    pub(super) memory: TokenStream,
-    /// The bodies, by method.
-    pub(super) new_memory: TokenStream,
-    pub(super) prepare: TokenStream,
-    pub(super) inline: TokenStream,
-    pub(super) advance: TokenStream,
-    pub(super) advance_vectors: Option<TokenStream>,
-    pub(super) momentum: TokenStream,
-}
-
 /// `impl Discretized<E>`
-pub(super) fn emit(
+pub(crate) fn emit(
     model: &System,
     facts: &Facts,
     embedding: &Embedding,
-    road: Road,
+    strategy: Strategy,
     text: &str,
 ) -> TokenStream {
-    let (scheme, items) = (scheme(model, facts, embedding, &road), road.items);
-    let (elements, in_lanes) = (quote!(__wzvi::elements), road.in_lanes);
+    let f64 = f64_type();
+    let nan_checks: Vec<TokenStream> =
+        model.parameters.iter().map(|Parameter { tokens, .. }| quote!(#f64::is_nan(#tokens))).collect();
+    let nan_check = (!nan_checks.is_empty()).then(|| {
+        quote! {
+            if #(#nan_checks)||* {
+                return __wzvi::Err(__wzvi::ConfigError::Parameter);
+            }
+        }
+    });
+    let elements = quote!(__wzvi::elements);
+    let is_explicit = strategy.unknowns == Unknowns::None;
+    let advance = match is_explicit {
+        true => quote!(#elements::advance_explicit::<_, __S, __C>),
+        false => quote!(#elements::advance::<_, __S, __C, __CAREFUL>),
+    };
     Discretized {
         item: &model.item,
         embedding,
         text,
-        items: quote!(#scheme #items),
+        items: scheme(facts, embedding, strategy, model.noise.is_empty() && !is_explicit),
         // A start that is no guide costs iterations, not digits.
         constants: quote! {
             const REMEMBERS: __wzvi::bool = false;
-            const IN_LANES: __wzvi::bool = #in_lanes;
+            const IN_LANES: __wzvi::bool = #is_explicit;
         },
-        plan: road.plan,
-        prepared: road.prepared,
+        plan: plan(model, facts, embedding, strategy),
+        prepared: quote!(()),
         beside: None,
-        memory: road.memory,
+        memory: quote!(#elements::Memory<__S>),
         compensated: quote!(#elements::CompensationVec<__S>),
         carry: quote!(__wzvi::Plain),
-        new_memory: Some(road.new_memory),
-        prepare: road.prepare,
-        inline: road.inline,
-        advance: road.advance,
-        advance_vectors: road.advance_vectors,
-        lagrangian: quote!(#elements::discrete_lagrangian(self, &__SCHEME, __segment, __dw)),
-        gradient: quote!(#elements::discrete_lagrangian_gradient(self, &__SCHEME, __segment, __dw)),
-        momentum: road.momentum,
+        new_memory: Some(quote!(#elements::Memory::new(self, &__SCHEME))),
+        prepare: quote! {
+            #nan_check
+            #elements::prepare(self)
+        },
+        inline: if is_explicit { quote!(#[inline(always)]) } else { TokenStream::new() },
+        advance: quote! {
+            #advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
+        },
+        advance_vectors: is_explicit.then(|| {
+            let vectors = quote!(#elements::advance_explicit_vectors);
+            quote!(#vectors(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry))
+        }),
     }
     .emit()
 }
 
-/// What the run time needs to know of the scheme.
-fn scheme(model: &System, facts: &Facts, embedding: &Embedding, road: &Road) -> TokenStream {
-    let Road { unknowns, is_linear, .. } = road;
+/// What the run time needs to know of the scheme, and whether past steps start its iteration.
+pub(crate) fn scheme(
+    facts: &Facts,
+    embedding: &Embedding,
+    strategy: Strategy,
+    remembers: bool,
+) -> TokenStream {
+    let Strategy { unknowns, is_linear } = strategy;
     let quadrature = Quadrature::new(facts, embedding);
     let stages = quadrature.stages.iter().map(stage);
     let update = match quadrature.momentum_update() {
@@ -84,7 +87,6 @@ fn scheme(model: &System, facts: &Facts, embedding: &Embedding, road: &Road) -> 
         }
         None => quote!(Slopes),
     };
-    let remembers = model.noise.is_empty() && *unknowns != Unknowns::None;
     let unknowns = match unknowns {
         Unknowns::None => quote!(None),
         Unknowns::Momenta => quote!(Momenta),
@@ -114,67 +116,18 @@ fn stage(stage: &Stage) -> TokenStream {
     }
 }
 
-/// All sites at once, in loops.
-pub(super) fn sweep(
+pub(crate) fn plan(
     model: &System,
     facts: &Facts,
     embedding: &Embedding,
-    unknowns: Unknowns,
-    is_linear: bool,
-) -> Road {
-    let f64 = f64_type();
-    let nan_checks: Vec<TokenStream> =
-        model.parameters.iter().map(|Parameter { tokens, .. }| quote!(#f64::is_nan(#tokens))).collect();
-    let nan_check = (!nan_checks.is_empty()).then(|| {
-        quote! {
-            if #(#nan_checks)||* {
-                return __wzvi::Err(__wzvi::ConfigError::Parameter);
-            }
-        }
-    });
-    let elements = quote!(__wzvi::elements);
-    let advance = match unknowns {
-        Unknowns::None => quote!(#elements::advance_explicit::<_, __S, __C>),
-        Unknowns::Momenta | Unknowns::Both => quote!(#elements::advance::<_, __S, __C, __CAREFUL>),
-    };
-    Road {
-        items: TokenStream::new(),
-        plan: plan(model, facts, embedding, unknowns, is_linear),
-        unknowns,
-        is_linear,
-        in_lanes: unknowns == Unknowns::None,
-        prepared: quote!(()),
-        memory: quote!(#elements::Memory<__S>),
-        new_memory: quote!(#elements::Memory::new(self, &__SCHEME)),
-        prepare: quote! {
-            #nan_check
-            #elements::prepare(self)
-        },
-        inline: if unknowns == Unknowns::None { quote!(#[inline(always)]) } else { TokenStream::new() },
-        advance: quote! {
-            #advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
-        },
-        advance_vectors: (unknowns == Unknowns::None).then(|| {
-            let vectors = quote!(#elements::advance_explicit_vectors);
-            quote!(#vectors(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry))
-        }),
-        momentum: quote!(#elements::step_momentum(self, &__SCHEME, __before, __after, __h, __dw)),
-    }
-}
-
-pub(super) fn plan(
-    model: &System,
-    facts: &Facts,
-    embedding: &Embedding,
-    chosen: Unknowns,
-    is_linear: bool,
+    Strategy { unknowns, is_linear }: Strategy,
 ) -> TokenStream {
-    let solver = match chosen {
+    let solver = match unknowns {
         Unknowns::None => quote!(Explicit),
         _ if is_linear => quote!(Linear),
         _ => quote!(Newton),
     };
-    let per_degree: usize = match chosen {
+    let per_degree: usize = match unknowns {
         Unknowns::None => 0,
         Unknowns::Momenta => 1,
         Unknowns::Both => 2,

@@ -1,36 +1,21 @@
-//! The slopes of the step Hamiltonian of a system of elements, and what reads them: `impl Discretized<Gauss<S>>`, and the
-//! flows that `Verlet` and its compositions are made of.
+//! The slopes of the step Hamiltonian of a system in loops, and its flows.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::discretized::plan;
-use crate::describe::Texts;
-use crate::discretise::facts::Facts;
-use crate::discretise::facts::flows::is_nystrom;
-use crate::elements::plan::Unknowns;
-use crate::embedding::Embedding;
-use crate::emit::compose;
 use crate::model::System;
 
-/// Every `Gauss<S>` that was listed, and the flows.
-pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
-    let staged: Vec<(&Embedding, u32, &String)> = texts.staged().collect();
-    if staged.is_empty() && texts.flows.is_none() {
-        return TokenStream::new();
-    }
-    let is_nystrom = is_nystrom(model, facts);
+/// `impl Field`
+pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
     let noise = model.noise.iter().map(|noise| &noise.term);
     let terms = [&model.drift].into_iter().chain(&model.force).chain(noise);
     let reads_time =
         terms.flat_map(|term| &term.elements).any(|e| model.graph.depends_on(e.value, &[model.t]));
     let in_lanes = !reads_time;
-    // Its unknowns are those of one stage with one unknown for each degree of freedom.
-    let midpoint = plan(model, facts, &Embedding::Midpoint, Unknowns::Momenta, false);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let bool = quote!(__wzvi::bool);
-    let mut generated = quote! {
+    quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
             const IS_NYSTROM: #bool = #is_nystrom;
@@ -70,24 +55,11 @@ pub(super) fn emit(model: &mut System, facts: &Facts, texts: &Texts) -> TokenStr
                 __wzvi::elements::field::<_, __S, __BY_Q, __BY_P>(self, __t, __h, __q, __p, __dw, __by_q, __by_p)
             }
         }
-    };
-    if let Some(flows) = texts.flows {
-        generated.extend(compose::flows(&model.item, flows, facts, &in_place()));
     }
-    for (embedding, stages, text) in staged {
-        let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
-        generated.extend(quote! {
-            __wzvi::gauss! {
-                [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]
-                #scheme, #stages, #midpoint, { #midpoint }.unknowns, #text
-            }
-        });
-    }
-    generated
 }
 
 /// Flows that add the slopes of elements to the state itself.
-fn in_place() -> TokenStream {
+pub(crate) fn in_place() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
         const HAS_WINDOWS: __wzvi::bool = <Self as __wzvi::elements::Elements>::HAS_WINDOWS;

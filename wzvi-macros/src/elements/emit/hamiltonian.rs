@@ -1,17 +1,19 @@
 //! `impl Hamiltonian`: what the run time does for any sum of elements, by name.
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::{degrees, noise_count, vector_type};
+use crate::diagnostics::Located;
 use crate::discretise::facts::split;
-use crate::emit::{
-    f64_type, friction_rate, invariants, number_of, parameter, reads_time, validate, variables,
-};
-use crate::model::System;
+use crate::embedding::Embedding;
+use crate::emit::{Body, Inputs, Letters, Names, count, evaluation, f64_type, parameter_names};
+use crate::input::Labels;
+use crate::model::{Parameter, System};
+use crate::symbolic::{Expr, Graph};
 
 /// `impl Hamiltonian`
-pub(super) fn emit(model: &mut System) -> TokenStream {
+pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStream {
     let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
     let model = &*model;
     let vector = vector_type(model);
@@ -29,7 +31,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     });
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let parameter = parameter(&model.graph, &model.parameters);
+    let parameter = parameter(&model.graph, listed.unwrap_or(&model.parameters));
     let validate = validate(&model.embeddings, model.friction.is_some());
     let force = model.force.is_some().then(|| {
         quote! {
@@ -104,4 +106,106 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
             #invariant
         }
     }
+}
+
+/// What a system says of itself whose drift reads the time.
+fn reads_time() -> TokenStream {
+    quote!(
+        const READS_TIME: __wzvi::bool = true;
+    )
+}
+
+/// `Hamiltonian::validate` of a system whose steps have friction and no bath; with a bath that is done where its steps are prepared.
+fn validate(embeddings: &[Located<Embedding>], has_friction: bool) -> Option<TokenStream> {
+    let is_bare = embeddings.iter().all(|known| !known.value.is_thermostat());
+    (has_friction && is_bare).then(|| {
+        quote! {
+            fn validate(&self) -> __wzvi::Result<(), __wzvi::ConfigError> {
+                __wzvi::bath::validate(self)
+            }
+        }
+    })
+}
+
+/// What a system with friction that steps take in says of itself.
+fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> TokenStream {
+    let f64 = f64_type();
+    let mut names = Names::default();
+    let own = parameter_names(&mut names, graph, parameters);
+    let letters = Letters { q: Vec::new(), p: Vec::new(), parameters: own, names };
+    let Body { statements, values } =
+        evaluation((graph, parameters), &letters, &Inputs::default(), &f64, &[rate]);
+    let rate = quote!(#statements #(#values)*);
+    quote! {
+        const IS_CONFORMAL: __wzvi::bool = true;
+
+        fn friction_rate(&self) -> #f64 {
+            #rate
+        }
+    }
+}
+
+/// A method that says how many there are; the trait says none.
+fn number_of(name: &str, number: &TokenStream) -> TokenStream {
+    let name = format_ident!("{name}");
+    quote! {
+        fn #name(&self) -> __wzvi::usize {
+            #number
+        }
+    }
+}
+
+/// Names and values of the parameters; the default of the trait if there are none.
+fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
+    let (f64, option) = (f64_type(), quote!(__wzvi::Option));
+    let entries = parameters.iter().map(|Parameter { symbol, tokens }| {
+        let name = graph.symbol_name(*symbol);
+        quote!((#name, #tokens))
+    });
+    (!parameters.is_empty()).then(|| {
+        quote! {
+            fn parameter(&self, __index: __wzvi::usize) -> #option<(&'static __wzvi::str, #f64)> {
+                [#(#entries),*].get(__index).copied()
+            }
+        }
+    })
+}
+
+/// How many first integrals there are, and their names; the defaults of the trait if there are none.
+fn invariants(names: &[String]) -> Option<TokenStream> {
+    let number = count(names.len());
+    let number = (!names.is_empty()).then(|| number_of("invariants", &quote!(#number)))?;
+    let str = quote!(&'static __wzvi::str);
+    let names = names.iter().any(|name| !name.is_empty()).then(|| {
+        quote! {
+            fn invariant_names(&self) -> &'static [#str] {
+                &[#(#names),*]
+            }
+        }
+    });
+    Some(quote!(#number #names))
+}
+
+/// What people are told that the variables are called; the default of the trait if that is the same.
+fn variables(labels: &[Labels; 2], t: &str) -> Option<TokenStream> {
+    let is_default = |labels: &Labels, name: &str| match labels {
+        Labels::Each(names) => *names == [name],
+        Labels::Array(array, inner) => array == name && inner.is_empty(),
+    };
+    let [q, p] = labels;
+    if t == "t" && is_default(q, "q") && is_default(p, "p") {
+        return None;
+    }
+    let [q, p] = labels.each_ref().map(|labels| match labels {
+        Labels::Each(names) => quote!(__wzvi::Labels::Each(&[#(#names),*])),
+        Labels::Array(name, inner) => {
+            let inner = inner.iter().map(|&length| count(length));
+            quote!(__wzvi::Labels::Array { name: #name, inner: &[#(#inner),*] })
+        }
+    });
+    Some(quote! {
+        fn variables(&self) -> __wzvi::Variables {
+            __wzvi::Variables { q: #q, p: #p, t: #t }
+        }
+    })
 }

@@ -42,6 +42,8 @@ pub(super) struct Context<'a> {
     pub(super) wanted: Wanted,
     /// Components of a point.
     pub(super) components: i128,
+    /// Whether sums are of windows, or of columns, in which a place may not be.
+    pub(super) has_windows: bool,
     /// What other symbols of the outputs stand for.
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
@@ -159,6 +161,7 @@ pub(super) fn emit(
         outputs,
         locals: &locals,
         components: context.components,
+        has_windows: context.has_windows,
         wanted: context.wanted,
         beside,
     };

@@ -10,7 +10,6 @@ mod indices;
 mod kernel;
 mod parts;
 mod places;
-mod sites;
 mod weighted;
 mod windows;
 
@@ -20,58 +19,46 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
+pub(crate) use self::discretized::{emit as step, plan, scheme};
+pub(crate) use self::gauss::{field, in_place};
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
 use self::parts::Numbers;
 use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::facts::Facts;
+use crate::discretise::quadrature::Quadrature;
 use crate::discretise::sums::{Sum, Weighted};
-use crate::elements::parts::{parts, scale_momenta, unweighted};
-use crate::elements::plan::Strategy;
-use crate::embedding::Embedding;
+use crate::elements::parts::{PartElements, parts, scale_momenta, unweighted};
+use crate::elements::plan::{Step, Unknowns};
 use crate::emit::step::mentions;
-use crate::emit::{Surroundings, count, f64_type, with_header, wrapped};
+use crate::emit::{count, f64_type};
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Parameter, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
-pub(crate) use self::sites::site_entry;
 use self::weighted::{derivatives, part_code, values};
 
-/// A scheme, how it is emitted, and its text.
-type Step<'a> = (&'a Embedding, &'a Strategy, &'a str);
-
-/// Everything that `#[hamiltonian]` stands for.
-pub(crate) fn emit(model: &mut System, facts: &Facts, schemes: &[Step<'_>], texts: &Texts) -> TokenStream {
-    let mut generated = hamiltonian::emit(model);
-    generated.extend(steps(model, facts, schemes));
-    generated.extend(gauss::emit(model, facts, texts));
+/// Values and slopes of all terms, and what follows from them. People are told of the parameters `listed`, or of those of the system.
+pub(crate) fn terms(
+    model: &mut System,
+    listed: Option<&[Parameter]>,
+    facts: &Facts,
+    steps: &[Step],
+    texts: &Texts,
+) -> TokenStream {
+    let mut generated = hamiltonian::emit(model, listed);
+    generated.extend(elements(model, facts, steps.iter().any(|step| needs_curvature(facts, step))));
     generated.extend(parts::emit(model, facts, texts));
     generated.extend(bath::emit(model));
-    let surroundings = Surroundings {
-        crate_path: &model.crate_path,
-        tokens: with_header(&model.item, user_tokens(model).iter()),
-        spelled: &model.type_checks,
-        generics: &model.item.generics,
-    };
-    wrapped(&model.item, facts, generated, &surroundings, texts)
+    generated
 }
 
-/// The elements and what steps them.
-pub(crate) fn steps(model: &mut System, facts: &Facts, schemes: &[Step<'_>]) -> TokenStream {
-    let mut generated = elements(model, facts);
-    for (embedding, strategy, text) in schemes {
-        let road = match strategy {
-            Strategy::Sites(site, scheme) => sites::emit(model, facts, site, scheme),
-            Strategy::Sweep { unknowns, is_linear } => {
-                discretized::sweep(model, facts, embedding, *unknowns, *is_linear)
-            }
-        };
-        generated.extend(discretized::emit(model, facts, embedding, road, text));
-    }
-    generated
+/// Whether something is solved with second derivatives: the step in loops, or its momentum between its ends.
+fn needs_curvature(facts: &Facts, step: &Step) -> bool {
+    matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
+        || !Quadrature::new(facts, step.embedding()).gives_momentum()
 }
 
 /// What is read of the struct and of the constants around it.
@@ -129,8 +116,12 @@ fn degrees(model: &System) -> TokenStream {
     if model.size == Index::atom(Atom::Size) {
         return quote!(0);
     }
-    let indices = Indices::unchecked(&model.tables);
-    let (size, components) = (indices.value(&model.size), usize::try_from(model.components).unwrap_or(1));
+    let components = usize::try_from(model.components).unwrap_or(1);
+    if let Some(known) = model.size.as_integer().and_then(|size| usize::try_from(size).ok()) {
+        let degrees = count(known * components);
+        return quote!(#degrees);
+    }
+    let size = Indices::unchecked(&model.tables).value(&model.size);
     match components {
         1 => quote!(#size as __wzvi::usize),
         _ => {
@@ -301,6 +292,7 @@ fn computed(
     weight: Option<(Symbol, &TokenStream)>,
     (mut outputs, definitions): (Vec<(Expr, Target)>, HashMap<Symbol, Expr>),
 ) -> TokenStream {
+    let has_windows = model.degrees_in_straight_lines().is_none();
     let graph = &mut model.graph;
     outputs.retain(|(value, _)| !graph.is_zero(*value));
     let mut context = Context {
@@ -312,6 +304,7 @@ fn computed(
         weight,
         wanted,
         components: model.components,
+        has_windows,
         definitions,
     };
     kernel::emit(&mut context, weighted, &outputs)
@@ -328,19 +321,13 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 }
 
 /// `impl Elements`
-fn elements(model: &mut System, facts: &Facts) -> TokenStream {
+fn elements(model: &mut System, facts: &Facts, has_curvature: bool) -> TokenStream {
     let mut parts = parts(model, facts);
     if model.conformal.is_some() {
         scale_momenta(model, &mut parts);
     }
     let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
-    let [value, slopes, curvature] = [Wanted::Value, Wanted::Slopes, Wanted::Curvature].map(|wanted| {
-        let arms = parts.iter().map(|part| {
-            let (number, code) = (count(part.part as usize), part_code(model, part, wanted));
-            quote!(#number => { #code })
-        });
-        arms.collect::<TokenStream>()
-    });
+    let [value, slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| arms(model, &parts, wanted));
     let integrals = integrals(model);
     let places = places::emit(model);
     let first_integral = count(Numbers::of(model).integrals);
@@ -350,12 +337,17 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
         )
     });
     let (value, slopes) = (quote!(#value #part_values #integrals), quote!(#slopes #part_slopes));
-    let [of_value, of_slopes, of_curvature] = [&value, &slopes, &curvature].map(|code| opened(model, code));
+    let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
+    let curvature = curvatures_of(model, &parts, has_curvature);
     let has_windows = windows::are_there(model, &parts);
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
-    let has_one_velocity = windows::have_one_velocity(model, &parts);
+    let has_one_velocity = windows::have_one_velocity(model, &parts).then(|| {
+        quote!(
+            const HAS_ONE_VELOCITY: __wzvi::bool = true;
+        )
+    });
     let has_pairs = windows::have_pairs(model, &parts).then(|| {
         quote!(
             const HAS_PAIRS: __wzvi::bool = true;
@@ -386,10 +378,10 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __value
             }
 
-            const HAS_WINDOWS: __wzvi::bool = #has_windows;
+            #has_windows
             #has_pairs
             #gathers
-            const HAS_ONE_VELOCITY: __wzvi::bool = #has_one_velocity;
+            #has_one_velocity
             type Exact = #exact;
             type Usual = #usual;
 
@@ -417,6 +409,29 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 }
             }
 
+            #curvature
+        }
+    }
+}
+
+/// The code of parts by their numbers.
+fn arms(model: &mut System, parts: &[PartElements], wanted: Wanted) -> TokenStream {
+    let arms = parts.iter().map(|part| {
+        let (number, code) = (count(part.part as usize), part_code(model, part, wanted));
+        quote!(#number => { #code })
+    });
+    arms.collect()
+}
+
+/// `Elements::curvature`: that of the parts where steps are solved with it, and of damping by a matrix; nothing if there is neither.
+fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
+    let of_bath = self::parts::arms(model, Wanted::Curvature);
+    let of_parts = has_curvature.then(|| arms(model, parts, Wanted::Curvature));
+    let code = quote!(#of_parts #of_bath);
+    let opened = opened(model, &code);
+    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
+    (!code.is_empty()).then(|| {
+        quote! {
             fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
                 &self,
                 __part: #usize,
@@ -425,14 +440,14 @@ fn elements(model: &mut System, facts: &Facts) -> TokenStream {
                 __wanted: __wzvi::elements::Slopes,
                 __into: &mut __C,
             ) {
-                #of_curvature
+                #opened
                 match __part {
-                    #curvature
+                    #code
                     _ => {}
                 }
             }
         }
-    }
+    })
 }
 
 /// What `code` reads of the struct and of `__at`.

@@ -6,11 +6,12 @@ use quote::quote;
 use super::{Wanted, derivatives, values};
 use crate::describe::Texts;
 use crate::discretise::facts::Facts;
+use crate::discretise::facts::split::Form;
 use crate::discretise::quadrature::Part;
 use crate::elements::parts::unweighted;
+use crate::emit::compose::explicit_plan;
 use crate::emit::count;
-use crate::emit::parts::Parts;
-use crate::model::System;
+use crate::model::{Friction, System};
 
 /// The numbers of what stands behind the parts of the step Hamiltonian: the parts of the drift, friction, temperature, first integrals.
 pub(super) struct Numbers {
@@ -31,13 +32,14 @@ impl Numbers {
     }
 }
 
-/// The arms of values or slopes.
+/// The arms of values or slopes; of second derivatives that of damping by a matrix.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     let number = wanted.number();
     let weight = quote!(#number::from_f64(__at.h));
     let numbers = Numbers::of(model);
-    let parts = model.parts.iter().cloned().zip(numbers.parts..);
-    let friction = model.friction.clone().map(|mut friction| {
+    let parts = model.parts.iter().cloned().zip(numbers.parts..).filter(|_| wanted != Wanted::Curvature);
+    let is_wanted = |friction: &Friction| (wanted == Wanted::Curvature) == friction.is_matrix;
+    let friction = model.friction.clone().filter(is_wanted).map(|mut friction| {
         if !friction.is_matrix {
             // Rates alone, without the momenta that they act on.
             let one = model.graph.integer(1);
@@ -71,24 +73,28 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
 /// `impl Parts`, if the user has parted the drift.
 pub(super) fn emit(model: &System, facts: &Facts, texts: &Texts) -> TokenStream {
     let Some(forms) = texts.parts else { return TokenStream::new() };
-    let first = Numbers::of(model).parts;
-    let of_part = |code: &dyn Fn(TokenStream) -> TokenStream| -> Vec<TokenStream> {
-        (first..first + 2)
-            .map(|number| {
-                let number = count(number);
-                let code = code(quote!(#number));
-                quote!(_ => #code,)
-            })
-            .collect()
-    };
-    let slopes = of_part(&|number| {
-        quote! {
-            __wzvi::elements::slopes_of_part::<_, __S, __BY_Q, __BY_P>(
-                self, #number, __t, __h, __q, __p, __by_q, __by_p,
-            )
-        }
+    let forms = forms.map(|form| match form {
+        Form::Coordinates => quote!(__wzvi::compose::Form::Coordinates),
+        Form::Momenta => quote!(__wzvi::compose::Form::Momenta),
+        Form::Quadratic => quote!(__wzvi::compose::Form::Quadratic),
     });
-    let values = of_part(&|number| quote!(__wzvi::elements::value_of_part(self, #number, __t, __q, __p)));
-    let parts = Parts { forms, shape: quote!(__wzvi::gauss::Dynamic), slopes, values };
-    parts.emit(&model.item, facts)
+    let (plan, first) = (explicit_plan(facts), count(Numbers::of(model).parts));
+    let shape = match model.degrees_in_straight_lines() {
+        Some(degrees) => {
+            let degrees = count(degrees);
+            quote!(__wzvi::gauss::Fixed<#degrees>)
+        }
+        None => quote!(__wzvi::gauss::Dynamic),
+    };
+    let name = &model.item.ident;
+    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    quote! {
+        #[automatically_derived]
+        impl #generics __wzvi::compose::Parts for #name #arguments #filter {
+            const PLAN: __wzvi::Plan = #plan;
+            const FORMS: [__wzvi::compose::Form; 2] = [#(#forms),*];
+            const FIRST: __wzvi::usize = #first;
+            type Shape = #shape;
+        }
+    }
 }

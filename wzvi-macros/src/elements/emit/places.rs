@@ -16,12 +16,15 @@ use crate::model::{Element, Slot, System, Table, Term};
 const LARGEST: i128 = i32::MAX as i128;
 const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
 
-/// `Elements::PLACES` and `Elements::entries`.
+/// `Elements::PLACES` and `Elements::entries`; nothing where all is proven.
 pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
     let mut nests = TokenStream::new();
     for element in system.terms().flat_map(|term: &Term| &term.values) {
         nests.extend(places.nest(element));
+    }
+    if nests.is_empty() {
+        return nests;
     }
     let components = count(usize::try_from(system.components).unwrap_or(1));
     // Only what is asked about has a name.
@@ -30,32 +33,27 @@ pub(super) fn emit(system: &System) -> TokenStream {
         let (name, suffix) = if is_read { names(table) } else { Default::default() };
         quote!(__wzvi::elements::places::Name { name: #name, suffix: #suffix },)
     });
-    let nothing = quote!(__wzvi::elements::places::Entries::of_length(0));
-    let entries = match places.arms.is_empty() {
-        true => nothing,
-        false => {
-            let arms = places.arms.values();
-            quote! {
+    let (usize, arms) = (quote!(__wzvi::usize), places.arms.values());
+    let entries = (!places.arms.is_empty()).then(|| {
+        quote! {
+            fn entries(
+                &self,
+                __table: #usize,
+                __outer: &[#usize],
+                __range: __wzvi::Range<#usize>,
+            ) -> __wzvi::elements::places::Entries {
                 match (__table, __outer) {
                     #(#arms)*
-                    _ => #nothing,
+                    _ => __wzvi::elements::places::Entries::of_length(0),
                 }
             }
         }
-    };
-    let usize = quote!(__wzvi::usize);
+    });
     quote! {
         const PLACES: __wzvi::elements::places::Places =
             __wzvi::elements::places::Places { components: #components, tables: &[#(#tables)*], nests: &[#nests] };
 
-        fn entries(
-            &self,
-            __table: #usize,
-            __outer: &[#usize],
-            __range: __wzvi::Range<#usize>,
-        ) -> __wzvi::elements::places::Entries {
-            #entries
-        }
+        #entries
     }
 }
 

@@ -18,13 +18,14 @@ fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<I
     of_parts.chain(model.parts.iter().flat_map(|term| &term.elements))
 }
 
-/// Whether the system can be stepped window by window, and is large enough where its size is known when it is compiled.
-pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> TokenStream {
-    let are_local = have_runs(model, parts) && move_what_they_read(model, parts);
+/// Whether the system can be stepped window by window, and is large enough where its size is known when it is compiled; nothing if not.
+pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
+    let has_loops = model.degrees_in_straight_lines().is_none();
+    let are_local = has_loops && have_runs(model, parts) && move_what_they_read(model, parts);
     let (components, elements) = (Literal::i128_unsuffixed(model.components), quote!(__wzvi::elements));
-    match &model.shape {
-        _ if !are_local => quote!(false),
-        Shape::Real => quote!(false),
+    let are_there = match &model.shape {
+        _ if !are_local => return None,
+        Shape::Real => return None,
         Shape::Array(_, Length::RunTime) => quote!(true),
         Shape::Array(_, Length::Literal(len)) => {
             let len = count(*len);
@@ -33,7 +34,10 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> TokenStre
         Shape::Array(_, Length::Named(expr)) => {
             quote!((#expr) * #components >= #elements::LEAST_IN_WINDOWS)
         }
-    }
+    };
+    Some(quote!(
+        const HAS_WINDOWS: __wzvi::bool = #are_there;
+    ))
 }
 
 /// Whether elements that read coordinates add to places or points next to each other, and those that read momenta read one place or

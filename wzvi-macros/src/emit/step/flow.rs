@@ -68,7 +68,6 @@ pub(crate) struct Flow {
     pub(crate) isolated: Vec<Op>,
     pub(crate) dq: Vec<Op>,
     pub(crate) dp: Vec<Op>,
-    pub(crate) momentum: Vec<Op>,
     /// Whether there is no noise.
     pub(crate) is_deterministic: bool,
 }
@@ -117,25 +116,10 @@ impl Flow {
             _ => None,
         });
         let isolated = isolated.collect();
-        let [dq, dp, momentum] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
+        let [dq, dp] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
         let hints = hints(&mut lowering, scheme, &solves);
         let program = lowering.program;
-        Self {
-            program,
-            hints,
-            parameters,
-            h,
-            t,
-            q0,
-            p0,
-            dw,
-            solves,
-            isolated,
-            dq,
-            dp,
-            momentum,
-            is_deterministic,
-        }
+        Self { program, hints, parameters, h, t, q0, p0, dw, solves, isolated, dq, dp, is_deterministic }
     }
 
     /// Whether compensated sums, six additions per component, are less than 5 % of the step; a Newton step iterates
@@ -159,7 +143,7 @@ impl Flow {
 
     /// Everything that the step computes.
     pub(crate) fn roots(&self) -> Vec<Op> {
-        let ends = self.dq.iter().chain(&self.dp).chain(&self.momentum);
+        let ends = self.dq.iter().chain(&self.dp);
         let mut roots: Vec<Op> = ends.chain(&self.isolated).copied().collect();
         for solve in &self.solves {
             match solve {
@@ -204,15 +188,6 @@ impl Flow {
             }
         }
         roots
-    }
-
-    /// `1 / factor` per degree of freedom, if every momentum update is a multiple of `v`.
-    pub(crate) fn momentum_factors(&self, scheme: &Scheme) -> Option<Vec<f64>> {
-        let factor = |update: &MomentumUpdate| match update {
-            MomentumUpdate::Multiple(factor) => factor.recip().map(Rational::to_f64),
-            MomentumUpdate::Sum(_) => None,
-        };
-        scheme.equations.update.iter().map(factor).collect()
     }
 }
 
@@ -307,11 +282,11 @@ fn solve_for_points(
     }
 }
 
-/// `q_{i+1} - q_i = u`, `p_{i+1} - p_i` and `P`. The increments stay apart from the state: whoever adds them may keep
+/// `q_{i+1} - q_i = u` and `p_{i+1} - p_i`. The increments stay apart from the state: whoever adds them may keep
 /// what rounding takes.
-fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 3] {
+fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 2] {
     let symbols = &scheme.lagrangian.symbols;
-    let mut ends = [Vec::new(), Vec::new(), Vec::new()];
+    let mut ends = [Vec::new(), Vec::new()];
     for i in 0..symbols.u.len() {
         ends[0].push(increment(graph, symbols.u[i], definitions));
         let v = increment(graph, symbols.v[i], definitions);
@@ -319,7 +294,6 @@ fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>)
             MomentumUpdate::Multiple(factor) => graph.scale(v, factor),
             MomentumUpdate::Sum(rest) => graph.add(v, rest),
         });
-        ends[2].push(graph.symbol(symbols.momentum[i]));
     }
     ends
 }

@@ -9,7 +9,8 @@ use crate::emit::names::Names;
 use crate::emit::program::Op;
 use crate::emit::system::{count, parameter_names};
 use crate::emit::{Printer, f64_type};
-use crate::model::Model;
+use crate::model::Parameter;
+use crate::symbolic::Graph;
 
 /// The parts of `__Prepared` that a step reads, by the names that they have there.
 pub(super) struct Prepared {
@@ -24,18 +25,18 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// Takes the names of its parts from those of the step.
-    pub(super) fn new(flow: &Flow, model: &Model, names: &mut Names) -> Self {
+    pub(super) fn new(flow: &Flow, graph: &Graph, parameters: &[Parameter], names: &mut Names) -> Self {
         let is_truth = |&op: &Op| flow.program.operation(op).is_truth();
         let (truths, constants): (Vec<Op>, Vec<Op>) = flow.constants().into_iter().partition(is_truth);
         let read_by_step: Vec<Op> = constants.iter().chain(&truths).copied().collect();
         let used = flow.program.uses(&flow.prepared_roots(&read_by_step));
 
         let mut own = Names::default();
-        let parameters = parameter_names(&mut own, &model.graph, &model.parameters);
+        let own_names = parameter_names(&mut own, graph, parameters);
         let mut printer = Printer::new(&flow.program, f64_type(), &flow.hints, own);
         printer.set(flow.h, format_ident!("__h"));
         let mut statements = TokenStream::new();
-        let parameters = flow.parameters.iter().zip(&model.parameters).zip(parameters);
+        let parameters = flow.parameters.iter().zip(parameters).zip(own_names);
         let read: Vec<_> = parameters.filter(|((op, _), _)| used[**op] > 0).collect();
         let f64 = f64_type();
         for ((op, parameter), name) in &read {

@@ -237,10 +237,10 @@ impl SolveBody<'_> {
 
     fn finish(&mut self, efforts: Vec<TokenStream>) -> TokenStream {
         let flow = self.flow;
-        let roots: Vec<Op> = flow.dq.iter().chain(&flow.dp).chain(&flow.momentum).copied().collect();
+        let roots: Vec<Op> = flow.dq.iter().chain(&flow.dp).copied().collect();
         let statements = self.bind(&roots);
         let (q, p) = (self.values(&flow.q0), self.values(&flow.p0));
-        let (dq, dp, momentum) = (self.values(&flow.dq), self.values(&flow.dp), self.values(&flow.momentum));
+        let (dq, dp) = (self.values(&flow.dq), self.values(&flow.dp));
         let isolated = self.values(&flow.isolated);
         let isolated =
             isolated.iter().map(|inverse| quote!(__wzvi::Effort::isolated::<__S, __CAREFUL>(#inverse)));
@@ -268,7 +268,6 @@ impl SolveBody<'_> {
                 __carry,
                 [[#(#q),*], [#(#p),*]],
                 [[#(#dq),*], [#(#dp),*]],
-                [#(#momentum),*],
                 #(#efforts)+*,
             );
             if !__next.is_finite() {

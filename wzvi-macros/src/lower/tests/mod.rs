@@ -12,7 +12,7 @@ use proc_macro2::TokenStream;
 
 use crate::diagnostics::Diagnostics;
 use crate::input;
-use crate::model::Model;
+use crate::model::StraightLine;
 use crate::passes::collect::collect;
 use crate::passes::unroll::{unroll, written_out};
 use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
@@ -20,6 +20,20 @@ use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
 /// The fields of every test system, with their values.
 const STRUCT: &str = "struct System<const N: usize> { a: f64, sigma: f64, n: i32, masses: [f64; 3], table: Vec<f64>, \
                       grid: [[f64; 2]; 2], name: String, single: f32 }";
+
+/// A system that is written out, and its graph.
+struct Model {
+    graph: Graph,
+    line: StraightLine,
+}
+
+impl std::ops::Deref for Model {
+    type Target = StraightLine;
+
+    fn deref(&self) -> &StraightLine {
+        &self.line
+    }
+}
 
 /// The model of `#[hamiltonian(attribute)] item`, or the messages.
 fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
@@ -31,7 +45,8 @@ fn model_of(attribute: &str, item: &str) -> Result<Model, String> {
         let mut system = super::lower(system?, declaration, &phase_space, &mut diagnostics)?;
         unroll(&mut system);
         collect(&mut system, &mut diagnostics);
-        Some(written_out(&mut system).unwrap_or_else(|| panic!("loops are left")))
+        let line = written_out(&mut system).unwrap_or_else(|| panic!("loops are left"));
+        Some(Model { graph: system.graph, line })
     });
     match diagnostics.finish() {
         Ok(()) => Ok(model.expect("a model or an error")),
@@ -56,7 +71,7 @@ fn value(closure: &str, q: &[f64], p: &[f64], parameters: &[(&str, f64)]) -> f64
         let known = parameters.iter().find(|(known, _)| *known == name);
         values.insert(parameter.symbol, known.unwrap_or_else(|| panic!("parameter {name}")).1);
     }
-    evaluate(&model.graph, model.drift.value, &values)
+    evaluate(&model.graph, model.drift, &values)
 }
 
 fn evaluate(graph: &Graph, root: Expr, symbols: &HashMap<Symbol, f64>) -> f64 {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::layout::Recorder;
 use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, advance};
 use crate::elements::step::Step;
-use crate::elements::{Elements, Given, MomentumUpdate, Scheme, Slopes, Stage, Sums, Unknowns};
+use crate::elements::{Given, MomentumUpdate, Scheme, Shared, Slopes, Stage, Sums, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Number;
 
@@ -31,7 +31,7 @@ fn kicks_last(scheme: &Scheme) -> bool {
     scheme.update == MomentumUpdate::Slopes && scheme.stages.iter().all(is_last)
 }
 
-impl<H: Elements> Step<'_, H, f64> {
+impl<H: Shared> Step<'_, H, f64> {
     /// The step, window by window.
     ///
     /// # Errors
@@ -72,7 +72,7 @@ impl<H: Elements> Step<'_, H, f64> {
     }
 }
 
-impl<H: Elements> Moves for Step<'_, H, f64> {
+impl<H: Shared> Moves for Step<'_, H, f64> {
     type Share<'s>
         = Self
     where

@@ -27,7 +27,7 @@ use crate::elements::memory::{Lists, Scratch};
 use crate::elements::passes::{Largest, in_blocks, subtract};
 use crate::elements::step::Step;
 use crate::elements::sums::Given;
-use crate::elements::{Elements, MomentumUpdate, Scheme, Slopes, Unknowns};
+use crate::elements::{MomentumUpdate, Scheme, Shared, Slopes, Unknowns};
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::{Number, Scalar};
 use crate::threads::Threads;
@@ -63,7 +63,7 @@ impl Sweeps {
     /// Takes down where the elements of a system add what.
     #[cold]
     #[inline(never)]
-    fn new<H: Elements>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
+    fn new<H: Shared>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
         let recorder = Recorder::default();
         for (state, wanted) in [(step.q, Slopes::BY_COORDINATES), (step.p, Slopes::BY_MOMENTA)] {
             step.slopes_of::<f64, _, _>(|_| 1.0, state, wanted, &mut &recorder);
@@ -75,7 +75,7 @@ impl Sweeps {
     }
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// The guess of so many steps before, with its `u` and `P`.
     #[inline(always)]
     pub(in crate::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
@@ -170,7 +170,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
-impl<H: Elements> Step<'_, H, f64> {
+impl<H: Shared> Step<'_, H, f64> {
     /// The sums of a window, of slopes at coordinates or momenta.
     #[inline(always)]
     fn window<'w, T: Number<f64>, V: Given<f64> + ?Sized>(
@@ -202,7 +202,7 @@ impl Lists<'_, f64> {
     }
 }
 
-impl<H: Elements, S: Scalar> Step<'_, H, S> {
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// Whether the last iteration went in windows and leads to a state that is finite: then [`Scratch::store_windows`] ends the step.
     #[inline(always)]
     pub(in crate::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
@@ -253,7 +253,7 @@ struct Start<'a, 's, H> {
     known: u8,
 }
 
-impl<H: Elements> Start<'_, '_, H> {
+impl<H: Shared> Start<'_, '_, H> {
     #[inline(never)]
     fn run_in(self, instructions: InstructionSet) -> Found {
         instructions.run(self);
@@ -261,7 +261,7 @@ impl<H: Elements> Start<'_, '_, H> {
     }
 }
 
-impl<H: Elements> Kernel for Start<'_, '_, H> {
+impl<H: Shared> Kernel for Start<'_, '_, H> {
     type Output = ();
 
     #[inline(always)]
@@ -296,14 +296,14 @@ struct Sweep<'a, 's, H> {
     before: &'a [f64],
 }
 
-impl<H: Elements> Sweep<'_, '_, H> {
+impl<H: Shared> Sweep<'_, '_, H> {
     #[inline(never)]
     fn run_in(self, instructions: InstructionSet) -> Found {
         instructions.run(self)
     }
 }
 
-impl<H: Elements> Kernel for Sweep<'_, '_, H> {
+impl<H: Shared> Kernel for Sweep<'_, '_, H> {
     type Output = Found;
 
     #[inline(always)]

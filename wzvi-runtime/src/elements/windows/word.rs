@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::layout::Recorder;
 use super::{Kick, Move, Moves, Taken, WindowPlan, advance};
-use crate::elements::{Elements, Given, Slopes, Sums, add_flow};
+use crate::elements::{Given, Shared, Slopes, Sums, add_flow};
 use crate::error::StepFailure;
 use crate::scalar::Number;
 
@@ -100,7 +100,7 @@ struct Spoken<'a, H, W> {
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
 #[inline(always)]
-pub fn take_windows<'p, H: Elements, W: Word>(
+pub fn take_windows<'p, H: Shared, W: Word>(
     system: &H,
     word: &mut W,
     q: &[f64],
@@ -114,7 +114,7 @@ pub fn take_windows<'p, H: Elements, W: Word>(
     }
 }
 
-impl<'a, H: Elements, W: Word> Moves for Spoken<'a, H, W> {
+impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
     type Share<'s>
         = Spoken<'a, H, W::Share<'s>>
     where

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::parts::Parted;
-use crate::elements::Elements;
+use crate::elements::Shared;
 use crate::elements::change::{Moved, Seen};
 use crate::elements::passes::{Block, Largest, in_blocks, load, store, widened};
 use crate::elements::step::Step;
@@ -162,7 +162,7 @@ pub(super) struct Follow<'a> {
 
 impl<'a> Follow<'a> {
     #[inline(always)]
-    pub(super) fn new<H: Elements>(
+    pub(super) fn new<H: Shared>(
         step: &Step<'a, H, f64>,
         places: &Range<usize>,
         velocities: &'a [f64],
