@@ -18,7 +18,6 @@
 //! ```
 
 pub(crate) mod describe;
-pub(crate) mod emit;
 pub(crate) mod parts;
 pub(crate) mod plan;
 pub(crate) mod staged;

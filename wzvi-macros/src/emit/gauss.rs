@@ -12,11 +12,11 @@ use super::print::f64_type;
 use super::program::Level;
 use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, count, evaluation, evaluation_over};
+use super::terms;
 use crate::describe::Texts;
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::is_nystrom;
 use crate::discretise::gauss::StepSlopes;
-use crate::elements;
 use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::model::{StraightLine, System};
@@ -35,14 +35,14 @@ pub(super) fn emit(
     let is_nystrom = is_nystrom(system, facts);
     let (mut generated, in_place) = match line {
         Some(line) => (field(&system.item, (&mut system.graph, line), is_nystrom), TokenStream::new()),
-        None => (elements::emit::field(system, is_nystrom), elements::emit::in_place()),
+        None => (terms::field(system, is_nystrom), terms::in_place()),
     };
     if let Some(flows) = texts.flows {
         generated.extend(compose::flows(&system.item, flows, facts, &in_place));
     }
     // Its unknowns are those of one stage with one unknown for each degree of freedom.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
-    let midpoint = elements::emit::plan(system, facts, &Embedding::Midpoint, strategy);
+    let midpoint = terms::plan(system, facts, &Embedding::Midpoint, strategy);
     let name = &system.item.ident;
     let (generics, arguments, filter) = system.item.generics.split_for_impl();
     for (embedding, stages, text) in texts.staged() {

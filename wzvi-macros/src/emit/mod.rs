@@ -10,6 +10,7 @@ mod program;
 pub(crate) mod step;
 pub(crate) mod stubs;
 mod system;
+pub(crate) mod terms;
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
@@ -17,7 +18,7 @@ use quote::{ToTokens, quote};
 use crate::describe::{Texts, stepped};
 use crate::diagnostics::internal;
 use crate::discretise::facts::Facts;
-use crate::elements;
+
 use crate::elements::plan::Step;
 use crate::model::{StraightLine, System};
 
@@ -37,7 +38,7 @@ pub(crate) fn emit(
     texts: &Texts,
 ) -> TokenStream {
     let parameters = line.map(|line| line.parameters.as_slice());
-    let mut generated = elements::emit::terms(system, parameters, facts, steps, texts);
+    let mut generated = terms::terms(system, parameters, facts, steps, texts);
     let is_taken =
         stepped(&texts.listed.iter().map(|(listed, _)| listed.clone()).collect::<Vec<_>>(), texts.flows);
     for (step, text) in steps.iter().zip(&texts.of_parts) {
@@ -47,7 +48,7 @@ pub(crate) fn emit(
                 generated.extend(step::emit(&system.item, (&mut system.graph, line), facts, scheme, text));
             }
             (Step::InLoops(embedding, strategy), _) => {
-                generated.extend(elements::emit::step(system, facts, embedding, *strategy, text));
+                generated.extend(terms::step(system, facts, embedding, *strategy, text));
             }
             (Step::StraightLine(_), None) => {
                 internal::broken("steps in straight lines are of systems that are")
@@ -57,7 +58,7 @@ pub(crate) fn emit(
     generated.extend(gauss::emit(system, line, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
     generated.extend(facts.is_conservative.then(|| conservative(&system.item)));
-    let read = elements::emit::user_tokens(system);
+    let read = terms::user_tokens(system);
     let listed = parameters.unwrap_or_default().iter().map(|parameter| &parameter.tokens);
     let generated = readable(
         generated,

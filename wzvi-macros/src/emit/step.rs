@@ -8,10 +8,10 @@ use super::names::Names;
 use super::plan::Plan;
 use super::print::f64_type;
 use super::system::{Letters, count};
+use super::terms;
 use crate::discretise::Scheme;
 use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::structure::Solution;
-use crate::elements;
 use crate::elements::plan::{Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
@@ -158,7 +158,7 @@ pub(crate) fn emit(
     let Kernel { items, prepare, .. } = kernel;
     // Of what is solved in loops only the momentum between two ends, if that.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
-    let data = elements::emit::scheme(facts, &scheme.embedding, strategy, false);
+    let data = terms::scheme(facts, &scheme.embedding, strategy, false);
     Discretized {
         item,
         embedding: &scheme.embedding,

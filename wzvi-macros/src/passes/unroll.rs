@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use quote::quote;
 
-use crate::elements::emit::Indices;
+use crate::emit::terms::Indices;
 use crate::input::Emission;
 use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};

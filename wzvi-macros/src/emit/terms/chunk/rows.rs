@@ -8,10 +8,10 @@ use super::motion::{Motion, motion, runs, wrap};
 use super::{Chunk, Emitted, slot_index};
 use crate::diagnostics::internal::Promised;
 use crate::discretise::sums::Weighted;
-use crate::elements::emit::indices::Indices;
-use crate::elements::emit::kernel::Target;
 use crate::emit::count;
 use crate::emit::step::mentions;
+use crate::emit::terms::indices::Indices;
+use crate::emit::terms::kernel::Target;
 use crate::model::index::Index;
 use crate::model::{Half, Reads, Slot};
 
@@ -20,7 +20,7 @@ const SHORT: i128 = 8;
 
 /// The place of the first component of the first partner, if the innermost loop of an element goes through partners: points next to each
 /// other, of whose coordinates and of those of a body that the loop does not change the element is a function.
-pub(in crate::elements::emit) fn partners(
+pub(in crate::emit::terms) fn partners(
     weighted: &Weighted,
     indices: &Indices<'_>,
     components: i128,
@@ -121,7 +121,7 @@ impl Interaction<'_> {
 
 impl Chunk<'_> {
     /// The innermost loop as a row of pairs; `constants` are the names of numbers that no loop changes.
-    pub(in crate::elements::emit) fn row(
+    pub(in crate::emit::terms) fn row(
         &self,
         first: &Index,
         constants: &[Ident],

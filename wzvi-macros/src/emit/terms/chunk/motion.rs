@@ -17,11 +17,7 @@ pub(super) enum Motion {
 
 /// Where the first placement of the loop reads or writes, if each one after it does so `stride` places further on: in the next place,
 /// or in the next point. Components of one point have the same.
-pub(in crate::elements::emit) fn stretch(
-    index: &Index,
-    inner: u32,
-    components: i128,
-) -> Option<(i128, Index)> {
+pub(in crate::emit::terms) fn stretch(index: &Index, inner: u32, components: i128) -> Option<(i128, Index)> {
     match motion(index, inner, components) {
         Motion::Run => Some((1, index.clone())),
         Motion::Points { base, .. } => Some((components, base)),

@@ -5,9 +5,9 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
 use super::{Code, Stretch};
-use crate::elements::emit::indices::Indices;
 use crate::emit::count;
 use crate::emit::step::mentions;
+use crate::emit::terms::indices::Indices;
 
 /// Placements in one chunk, if there are buffers.
 pub(super) const CHUNK: usize = 256;

@@ -7,26 +7,26 @@ use quote::{format_ident, quote};
 
 use super::motion::{Motion, motion};
 use super::{Chunk, rows};
-use crate::elements::emit::indices::{Indices, OpenList};
-use crate::elements::emit::windows::is_correctly_rounded;
 use crate::emit::count;
 use crate::emit::step::mentions;
+use crate::emit::terms::indices::{Indices, OpenList};
+use crate::emit::terms::windows::is_correctly_rounded;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Half, Slot, Table};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// What a chunk needs to know for that.
-pub(in crate::elements::emit) struct Beside<'a> {
+pub(in crate::emit::terms) struct Beside<'a> {
     /// Names of numbers that no loop changes.
-    pub(in crate::elements::emit) constants: &'a [Ident],
+    pub(in crate::emit::terms) constants: &'a [Ident],
     /// The weight of a placement, where each has its own.
-    pub(in crate::elements::emit) weight: &'a TokenStream,
+    pub(in crate::emit::terms) weight: &'a TokenStream,
     /// What [`lists`] found.
-    pub(in crate::elements::emit) lists: &'a [OpenList],
+    pub(in crate::emit::terms) lists: &'a [OpenList],
 }
 
 /// The parts of lists that the innermost loop of an element goes through entry by entry.
-pub(in crate::elements::emit) fn lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
+pub(in crate::emit::terms) fn lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
     let mut open = Vec::new();
     let Some(inner) = element.loops.last() else { return open };
     for local in &element.locals {
@@ -91,7 +91,7 @@ pub(super) struct Block {
 
 /// Whether the innermost loop of an element reads the state at places that are not next to each other, and computes enough for it that it
 /// pays to gather them: functions. Products and quotients take less time than to gather what they are made of.
-pub(in crate::elements::emit) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
+pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let is_free = |slot: &Slot| match slot {
         Slot::State(Half::Coordinates, index) | Slot::State(Half::Momenta, index) => {

@@ -6,9 +6,9 @@ use quote::{format_ident, quote};
 use super::motion::{Motion, follows, motion, stretch, unwrapped, wrap};
 use super::nest::CHUNK;
 use super::{Chunk, Code};
-use crate::elements::emit::indices::variable;
-use crate::elements::emit::kernel::Target;
 use crate::emit::count;
+use crate::emit::terms::indices::variable;
+use crate::emit::terms::kernel::Target;
 use crate::model::index::Index;
 
 impl Chunk<'_> {
