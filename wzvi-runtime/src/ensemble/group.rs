@@ -10,7 +10,7 @@ use super::job::Job;
 use super::starts::Systems;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
-use crate::error::{ConfigError, Error, StepError, StepFailure};
+use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
@@ -134,13 +134,14 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Work, shadow work and heat of a lane, up to a node that all have reached.
     ///
     /// # Errors
-    /// That of a start that is none.
-    pub(super) fn work_of(&mut self, lane: usize, node: u64) -> Result<[f64; 3], ConfigError> {
+    /// That of a start that is none; [`InternalError`] if the lane has no stepper, which accounts for the heat.
+    pub(super) fn work_of(&mut self, lane: usize, node: u64) -> Result<[f64; 3], Error> {
         let path = self.source_of(lane);
         let (system, start) = (self.job.system_of(path), self.job.start_of(path)?);
         let gained = system.energy(self.state_at(lane, node)) - system.energy(&start);
-        let Exchange { work: accounted, heat } =
-            self.steppers.get(lane).map(Stepper::exchanged).unwrap_or_default();
+        let missing = || InternalError::new("paths whose work is observed have steppers", lane);
+        let stepper = self.steppers.get(lane).ok_or_else(missing)?;
+        let Exchange { work: accounted, heat } = stepper.exchanged();
         let work = gained - heat;
         Ok([work, work - accounted, heat])
     }

@@ -224,7 +224,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 self.values[*index] = observable(job.system_of(path), state);
             }
             if let Some(first) = job.own_work {
-                let own = group.work_of(lane, node).map_err(Error::from)?;
+                let own = group.work_of(lane, node)?;
                 self.values[first..].iter_mut().zip(own).for_each(|(value, own)| *value = own);
             }
             self.piece.see(place, Some(&self.values), &job.wanted);
