@@ -22,19 +22,18 @@ pub struct Coupled {
     pub s: f64,
 }
 
-/// The same run in every way to split it.
+/// The same run in every way to split it. Threads share out groups of paths, and instructions are those within a group, so that each number of
+/// threads goes with one set.
 macro_rules! every_split {
     ($run:expr) => {{
         let reference: Statistics =
             $run.threads(1).instructions(InstructionSet::Baseline).run_in::<1>().unwrap();
-        for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-            for threads in [1, 2, 3] {
-                assert!(
-                    $run.threads(threads).instructions(set).run().unwrap() == reference,
-                    "{set:?}, {threads} threads"
-                );
-            }
-            assert!($run.instructions(set).run_in::<4>().unwrap() == reference, "{set:?}, 4 lanes");
+        for (threads, set) in
+            [(1, InstructionSet::Baseline), (2, InstructionSet::Avx2), (3, InstructionSet::Avx512)]
+        {
+            let run = || $run.threads(threads).instructions(set);
+            assert!(run().run().unwrap() == reference, "{set:?}, {threads} threads");
+            assert!(run().run_in::<4>().unwrap() == reference, "{set:?}, {threads} threads, 4 lanes");
         }
         reference
     }};
@@ -66,13 +65,13 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
     let hard = every_split!(
         well.ensemble::<Midpoint>(0.5)
             .start(State::new([0.5], [2.0]))
-            .paths(600)
+            .paths(530)
             .seed(4)
             .allow_losses(1.0)
-            .steps(60)
-            .record_every(20)
+            .steps(30)
+            .record_every(10)
     );
-    assert!(hard.last().unwrap().count() + hard.failed() == 600);
+    assert!(hard.last().unwrap().count() + hard.failed() == 530 && hard.failed() > 0);
     let edge = Edge { a: 1.0, sigma: 1.0 };
     let run = every_split!(
         edge.ensemble::<DeltaPlus>(0.1)
@@ -230,12 +229,12 @@ fn a_path_is_replayed() {
 #[test]
 fn failing_steps_are_halved() {
     let well = DoubleWell { sigma: 1.5 };
-    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(300).seed(4).steps(60);
+    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(150).seed(4).steps(60);
     let whole = run().allow_losses(1.0).keep_paths(1 << 20).run().unwrap();
-    assert!(whole.failed() > 3, "{}", whole.failed());
+    assert!(whole.failed() > 1, "{}", whole.failed());
     let halved = every_split!(run().retry(Retry::halving(12)).keep_paths(1 << 20));
     assert_eq!(halved.failed(), 0);
-    for path in 0..300 {
+    for path in 0..150 {
         let kept = whole.paths().unwrap().at(path, 1).unwrap();
         if !kept[0].is_nan() {
             assert_eq!(kept, halved.paths().unwrap().at(path, 1).unwrap());

@@ -188,7 +188,7 @@ fn results_by_path_are_columns() {
 /// correction is 16 standard errors of this run, and what it leaves has to be within five.
 #[test]
 fn brownian_passages_have_the_probability_of_the_reflection_principle() {
-    let (h, n) = (0.0025, 40_000);
+    let (h, n) = (0.01, 10_000);
     let run = Brown { s: 1.0 }
         .ensemble::<DeltaPlus>(h)
         .start(State::new([0.0], [0.0]))

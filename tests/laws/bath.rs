@@ -80,7 +80,6 @@ where
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn the_harmonic_variances_are_those_of_the_theory() {
     check_table::<Baoab>(|x| [1.0, 1.0 - x]);
     check_table::<Obabo>(|x| [1.0 / (1.0 - x), 1.0]);
@@ -107,7 +106,6 @@ where
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn ensembles_have_these_variances() {
     let system = oscillator(1.5);
     let Oscillator { m, k, .. } = system;
@@ -141,7 +139,6 @@ where
 const QUARTIC: f64 = 0.467_919_916_97;
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn the_bias_of_the_quartic_is_that_of_the_theory() {
     // Biases by long runs with other programs.
     let check = |(mean, error): (f64, f64), bias: f64| {
@@ -158,7 +155,6 @@ fn the_bias_of_the_quartic_is_that_of_the_theory() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn one_site_in_the_bath_heats_all() {
     let chain = Chain { gamma: 1.0, kt: 0.7 };
     let start = State::new(vec![0.0; 4], vec![0.0; 4]);
@@ -175,7 +171,6 @@ fn one_site_in_the_bath_heats_all() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn levels_share_their_noise() {
     // The mean of q² at t = 1 from rest in the origin: of a linear system, exactly.
     let system = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 1.0, kt: 1.0 };

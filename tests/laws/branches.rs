@@ -384,7 +384,6 @@ fn components<const D: usize>(state: &State<wzvi::nalgebra::SVector<f64, D>>) ->
 }
 
 /// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 cargo test --release --test laws branches -- --nocapture` is 10^4 steps.
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 #[test]
 fn random_steps_continue_their_state() {
     let steps: u32 = std::env::var("STEPS").map_or(20, |steps| steps.parse().unwrap());

@@ -75,7 +75,6 @@ where
     });
 }
 
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 #[test]
 fn energies_of_planets_walk_at_random() {
     planets::<Gauss<4>>("Gauss<4>, units of one", 1.0, 1.0, 1.0);
@@ -86,7 +85,6 @@ fn energies_of_planets_walk_at_random() {
     planets::<Gauss<8>>("Gauss<8>, SI", mass, mass * sun, 1.496e11);
 }
 
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 #[test]
 fn energies_of_unequal_scales_walk_at_random() {
     // Momenta of 1e-6, of 1e6 and, for a bob of a microgram on a thread of a metre, in SI units.

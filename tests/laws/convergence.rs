@@ -139,7 +139,6 @@ where
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn kubo_by_the_midpoint_has_order_one_and_the_predicted_constant() {
     kubo::<Midpoint>("Kubo, Midpoint", 4..=8, 500).check_order(1.0);
     kubo::<Corrected<DeltaPlus>>("Kubo, Corrected<DeltaPlus>", 5..=9, 500).check_order(1.0);
@@ -188,7 +187,6 @@ fn second_moment(level: u32) -> f64 {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn kubo_by_delta_plus_converges_to_the_predicted_wrong_limit() {
     // MATH section 3.
     const LIMIT: f64 = 1.415_701_365_42;
@@ -227,7 +225,6 @@ fn kubo_by_delta_plus_converges_to_the_predicted_wrong_limit() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn one_nonlinear_noise() {
     let (system, start) = (DoubleWell { sigma: 0.3 }, State::new([0.5], [0.5]));
     let (levels, fine, paths) = ([4, 8], 12, 300);
@@ -271,7 +268,6 @@ fn one_nonlinear_noise() {
 struct Pendulum;
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn one_noise_in_both_directions() {
     let start = State::new([1.0], [0.5]);
     strong::<Midpoint, Midpoint, _>("pendulum, Midpoint", &Pendulum, start, [4, 8], 12, 300).check_order(1.0);
@@ -296,7 +292,6 @@ struct NonCommuting {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn noises_that_do_not_commute_halve_the_order() {
     let (system, start) = (NonCommuting { sigma: 1.0 }, State::new([0.3], [1.0]));
     strong::<Midpoint, Midpoint, _>("not commuting, Midpoint", &system, start, [4, 8], 13, 300)
@@ -318,7 +313,6 @@ fn noises_that_do_not_commute_halve_the_order() {
 struct Nilpotent;
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn corrected_has_order_one_where_noises_commute() {
     let start: State<<Nilpotent as Hamiltonian>::Vector> =
         State::new([1.0, 0.5, -0.5, 0.25], [0.5, 1.0, -1.0, 2.0]);
@@ -370,7 +364,6 @@ struct TwoAdditive {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn additive_noise() {
     let (system, start) = (TwoAdditive { sigma: 0.75, gamma: 1.0 }, State::new([0.3], [1.0]));
     strong::<Midpoint, Midpoint, _>("additive, Midpoint", &system, start, [4, 8], 12, 300).check_order(1.0);
@@ -406,7 +399,6 @@ where
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn deterministic_orders() {
     check_deterministic::<DeltaPlus>("DeltaPlus", 1.0);
     check_deterministic::<DeltaMinus>("DeltaMinus", 1.0);

@@ -1,14 +1,34 @@
-//! Laws of many paths, orders of convergence and large stiff systems: minutes without optimisation, moments with it.
+//! Laws of many paths, orders of convergence, long runs and large stiff systems: minutes without optimisation, moments with it.
 //!
-//! `cargo test --release --test laws` runs them; other builds compile them and say that they are skipped.
+//! `cargo test --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
+#[cfg(any(clippy, not(debug_assertions)))]
 mod bath;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod branches;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod brouwer;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod convergence;
+#[cfg(any(clippy, not(debug_assertions)))]
+mod long_runs;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod multilevel;
+#[cfg(any(clippy, not(debug_assertions)))]
+mod orbits;
+#[cfg(any(clippy, not(debug_assertions)))]
+mod rare;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod series_errors;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod stiff;
+#[cfg(any(clippy, not(debug_assertions)))]
+mod thermostats;
+
+#[cfg(debug_assertions)]
+#[test]
+#[ignore = "long without optimisation: cargo test --release --test laws"]
+fn laws() {}

@@ -52,7 +52,6 @@ fn scheme_mean(h: f64) -> f64 {
 /// The levels add up to the mean of the finest step size, with the standard error that is stated: 60 runs give a sum of squares of
 /// 60 ± 11, and five such deviations are exceeded once in a million times.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn the_sum_is_unbiased_and_its_error_is_right() {
     let (runs, target, exact) = (60, 4e-3, (-0.5f64).exp() * 1.5f64.sin());
     let (mut scores, mut squares, mut met) = (0.0, 0.0, 0);
@@ -75,7 +74,6 @@ fn the_sum_is_unbiased_and_its_error_is_right() {
 /// Each level on its own: the fine paths of level `l` and the coarse ones of level `l + 1` have the same mean, that of the step
 /// size; five standard errors.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn every_level_has_the_mean_of_its_step_size() {
     let estimate = kubo(0.5, 1e-3, 5).run().unwrap();
     println!("{estimate}");
@@ -97,7 +95,6 @@ fn every_level_has_the_mean_of_its_step_size() {
 
 /// Strong order one: variances fall by four from level to level.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn variances_fall_with_twice_the_strong_order() {
     let estimate = kubo(0.125, 2.5e-4, 1).run().unwrap();
     println!("{estimate}");
@@ -119,7 +116,6 @@ fn variances_fall_with_twice_the_strong_order() {
 /// `E H(t) = H(0) + (σ² + γ²) t / 2`. The scheme turns and shifts; its energy grows by the mean square of the shift, which is what
 /// the system has but for order `h²`.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn additive_noise_heats_as_it_must() {
     let system = Additive { sigma: 0.5, gamma: 1.0 };
     let target = 4e-3;
@@ -139,7 +135,6 @@ fn additive_noise_heats_as_it_must() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn every_split_gives_the_same_bits() {
     let well = DoubleWell { sigma: 0.3 };
     let run = || {
@@ -160,7 +155,6 @@ fn every_split_gives_the_same_bits() {
 
 /// Level 0 is the ensemble with the same seed; finer levels have their own normals.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn the_coarsest_level_is_the_ensemble() {
     let estimate = kubo(0.25, 1e-2, 9).run().unwrap();
     let run = |h: f64, paths| {
@@ -175,7 +169,6 @@ fn the_coarsest_level_is_the_ensemble() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn a_path_that_fails_is_an_error_with_its_level() {
     let edge = Edge { a: 1.0, sigma: 0.4 };
     let run = || edge.multilevel::<DeltaPlus>(0.05).start(State::new([1.0], [0.0])).seed(4).until(1.0);
@@ -202,7 +195,6 @@ fn a_path_that_fails_is_an_error_with_its_level() {
 /// An observable that is undefined just beyond what the coarsest level reaches: the next level has normals of its own, and with some seed
 /// goes farther.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn a_path_may_fail_on_a_finer_level_only() {
     let run = |seed| KUBO.ensemble::<Midpoint>(0.5).start(State::new([0.0], [1.0])).seed(seed).until(0.5);
     let found = (0..50).find_map(|seed| {
@@ -224,7 +216,6 @@ fn a_path_may_fail_on_a_finer_level_only() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn limits_are_kept_and_said() {
     let few =
         KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
@@ -242,7 +233,6 @@ fn limits_are_kept_and_said() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn what_makes_no_sense_is_refused() {
     let base = || KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
     let refused = |outcome: Result<MultilevelEstimate, Error>, word: &str| {
@@ -294,7 +284,6 @@ pub struct Driven;
 
 /// Observables are asked at the time of the state.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn observables_know_the_time() {
     let run =
         || Driven.multilevel::<Midpoint>(0.25).start(State { t: 0.5, ..State::new([1.0], [0.0]) }).seed(1);
@@ -320,7 +309,6 @@ fn observables_know_the_time() {
 /// An event with probability 0.001: none of the first 1024 paths of the coarsest level sees it for every third seed. Whoever believes the
 /// variance of the others says zero, and is sure of it.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn rare_events_are_not_certain_to_be_absent() {
     // P(p(1) > 3.0902) for a Brownian motion.
     let (exact, target, runs) = (1e-3, 2.5e-4, 20);
@@ -347,7 +335,6 @@ const BROWN: Brown = Brown { s: 1.0 };
 
 /// What is the same on all paths has no error that is known.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn a_constant_is_not_certain() {
     let run = BROWN.multilevel::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(1).until(1.0);
     let estimate =
@@ -360,7 +347,6 @@ fn a_constant_is_not_certain() {
 
 /// An ensemble that is asked for an error is the same run, and says what it cannot do in it.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn an_ensemble_becomes_a_multilevel_run() {
     let ensemble = || {
         let start = State::new([0.0], [1.0]);

@@ -88,7 +88,6 @@ fn errors_of_correlated_series_cover() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn errors_of_long_correlated_series_cover() {
     for (coefficients, length) in [
         ([0.0, 0.0], 1 << 14),

@@ -40,7 +40,6 @@ fn still(q: Vec<f64>) -> State<DVector<f64>> {
 /// Springs from soft to stiff: once it is known what the linear equations take, a solution takes no more products than four, and factors
 /// serve several steps.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn products_do_not_grow_with_the_stiffness() {
     let h = 0.05;
     for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
@@ -58,7 +57,6 @@ fn products_do_not_grow_with_the_stiffness() {
 /// At `k h² = 1` corrections that are smooth shrink under the fixed point, and rounding grows. It is tried in vain in fewer and fewer steps, which
 /// take twice as many iterations as their neighbours.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn a_fixed_point_that_misleads_is_rarely_tried() {
     let h = 0.05;
     let torus = Torus { side: 64, stiffness: 1.0 / (h * h), depth: 1.0 };
@@ -71,7 +69,6 @@ fn a_fixed_point_that_misleads_is_rarely_tried() {
 
 /// The table of `docs/stability.md`.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn large_stiff_lattices_run() {
     let (h, steps) = (0.05, 40);
     for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
@@ -103,7 +100,6 @@ fn large_stiff_lattices_run() {
 
 /// The discrete Euler-Lagrange equations, which know nothing of how they were solved.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn stiff_lattices_are_solved_to_rounding() {
     let h = 0.05;
     for k_h_squared in [1.0, 1e2, 1e4, 1e6] {
@@ -117,7 +113,6 @@ fn stiff_lattices_are_solved_to_rounding() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn factors_serve_many_steps() {
     // The fixed point does not contract: (h ω / 2)² is 9 for the fastest waves.
     let (n, h, steps) = (1024, 3.0, 100);
@@ -144,7 +139,6 @@ fn factors_serve_many_steps() {
 
 /// A copy of what the steps before left, without the factors, goes on with the same bits, and so does a step after one that failed.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "long without optimisation: cargo test --release --test laws")]
 fn copies_and_failures_change_no_bits() {
     let fput = Fput { alpha: 0.25, beta: 0.25 };
     let torus = Torus { side: 40, stiffness: 4e4, depth: 20.0 };

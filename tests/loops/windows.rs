@@ -443,7 +443,7 @@ fn a_step_that_fails_changes_nothing() {
 
 #[test]
 fn as_many_threads_as_pay_have_the_bits_of_one() {
-    let n = 600_011;
+    let n = 270_011;
     let start = || State::new(numbers(n, 0.2), numbers(n, 1.1)).at(0.5);
     let path =
         |run: Simulation<'_, Chain, Verlet>| run.start(start()).steps(3).record_every(0).run().unwrap();

@@ -1,17 +1,11 @@
 //! Promises of a step: it fails with a typed error and leaves the state alone, or its result is finite.
 
+use fixtures::extremes::{HenonHeiles, KUBO, PENDULUM, Pendulum, Ring, bits, state};
 use fixtures::small::Kubo;
 use wzvi::error::{ConfigError, StepFailure};
 use wzvi::prelude::*;
-use wzvi::state::Vector;
 
 mod allocations;
-
-#[hamiltonian(drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = [DeltaPlus, Midpoint])]
-#[derive(Debug)]
-struct Pendulum {
-    omega: f64,
-}
 
 /// No drift, so that the pole is where the increment alone puts it.
 #[hamiltonian(
@@ -23,49 +17,7 @@ struct Stretch {
     sigma: f64,
 }
 
-#[hamiltonian(
-    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) + 0.5 * (x * x + y * y) + x * x * y - y.powi(3) / 3.0,
-    noise = [|[x, y], _| 0.25 * x * y, |_, [u, _]| 0.1 * u],
-    embedding = [DeltaPlus, Midpoint],
-)]
-struct HenonHeiles;
-
-#[hamiltonian(
-    drift = |q, p, t| (1.0 + q * q) * p * p / 2.0 + (2.0 + t.sin()) * q.ln() - 1.0 / q,
-    noise = [|q, p| 0.5 * q * p, |q, p| 0.1 * (q * p * p).sin()],
-    embedding = [Midpoint, Corrected<DeltaPlus>, Uncorrected<Mixed<DeltaMinus, Lambda<1, 4>>>],
-)]
-struct Metric;
-
-#[hamiltonian(
-    drift = |q: [f64; 3], p: [f64; 3]| {
-        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
-        kinetic + (0..3).map(|i| 0.5 * k * (q[(i + 1) % 3] - q[i]).powi(2)).sum::<f64>()
-    },
-    embedding = Midpoint,
-)]
-#[derive(Debug)]
-struct Ring {
-    k: f64,
-}
-
-const PENDULUM: Pendulum = Pendulum { omega: 1.3 };
-const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
 const STRETCH: Stretch = Stretch { sigma: 0.5 };
-
-fn bits<V: Vector>(state: &State<V>) -> Vec<u64> {
-    let (q, p) = (state.q.components(), state.p.components());
-    q.iter().chain(p).chain([&state.t]).map(|x| x.to_bits()).collect()
-}
-
-fn state<V: Vector>(q: &[f64], p: &[f64]) -> State<V> {
-    let vector = |values: &[f64]| {
-        let mut vector = V::zeros(values.len());
-        vector.components_mut().copy_from_slice(values);
-        vector
-    };
-    State { q: vector(q), p: vector(p), t: 0.0 }
-}
 
 /// The step fails with the cause it returns, the state keeps its bits, and the stepper goes on like a fresh one.
 fn failure<E, H: Discretized<E>>(system: &H, h: f64, bad: &State<H::Vector>, dw: &[f64]) -> StepFailure {
@@ -292,92 +244,10 @@ fn what_cannot_be_prepared_is_a_mistake_of_the_configuration() {
     }
 }
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Any sign, any size: moderate numbers, powers of ten, special values and random bits.
-    fn number(&mut self) -> f64 {
-        let uniform = (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
-        match self.next() % 8 {
-            0..=3 => 3.0 * uniform,
-            4 | 5 => uniform.signum() * 10f64.powf(20.0 * uniform),
-            6 => f64::from_bits(self.next()),
-            _ => {
-                let special = [
-                    0.0,
-                    -0.0,
-                    f64::NAN,
-                    f64::INFINITY,
-                    f64::NEG_INFINITY,
-                    f64::MAX,
-                    f64::MIN_POSITIVE,
-                    5e-324,
-                    1.0,
-                    -2.0,
-                    1e154,
-                    1e-160,
-                ];
-                special[(self.next() % special.len() as u64) as usize]
-            }
-        }
-    }
-}
-
-fn sweep<E, H: Discretized<E>>(system: &H, seed: u64, name: &str) {
-    let mut random = Random(seed);
-    let (mut successes, mut failures) = (0, 0);
-    let (d, noises) = (system.degrees(), system.noises());
-    for h in [0.1, -0.03, 1.0, 1e3, 1e-300] {
-        let mut stepper = system.stepper::<E>(h).unwrap();
-        for _ in 0..4_000 {
-            let mut numbers = |n: usize| -> Vec<f64> { (0..n).map(|_| random.number()).collect() };
-            let start = state::<H::Vector>(&numbers(d), &numbers(d)).at(numbers(1)[0]);
-            let dw = numbers(noises);
-            let mut state = start.clone();
-            match stepper.step(&mut state, &dw) {
-                Ok(_) => {
-                    let (q, p) = (state.q.components(), state.p.components());
-                    let inputs = start.q.components().iter().chain(start.p.components()).chain(&dw);
-                    let finite = q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite());
-                    assert!(finite, "{name}, h = {h}: {start:?} {dw:?} -> {state:?}");
-                    assert!(
-                        inputs.chain([&start.t]).all(|x| x.is_finite()),
-                        "{name}: {start:?} {dw:?} -> {state:?}"
-                    );
-                    assert_eq!(state.t.to_bits(), (start.t + h).to_bits(), "{name}");
-                    successes += 1;
-                }
-                Err(error) => {
-                    assert_eq!(bits(&state), bits(&start), "{name}: {error}");
-                    failures += 1;
-                }
-            }
-        }
-    }
-    println!("{name}: {successes} steps, {failures} failures");
-    assert!(successes > 100 && failures > 100);
-}
-
-/// 160 000 steps.
+/// A part of what `tests/laws` runs.
 #[test]
 fn a_step_is_finite_or_an_error_and_then_leaves_every_bit() {
-    sweep::<Midpoint, _>(&PENDULUM, 1, "pendulum, mid-point");
-    sweep::<DeltaPlus, _>(&PENDULUM, 2, "pendulum, explicit");
-    sweep::<Midpoint, _>(&KUBO, 3, "Kubo, mid-point");
-    sweep::<Corrected<DeltaPlus>, _>(&KUBO, 4, "Kubo, corrected");
-    sweep::<Midpoint, _>(&HenonHeiles, 5, "Henon-Heiles, mid-point");
-    sweep::<Midpoint, _>(&Metric, 6, "metric, mid-point");
-    sweep::<Uncorrected<Mixed<DeltaMinus, Lambda<1, 4>>>, _>(&Metric, 7, "metric, mixed");
-    sweep::<Midpoint, _>(&Ring { k: 2.0 }, 8, "ring, mid-point");
+    fixtures::extremes::steps_are_finite_or_errors(400);
 }
 
 #[test]

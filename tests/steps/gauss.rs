@@ -1,6 +1,6 @@
 //! Gauss methods: against steps to 36 digits, their orders, and what a step promises.
 
-use fixtures::small::{Driven, Kepler, Pendulum};
+use fixtures::small::{Driven, Pendulum};
 use serde_json::Value;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
@@ -125,29 +125,10 @@ fn orders_are_twice_the_stages() {
         2, [16, 32], 0.1; 3, [16, 32], 0.1; 4, [16, 32], 0.1; 6, [3, 6], 0.5; 8, [3, 6], 0.5);
 }
 
-/// Brouwer's law: where rounding is all of the error the energy walks at random. Twenty ellipses of eccentricity 1/2, turned against each
-/// other, in steps that are no part of the period; `cargo bench --bench gauss -- brouwer` follows a hundred of them over a million steps.
+/// A part of what `tests/laws` runs.
 #[test]
 fn rounding_does_not_add_up() {
-    let (h, steps, starts) = (0.0617, 40_000, 20);
-    let drifts: Vec<f64> = (0..starts)
-        .map(|start| {
-            let (sin, cos) = (2.0 * std::f64::consts::PI * f64::from(start) / f64::from(starts)).sin_cos();
-            let speed = 3.0_f64.sqrt();
-            let mut state = State::new([0.5 * cos, 0.5 * sin], [-speed * sin, speed * cos]);
-            let energy = Kepler.energy(&state);
-            // With carried sums the walk is short: coefficients whose identities are rounded show as a drift of nine standard errors.
-            let mut stepper = Kepler.stepper::<Gauss<8>>(h).unwrap().compensated();
-            (0..steps).for_each(|_| assert!(stepper.step(&mut state, &[]).is_ok()));
-            (Kepler.energy(&state) - energy) / energy.abs()
-        })
-        .collect();
-    let number = f64::from(starts);
-    let mean = drifts.iter().sum::<f64>() / number;
-    let variance = drifts.iter().map(|drift| (drift - mean).powi(2)).sum::<f64>() / (number - 1.0);
-    assert!(mean.abs() < 3.0 * (variance / number).sqrt(), "{mean:e} {:e}", (variance / number).sqrt());
-    // A walk of a tenth of a rounding of the energy in each step, which the carried sums leave, would be 4e-15.
-    assert!(variance.sqrt() < 0.1 * f64::EPSILON * f64::from(steps).sqrt(), "{:e}", variance.sqrt());
+    fixtures::rounding::gauss_methods_do_not_add_rounding_up(4000);
 }
 
 /// A first sweep that is not finite is an error at once: Newton's method would begin where it ends.

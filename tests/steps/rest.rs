@@ -5,13 +5,8 @@ mod stepper;
 
 use std::f64::consts::{PI, TAU};
 
+use fixtures::rounding::{Well, run, walk};
 use wzvi::prelude::*;
-use wzvi::state::Vector as _;
-
-#[hamiltonian(drift = |q, p| 0.5 * p * p + 0.25 * q * q * q * q - 0.5 * a * q * q, embedding = Midpoint)]
-struct Well {
-    a: f64,
-}
 
 /// A well at `scale`, whatever the unit of length.
 #[hamiltonian(
@@ -61,55 +56,10 @@ struct PolarKepler;
 #[hamiltonian(drift = |r, p| 0.5 * p * p + 4.0 * (r.powi(-12) - r.powi(-6)), embedding = Midpoint)]
 struct LennardJones;
 
-/// What a run saw.
-#[derive(Debug, Default)]
-struct Seen {
-    /// The largest distance from the start, in any component.
-    moved: f64,
-    hard: u64,
-}
-
-fn run<H: Discretized<Midpoint>>(
-    system: &H,
-    start: State<H::Vector>,
-    h: f64,
-    steps: u64,
-) -> Result<Seen, wzvi::Error> {
-    let mut stepper = system.stepper::<Midpoint>(h)?;
-    let (mut state, mut seen) = (start.clone(), Seen::default());
-    let distance = |a: &H::Vector, b: &H::Vector| {
-        a.components().iter().zip(b.components()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    for _ in 0..steps {
-        seen.hard += u64::from(stepper.step(&mut state, &[])?.is_hard);
-        seen.moved = seen.moved.max(distance(&state.q, &start.q)).max(distance(&state.p, &start.p));
-    }
-    Ok(seen)
-}
-
-/// How far rounding takes an oscillator of about unit frequency whose places and forces are of the size `kappa`. A coordinate
-/// does not move before its increment `h p` is half a unit in its last place, so that the momentum gets as far as `κ ε / h`;
-/// kicks of `h κ ε` in `n` steps are a random walk, `κ ε h √n`. Ten times both is never reached.
-fn walk(kappa: f64, h: f64, steps: u64) -> f64 {
-    10.0 * kappa * f64::EPSILON * (1.0 / h + h * (steps as f64).sqrt())
-}
-
+/// A part of what `tests/laws` runs.
 #[test]
 fn wells_at_rest_stay_there() {
-    let mut worst = Seen::default();
-    for i in 0..100 {
-        let a = 0.5 + 0.05 * f64::from(i);
-        for h in [0.01, 0.05, 0.1] {
-            let steps = 200_000;
-            let seen = run(&Well { a }, State::new([a.sqrt()], [0.0]), h, steps)
-                .unwrap_or_else(|error| panic!("a = {a}, h = {h}: {error}"));
-            // The force has terms of the size of a^1.5, and the frequency is √(2a) > 1.
-            assert!(seen.moved <= walk(2.0 * a.powf(1.5), h, steps), "a = {a}, h = {h}: {seen:?}");
-            assert!(seen.hard <= 3, "a = {a}, h = {h}: {seen:?}");
-            worst = Seen { moved: worst.moved.max(seen.moved), hard: worst.hard.max(seen.hard) };
-        }
-    }
-    println!("{worst:?}");
+    fixtures::rounding::wells_at_rest_stay_there(10_000);
 }
 
 #[test]

@@ -13,16 +13,14 @@ use fixtures::{files::contents, folder};
 
 /// What the child is to run, and where.
 const ORDERS: &str = "WZVI_TEST_ENSEMBLE_CHECKPOINT";
-/// A second or so, so that there is something to kill.
-const PATHS: u64 = 40_000;
+/// So many that there is something to kill.
+const PATHS: u64 = 8000;
 
 fn run(file: Option<&Path>) -> String {
     let run = EDGE.summed::<DeltaPlus>().paths(PATHS);
     let run = match file {
         // Much of a child's time goes into its checkpoints, so that some of the kills meet one.
-        Some(file) => {
-            run.checkpoint(Checkpoint::to(file).every_paths(20_000).every(Duration::from_millis(30)))
-        }
+        Some(file) => run.checkpoint(Checkpoint::to(file).every_paths(4000).every(Duration::from_millis(30))),
         None => run,
     };
     bits(&run.run().unwrap())

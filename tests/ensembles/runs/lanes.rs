@@ -87,17 +87,17 @@ fn a_lane_is_the_path_of_a_stepper() {
     let well = DoubleWell { sigma: 0.3 };
     as_steppers::<_, Midpoint>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
     let (hard, failed) =
-        as_steppers::<_, Midpoint>(&DoubleWell { sigma: 1.5 }, 0.5, &State::new([0.5], [2.0]), 600, 60);
-    assert!(hard > 1000 && failed > 0 && failed < 600, "{hard} {failed}");
+        as_steppers::<_, Midpoint>(&DoubleWell { sigma: 1.5 }, 0.5, &State::new([0.5], [2.0]), 150, 60);
+    assert!(hard > 250 && failed > 0 && failed < 150, "{hard} {failed}");
     let start = State::new([0.5, 0.3], [0.2, -0.4]);
     let tangled = Tangled { s: 0.8 };
-    let (hard, failed) = as_steppers::<_, Midpoint>(&tangled, 0.3, &start, 200, 20);
-    assert!(hard > 100 && failed > 0 && failed < 200, "{hard} {failed}");
-    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>>(&tangled, 0.1, &start, 200, 20);
-    assert!(hard > 100 && failed > 0 && failed < 200, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Midpoint>(&tangled, 0.3, &start, 100, 20);
+    assert!(hard > 50 && failed > 0 && failed < 100, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>>(&tangled, 0.1, &start, 100, 20);
+    assert!(hard > 50 && failed > 0 && failed < 100, "{hard} {failed}");
     let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
-    let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 200, 40);
-    assert!(hard > 100 && failed < 200, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 100, 40);
+    assert!(hard > 50 && failed < 100, "{hard} {failed}");
 }
 
 /// Double wells of a size that the state has: every site is solved for itself.

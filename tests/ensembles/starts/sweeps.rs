@@ -145,12 +145,12 @@ where
     let start = State::new([-0.7], [0.2]);
     let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.1 * path as f64 }).collect();
     let run = || list[0].ensemble::<E>(h).systems(|draw| Well { k: 0.1 * draw.path() as f64 });
-    let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(200);
+    let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(100);
     let reference = run().run().unwrap();
     let mut hard = 0;
     for (path, well) in list.iter().enumerate() {
         let (mut stepper, mut state) = (well.stepper::<E>(h).unwrap().plain(), start);
-        let error = (0..200).find_map(|step| match stepper.step(&mut state, &[]) {
+        let error = (0..100).find_map(|step| match stepper.step(&mut state, &[]) {
             Ok(info) => {
                 hard += u32::from(info.is_hard && step > 0);
                 None
@@ -162,9 +162,11 @@ where
         if error.is_none() {
             assert_eq!(&reference.paths().unwrap().at(path, 1).unwrap()[..2], [state.q[0], state.p[0]]);
         }
-        let (replayed, other) = run().replay(path as u64).unwrap();
-        assert_eq!(other, error.map(Error::from));
-        assert_eq!((replayed.last().q, replayed.last().p), (state.q, state.p), "path {path}");
+        if path % 8 == 0 || error.is_some() {
+            let (replayed, other) = run().replay(path as u64).unwrap();
+            assert_eq!(other, error.map(Error::from));
+            assert_eq!((replayed.last().q, replayed.last().p), (state.q, state.p), "path {path}");
+        }
     }
     assert!((1..PATHS).contains(&reference.failed()), "{} failures", reference.failed());
     let same = |other: wzvi::ensemble::Statistics| {

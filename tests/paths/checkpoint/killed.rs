@@ -11,8 +11,8 @@ use wzvi::prelude::*;
 use super::systems::{DoublePendulum, KEPLER, PENDULUM, bits};
 use fixtures::{files::contents, folder};
 
-/// Seconds, so that there is something to kill.
-const STEPS: u64 = 1_000_000;
+/// So many that there is something to kill.
+const STEPS: u64 = 100_000;
 /// What the child is to run, and where.
 const ORDERS: &str = "WZVI_TEST_CHECKPOINT";
 

@@ -92,8 +92,8 @@ fn kubo_has_its_moments_and_its_strong_error() {
 
 #[test]
 fn a_finer_run_serves_as_reference() {
-    let finer = kubo().reference::<Midpoint>(2f64.powi(-12)).run().unwrap();
-    let exact = kubo().run().unwrap();
+    let finer = kubo().paths(60).reference::<Midpoint>(2f64.powi(-12)).run().unwrap();
+    let exact = kubo().paths(60).run().unwrap();
     assert_eq!(
         finer.reference,
         "Midpoint with h = 2.44e-4 on the same Wiener path".replace("2.44e-4", "0.000244")
@@ -168,15 +168,15 @@ fn an_interruption_keeps_what_was_measured() {
     assert!(!report.cells.is_empty() && report.cells.iter().all(|cell| cell.paths > 0));
     assert!(report.cells.iter().map(|cell| cell.paths).sum::<usize>() < 15 * 400);
     assert!(report.text().contains("interrupted"));
-    assert!(!kubo().stop_when(|| false).run().unwrap().interrupted);
+    assert!(!kubo().paths(20).stop_when(|| false).run().unwrap().interrupted);
 }
 
 /// Errors are those of the paths, whatever threads there are; a time that was not measured has its place in the CSV.
 #[test]
 fn threads_do_not_show_in_the_numbers() {
     let cells = |threads: usize| {
-        let report = kubo().paths(1200).observe("q", |state| state.q[0]).repetitions(0).threads(threads);
-        let report = report.run().unwrap();
+        let report = kubo().paths(1200).step_sizes([0.25, 0.125]).observe("q", |state| state.q[0]);
+        let report = report.repetitions(0).threads(threads).run().unwrap();
         let csv = String::from_utf8(report.csv()).unwrap();
         let commas = |line: &str| line.matches(',').count();
         assert!(csv.lines().all(|line| commas(line) == 18), "{csv}");

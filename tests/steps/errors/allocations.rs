@@ -1,10 +1,9 @@
 //! Steps allocate nothing.
 
 use allocation_counter::measure;
+use fixtures::extremes::{HenonHeiles, KUBO, Metric, PENDULUM, Ring, state};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
-
-use super::{HenonHeiles, KUBO, Metric, PENDULUM, Ring, state};
 
 /// Allocations of 100 steps with the given increments, and of a step that fails.
 fn allocations<E, H: Discretized<E>>(system: &H, q: &[f64], p: &[f64]) -> [u64; 2] {

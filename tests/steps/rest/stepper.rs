@@ -1,19 +1,8 @@
 //! A failed step leaves the stepper, all of it, bit for bit as it was.
 
+use fixtures::stiff::SpringPendulum;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
-
-/// A mass on a stiff spring under gravity.
-#[hamiltonian(
-    drift = |[x, y], [px, py]| {
-        let stretch = (x * x + y * y).sqrt() - 1.0;
-        0.5 * (px * px + py * py) + y + 0.5 * stiffness * stretch * stretch
-    },
-    embedding = Midpoint,
-)]
-struct StiffPendulum {
-    stiffness: f64,
-}
 
 /// `H = p²/2 - q³/3`: far out a step has no solution.
 #[hamiltonian(drift = |q, p| 0.5 * p * p - q * q * q / 3.0, embedding = Midpoint)]
@@ -41,7 +30,7 @@ fn random(seed: &mut u64) -> f64 {
 /// The watch that refused the step refuses it again, whatever fails in between.
 #[test]
 fn a_failed_call_does_not_reset_the_watch() {
-    let spring = StiffPendulum { stiffness: 1e10 };
+    let spring = SpringPendulum { stiffness: 1e10 };
     let refused = |interrupts: bool| {
         let mut stepper = spring.stepper::<Midpoint>(0.01).unwrap();
         let mut state = State::new([1.0_f64.sin(), -1.0_f64.cos()], [0.0, 0.0]);
