@@ -1,6 +1,5 @@
 //! Errors of averages that single paths dominate, and of rates.
 
-use fixtures::small::WALKER;
 use fixtures::walkers;
 use wzvi::ensemble::TargetStatus;
 use wzvi::prelude::*;
