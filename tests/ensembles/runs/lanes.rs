@@ -127,7 +127,7 @@ pub(crate) struct Shaken<const N: usize> {
     pub(crate) s: f64,
 }
 
-/// The same of steps that are taken in loops, in lanes or not; where sites are hard to solve, too.
+/// The same of steps that are taken in loops, in lanes or not; where some have no solution, too.
 #[test]
 fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let wave =
@@ -137,8 +137,8 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
         |s, stiffness: f64| DoubleWells { s, stiffness: (0..5).map(|i| stiffness + i as f64).collect() };
     let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 40, 100);
     assert_eq!((hard, failed), (0, 0));
-    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 100, 20);
-    assert!(hard > 1000 && failed < 100, "{hard} {failed}");
+    let (_, failed) = as_steppers::<_, Midpoint>(&wells(0.8, 1.0), 0.2, &start, 100, 10);
+    assert!(failed > 0 && failed < 100, "{failed}");
     let start = State {
         q: nalgebra::SVector::from_vec(wave(7, 0.2)),
         p: nalgebra::SVector::from_vec(wave(7, 1.1)),
