@@ -95,7 +95,7 @@ struct Spoken<'a, H, W> {
     degrees: usize,
 }
 
-/// All parts of a step from `q` and `p`, if the system [has windows](Elements::HAS_WINDOWS).
+/// All parts of a step from `q` and `p`, if the system [has windows](crate::elements::Elements::HAS_WINDOWS).
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
