@@ -72,9 +72,8 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     hard: Hard<'_, H, E, C>,
     cause: StepFailure,
 ) -> Outcome<H, E, C> {
-    let inputs = hard.q.components().iter().chain(hard.p.components()).chain(&*hard.dw).chain([&hard.t]);
-    let is_hopeless = cause.is_of_arguments();
-    if is_hopeless || inputs.into_iter().any(|x| !x.is_finite()) {
+    let lists = [hard.q.components(), hard.p.components(), &hard.dw, &[hard.t]];
+    if cause.is_of_arguments() || !are_finite(lists) {
         return Err(cause);
     }
     match hard.solve_whole() {
@@ -88,6 +87,10 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
             },
         },
     }
+}
+
+fn are_finite(lists: [&[f64]; 4]) -> bool {
+    lists.iter().all(|list| list.iter().all(|x| x.is_finite()))
 }
 
 /// Where the curve of solutions could not be followed any further.

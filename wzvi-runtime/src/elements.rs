@@ -259,7 +259,8 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    if pairs::takes_vectors::<H>(wanted, at.q.len())
+    if const { pairs::may_take_vectors::<H>() && S::MAY_BE_PLAIN }
+        && pairs::takes_vectors::<H>(wanted, at.q.len())
         && let Some(at) = at.plain()
         && let (Some(by_q), Some(by_p)) = (S::plain_mut(&mut *by_q), S::plain_mut(&mut *by_p))
     {

@@ -2,6 +2,7 @@
 //!
 //! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has a field `setup` with those that they set.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -57,8 +58,9 @@ impl<'a, V> Observables<'a, V> {
     /// [`ConfigError::Setting`] if two have the same name.
     pub(crate) fn checked(self, what: &str) -> Result<(Vec<String>, Vec<Observable<'a, V>>), ConfigError> {
         let (names, functions): (Vec<String>, _) = self.0.into_iter().unzip();
-        match names.iter().enumerate().find(|(i, name)| names.iter().take(*i).any(|known| known == *name)) {
-            Some((_, twice)) => Err(ConfigError::Setting(format!("two {what} have the name `{twice}`"))),
+        let mut known = HashSet::new();
+        match names.iter().find(|name| !known.insert(*name)) {
+            Some(twice) => Err(ConfigError::Setting(format!("two {what} have the name `{twice}`"))),
             None => Ok((names, functions)),
         }
     }

@@ -76,6 +76,9 @@ pub trait Scalar:
     /// What elements compute with in vectors of this type: `T` for `f64`, else the type itself.
     type OfElements<T: Number<f64>>: Number<Self>;
 
+    /// Whether they may be `f64`: of others nothing is compiled for lists of `f64`.
+    #[doc(hidden)]
+    const MAY_BE_PLAIN: bool = size_of::<Self>() == size_of::<f64>();
     /// A list of such numbers, if they are `f64`.
     #[inline(always)]
     fn plain(_list: &[Self]) -> Option<&[f64]> {

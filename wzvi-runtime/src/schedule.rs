@@ -96,7 +96,7 @@ pub(crate) fn in_order<T: Send>(
             take_what_is_next(&shared, &take);
         }
     };
-    together(others as usize, run);
+    together(others as usize, &run);
 }
 
 /// Gives to `take` what has arrived in order. While one thread is at it, others wait: none runs ahead of `take`.

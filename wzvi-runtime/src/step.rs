@@ -16,7 +16,7 @@ use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::plan::{NoiseClass, Solver};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
-use crate::system::{Discretized, Exchange};
+use crate::system::{Discretized, Exchange, Hamiltonian};
 use account::Ledger;
 use rare::{Arrived, Cause, Rare, Refused};
 
@@ -442,14 +442,22 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 /// # Errors
 /// Those of the system, with the name of a parameter that is no number.
 pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<H::Prepared, ConfigError> {
-    let prepared = system.validate().and_then(|()| system.prepare(h));
-    prepared.map_err(|error| {
-        let mut parameters = (0..).map_while(|index| system.parameter(index));
-        match parameters.find(|(_, value)| value.is_nan()) {
-            Some((parameter, _)) if error == ConfigError::Parameter => ConfigError::NotANumber { parameter },
-            _ => error,
+    match system.validate().and_then(|()| system.prepare(h)) {
+        Err(ConfigError::Parameter) => Err(mistaken_parameter(system)),
+        prepared => prepared,
+    }
+}
+
+/// Which parameter makes no sense.
+fn mistaken_parameter(system: &impl Hamiltonian) -> ConfigError {
+    let mut index = 0;
+    while let Some((parameter, value)) = system.parameter(index) {
+        if value.is_nan() {
+            return ConfigError::NotANumber { parameter };
         }
-    })
+        index += 1;
+    }
+    ConfigError::Parameter
 }
 
 /// Zero times a finite number is zero, and NaN otherwise.

@@ -183,8 +183,8 @@ where
         if !system.fits(degrees) {
             system.check(degrees)?;
         }
-        if takes_windows::<F>(degrees)
-            && !C::CARRIES
+        if const { F::HAS_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+            && takes_windows::<F>(degrees)
             && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
             let givens = Givens { t, h, q, p, dw: &own[..noises.min(own.len())] };
@@ -217,7 +217,7 @@ where
         memory: &mut Self::Memory<f64>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if takes_windows::<F>(q.components().len()) && !C::CARRIES {
+        if const { F::HAS_WINDOWS && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
             let noises = system.noises().min(dw.len());
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
             let Memory { flows, bath } = memory;

@@ -222,8 +222,8 @@ impl<F: Flows> Sequence<F> for KickDrift {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if takes_windows::<F>(q.len())
-            && !C::CARRIES
+        if const { F::HAS_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+            && takes_windows::<F>(q.len())
             && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
             let givens = Givens { t, h, q, p, dw };

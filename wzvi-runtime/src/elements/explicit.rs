@@ -76,7 +76,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
         }
         let [q, p] = super::sized_mut(system, [q, p])?;
         let dw = super::increments(system, dw)?;
-        if H::HAS_WINDOWS
+        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
             && takes_windows(scheme, q.len())
             && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
@@ -125,7 +125,7 @@ pub fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.components().len();
-    if H::HAS_WINDOWS && !C::CARRIES && takes_windows(scheme, degrees) {
+    if const { H::HAS_WINDOWS && !C::CARRIES } && takes_windows(scheme, degrees) {
         return Givens { system, scheme, t, h, dw }.exchange(q, p, memory);
     }
     let (q, p) = (q.components_mut(), p.components_mut());

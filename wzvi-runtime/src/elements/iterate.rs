@@ -451,26 +451,25 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
             relative <= ROUNDING || ratio.is_some_and(|ratio| relative * ratio <= 0.25 * ROUNDING)
         };
         taken.change == Some(Change::Unseen)
-            || (is_enough(taken.relative) && self.resolves(scratch, ratio.unwrap_or(1.0)))
+            || (is_enough(taken.relative)
+                && resolves(self.scheme.unknowns, [self.q, self.p], &scratch.lists, ratio.unwrap_or(1.0)))
             || (!is_newton && taken.change.is_none() && self.changes_nothing(&scratch.lists))
     }
+}
 
-    /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of
-    /// the state that it changes.
-    #[inline(always)]
-    fn resolves(self, scratch: &Scratch<'_, S>, ratio: f64) -> bool {
-        let Lists { x, correction, previous, .. } = &scratch.lists;
-        if self.scheme.unknowns == Unknowns::Both {
-            let state = self.q.iter().zip(self.p).map(|(&q, &p)| [q, p]);
-            Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio)
-        } else {
-            let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
-            let (state, rest) = self.p.as_chunks::<4>();
-            groups.are_small(state.iter().copied(), ratio)
-                && Corrected::<S, 1>::of(x, correction, previous)
-                    .0
-                    .are_small(rest.iter().map(|&p| [p]), ratio)
-        }
+/// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of
+/// the state that it changes.
+#[inline(always)]
+fn resolves<S: Scalar>(unknowns: Unknowns, [q, p]: [&[S]; 2], lists: &Lists<'_, S>, ratio: f64) -> bool {
+    let Lists { x, correction, previous, .. } = lists;
+    if unknowns == Unknowns::Both {
+        let state = q.iter().zip(p).map(|(&q, &p)| [q, p]);
+        Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio)
+    } else {
+        let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
+        let (state, rest) = p.as_chunks::<4>();
+        groups.are_small(state.iter().copied(), ratio)
+            && Corrected::<S, 1>::of(x, correction, previous).0.are_small(rest.iter().map(|&p| [p]), ratio)
     }
 }
 

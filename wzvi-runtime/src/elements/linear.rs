@@ -56,30 +56,33 @@ impl<S: Scalar> Linear<S> {
     /// A band if it is narrow or small, after a renumbering where that pays; else products with the matrix.
     pub(super) fn new<H: Elements>(system: &H, scheme: &Scheme, degrees: usize) -> Self {
         let unknowns = scheme.unknowns.count(degrees);
-        let krylov = || Self::Krylov(Box::new(Wide { krylov: Krylov::new(unknowns), factors: None }));
-        // Derivatives that a number carries are not orthogonal to anything.
-        let is_plain = size_of::<S>() == size_of::<f64>();
-        let is_cheap = |half: usize| {
-            half <= NARROW
-                || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS
-                || !is_plain
-        };
         let (mut natural, mut entries) = (0_usize, 0_usize);
         pattern(system, scheme, degrees, |row, column| {
             natural = natural.max(row.abs_diff(column));
             entries += 1;
         });
-        let band = |half: usize, position: Vec<usize>| {
-            let band = is_cheap(half).then(|| Banded::new(unknowns, half, position, MOST_NUMBERS)).flatten();
-            band.map_or_else(krylov, Self::Band)
-        };
         if natural <= NARROW_AS_IT_IS || is_dense(entries, unknowns) {
-            return band(natural, Vec::new());
+            return Self::of_band(unknowns, natural, Vec::new());
         }
-        let pairs = pairs(system, scheme, degrees, entries);
-        let position = reverse_cuthill_mckee(unknowns, &pairs);
-        let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
-        if half < natural { band(half, position) } else { band(natural, Vec::new()) }
+        let (half, position) = rearranged(unknowns, &pairs(system, scheme, degrees, entries));
+        if half < natural {
+            Self::of_band(unknowns, half, position)
+        } else {
+            Self::of_band(unknowns, natural, Vec::new())
+        }
+    }
+
+    /// With a matrix of this band, or without it where that costs too much.
+    fn of_band(unknowns: usize, half: usize, position: Vec<usize>) -> Self {
+        // Derivatives that a number carries are not orthogonal to anything.
+        let is_plain = size_of::<S>() == size_of::<f64>();
+        let is_cheap = half <= NARROW
+            || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS
+            || !is_plain;
+        match if is_cheap { Banded::new(unknowns, half, position, MOST_NUMBERS) } else { None } {
+            Some(band) => Self::Band(band),
+            None => Self::Krylov(Box::new(Wide { krylov: Krylov::new(unknowns), factors: None })),
+        }
     }
 
     pub(super) fn method(&self) -> Method {
@@ -121,9 +124,14 @@ fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize, 
     let pairs = pairs(system, scheme, degrees, entries);
     // An iteration takes a product, and as many sums as there are vectors, twice.
     let iteration = (2 * pairs.len() + Krylov::<S>::BASIS * unknowns) as u64;
-    all.then(|| Sparse::complete(unknowns, &pairs, MANY_ITERATIONS * iteration))
-        .flatten()
-        .or_else(|| Sparse::incomplete(unknowns, &pairs))
+    let most = if all { Some(MANY_ITERATIONS * iteration) } else { None };
+    factors_of(unknowns, &pairs, most)
+}
+
+/// Complete factors if they take at most so many operations, else incomplete ones.
+fn factors_of<S: Scalar>(unknowns: usize, pairs: &[(usize, usize)], most: Option<u64>) -> Sparse<S> {
+    most.and_then(|most| Sparse::complete(unknowns, pairs, most))
+        .or_else(|| Sparse::incomplete(unknowns, pairs))
         .unwrap_or_else(|| Sparse::diagonal(unknowns))
 }
 
@@ -135,7 +143,18 @@ fn is_dense(entries: usize, unknowns: usize) -> bool {
 fn pairs<H: Elements>(system: &H, scheme: &Scheme, degrees: usize, entries: usize) -> Vec<(usize, usize)> {
     let mut pairs = Vec::with_capacity(entries);
     pattern(system, scheme, degrees, |row, column| pairs.push((row.min(column), row.max(column))));
+    sorted(pairs)
+}
+
+fn sorted(mut pairs: Vec<(usize, usize)>) -> Vec<(usize, usize)> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
+}
+
+/// The half of the band after unknowns were rearranged, and their places then.
+fn rearranged(unknowns: usize, pairs: &[(usize, usize)]) -> (usize, Vec<usize>) {
+    let position = reverse_cuthill_mckee(unknowns, pairs);
+    let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);
+    (half, position)
 }

@@ -23,7 +23,7 @@ use super::sums::{Given, Run, Sums};
 use crate::scalar::{Number, Scalar};
 
 pub(super) use block::Block;
-pub(super) use columns::{slopes, takes_vectors};
+pub(super) use columns::{may_take_vectors, slopes, takes_vectors};
 
 /// Partners whose slopes are computed beside each other, on every machine.
 pub(super) const LANES: usize = 8;

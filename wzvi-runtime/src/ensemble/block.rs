@@ -53,7 +53,7 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, 
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
-        if WIDTH != 0 {
+        if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
         } else if const { Job::<H, E>::MAY_GO_PATH_BY_PATH } && self.job.goes_path_by_path() {
             self.of_width::<1>()

@@ -107,7 +107,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Those of a system that cannot be prepared.
     pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
         self.path = path;
-        self.counts = std::array::from_fn(|lane| path + (lane as u64) < end);
+        for (lane, counts) in self.counts.iter_mut().enumerate() {
+            *counts = path + (lane as u64) < end;
+        }
         (self.failed, self.any_failed) = ([false; L], false);
         let was_over = std::mem::take(&mut self.is_over);
         self.halved = [NEVER; L];
@@ -115,19 +117,25 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.apart.clear();
         self.increments.begin(path);
         if P::ARE_OWN {
-            self.own = (0..L).map(|lane| self.prepared(lane)).collect::<Result<_, _>>()?;
+            self.own.clear();
+            for lane in 0..L {
+                self.own.push(self.prepared(lane)?);
+            }
             self.put_beside();
         }
         self.put_starts()?;
         // A stepper that is there starts anew by itself: paths begin at another time than they end.
         if self.is_stepped() && (self.steppers.len() < L || was_over || P::ARE_OWN) {
             let accounts = self.job.own_work.is_some();
-            let stepper =
-                |lane| Stepper::beside_others(self.job.system_of(self.source_of(lane)), self.job.h, accounts);
-            let steppers = (0..L).map(stepper);
-            self.steppers = steppers.collect::<Result<_, _>>()?;
+            self.steppers.clear();
+            for lane in 0..L {
+                let system = self.job.system_of(self.source_of(lane));
+                self.steppers.push(Stepper::beside_others(system, self.job.h, accounts)?);
+            }
         }
-        self.steppers.iter_mut().for_each(|stepper| stepper.set_exchanged(Exchange::default()));
+        for stepper in &mut self.steppers {
+            stepper.set_exchanged(Exchange::default());
+        }
         Ok(())
     }
 
@@ -387,10 +395,13 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// The paths that failed since this was asked last, in the order of their numbers: they came in that of time, which depends on who ran
     /// beside whom.
     pub(super) fn take_failures(&mut self) -> Vec<PathFailure> {
-        let mut failures = std::mem::take(&mut self.failures);
-        failures.sort_unstable_by_key(|failure| failure.path);
-        failures
+        in_order_of_paths(std::mem::take(&mut self.failures))
     }
+}
+
+fn in_order_of_paths(mut failures: Vec<PathFailure>) -> Vec<PathFailure> {
+    failures.sort_unstable_by_key(|failure| failure.path);
+    failures
 }
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance for Group<'_, '_, H, E, P, L> {

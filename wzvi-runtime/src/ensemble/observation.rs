@@ -50,6 +50,10 @@ struct LaneInside<V> {
 }
 
 impl<V: Vector> LaneInside<V> {
+    fn of_lanes(lanes: usize, sections: &Sections<'_, V>, start: &State<V>) -> Vec<Self> {
+        (0..lanes).map(|_| Self::new(sections, start)).collect()
+    }
+
     fn new(sections: &Sections<'_, V>, start: &State<V>) -> Self {
         Self {
             before: start.clone(),
@@ -65,7 +69,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     pub(super) fn new(job: &'j Job<'a, H, E>, is_part: bool) -> Self {
         let (events, observables) = (job.events.len(), job.observables.len());
         let looks_inside = job.looks_between();
-        let lane = |_| LaneInside::new(&job.sections, &job.start);
+        let lanes = if looks_inside { L } else { 0 };
         Self {
             job,
             piece: Piece::new(&job.wanted, is_part),
@@ -77,7 +81,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             changes: vec![None; events],
             kept: [0; L],
             first_kept: vec![0; job.sections.len()],
-            lanes: (0..if looks_inside { L } else { 0 }).map(lane).collect(),
+            lanes: LaneInside::of_lanes(lanes, &job.sections, &job.start),
             values: vec![0.0; observables],
         }
     }
@@ -89,11 +93,13 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Halt> {
         (self.seen, self.next) = (0, 0);
         if let Some(paths) = &mut self.piece.statistics.paths {
-            for lane in (0..L).filter(|&lane| group.is_path(lane)) {
-                self.kept[lane] = paths.begin();
+            for lane in 0..L {
+                if group.is_path(lane) {
+                    self.kept[lane] = paths.begin();
+                }
             }
         }
-        for lane in (0..L).filter(|_| !self.job.events.is_empty()) {
+        for lane in if self.job.events.is_empty() { 0..0 } else { 0..L } {
             let start = group.state_at(lane, 0);
             let memory = self.before.iter_mut().zip(&mut self.passed);
             for ((before, passed), event) in memory.zip(&self.job.events) {
@@ -118,7 +124,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         let times = [node - 1, node].map(|node| self.job.grid.time(node));
         for lane in 0..L {
             let is_over = !group.is_path(lane) || group.has_failed(lane);
-            if is_over || self.passed.iter().all(|passed| !passed[lane].is_nan()) {
+            if is_over || have_passed(&self.passed, lane) {
                 continue;
             }
             let mut crossed = false;
@@ -225,7 +231,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             }
             if let Some(first) = job.own_work {
                 let own = group.work_of(lane, node)?;
-                self.values[first..].iter_mut().zip(own).for_each(|(value, own)| *value = own);
+                self.values[first..first + own.len()].copy_from_slice(&own);
             }
             self.piece.see(place, Some(&self.values), &job.wanted);
             if let Some(paths) = &mut self.piece.statistics.paths {
@@ -241,21 +247,29 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         let failures = group.take_failures();
         for (event, passed) in self.passed.iter().enumerate() {
             let mut failures = failures.iter();
-            for lane in (0..L).filter(|&lane| group.is_path(lane)) {
+            for (lane, time) in passed.iter().enumerate() {
+                if !group.is_path(lane) {
+                    continue;
+                }
                 let failure = if group.has_failed(lane) { failures.next() } else { None };
                 let passage = match failure {
-                    _ if !passed[lane].is_nan() => Passage::At(passed[lane]),
+                    _ if !time.is_nan() => Passage::At(*time),
                     Some(failure) => Passage::Lost(failure.error.t),
                     None => Passage::Censored,
                 };
                 self.piece.pass(event, passage, &self.job.wanted);
             }
         }
-        failures.into_iter().for_each(|failure| self.piece.statistics.fail(failure));
+        for failure in failures {
+            self.piece.statistics.fail(failure);
+        }
         for (section, &first) in self.first_kept.iter().enumerate() {
             self.piece.statistics.crossings[section].sort(first);
-            let of_paths = self.lanes.iter().enumerate().filter(|(lane, _)| group.is_path(*lane));
-            of_paths.for_each(|(_, inside)| self.piece.cross(section, inside.counts[section]));
+            for (lane, inside) in self.lanes.iter().enumerate() {
+                if group.is_path(lane) {
+                    self.piece.cross(section, inside.counts[section]);
+                }
+            }
         }
     }
 
@@ -263,6 +277,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     pub(super) fn into_piece(self) -> Piece {
         self.piece
     }
+}
+
+/// Whether all events of a lane have happened.
+fn have_passed<const L: usize>(passed: &[[f64; L]], lane: usize) -> bool {
+    passed.iter().all(|passed| !passed[lane].is_nan())
 }
 
 impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g, 'a, H, E, P, L>>

@@ -135,6 +135,11 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     }
 }
 
+/// Whether slopes of any system of this kind are taken in vector instructions.
+pub(in crate::elements) const fn may_take_vectors<H: Elements>() -> bool {
+    H::HAS_PAIRS || H::GATHERS.by_q || H::GATHERS.by_p
+}
+
 /// Whether slopes of so many degrees of freedom are taken in vector instructions: [rows](Elements::HAS_PAIRS) in columns, and what
 /// [gathers](Elements::GATHERS) in blocks.
 #[inline(always)]

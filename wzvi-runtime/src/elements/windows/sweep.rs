@@ -79,7 +79,10 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// The guess of so many steps before, with its `u` and `P`.
     #[inline(always)]
     pub(in crate::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
-        if self.takes_vectors(scratch) && self.start_in_vectors(scratch, known) {
+        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+            && self.takes_vectors(scratch)
+            && self.start_in_vectors(scratch, known)
+        {
             return;
         }
         scratch.guess(known);
@@ -89,7 +92,8 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// `x ← φ(x)`, with the new `u` and `P` from those of before.
     #[inline(always)]
     pub(in crate::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>) -> Swept {
-        if self.takes_vectors(scratch)
+        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+            && self.takes_vectors(scratch)
             && let Some(swept) = self.sweep_in_vectors(scratch)
         {
             return swept;

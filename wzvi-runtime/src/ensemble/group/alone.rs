@@ -118,8 +118,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         memory: &mut H::Memory<Lanes<1>>,
     ) -> Result<(), Error> {
         let job = self.job;
-        let alone = |lanes: &[Lanes<L>]| -> Vec<_> { lanes.iter().map(|x| Lanes::new([x[lane]])).collect() };
-        let (mut q, mut p, dw) = (alone(&self.q), alone(&self.p), alone(self.increments.of(step)));
+        let (mut q, mut p, dw) =
+            (alone(lane, &self.q), alone(lane, &self.p), alone(lane, self.increments.of(step)));
         let (system, prepared) = self.system_of(lane);
         let outcome = system.advance_carrying::<Lanes<1>, Plain, false>(
             &prepared, t, job.h, &mut q, &mut p, &dw, memory, &mut Plain,
@@ -158,7 +158,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     ) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let State { q, p, t } = self.state_of(lane, t);
-        let dw: Vec<f64> = dw.iter().map(|dw| dw[0]).collect();
+        let dw = first_lane(dw);
         let (system, prepared) = self.system_of(lane);
         let h = job.h;
         let hard = Hard { system, prepared, t, h, q, p, dw: List::of(&dw), carry: Plain };
@@ -202,15 +202,24 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         if self.apart.is_empty() {
             return;
         }
-        let words = |lane: usize| {
+        let mut words = Vec::with_capacity(L);
+        for lane in 0..L {
             let lane = if self.failed[lane] { living } else { lane };
-            Tape::write(|tape| self.apart[lane].pass(tape))
-        };
-        let words = (0..L).map(words).collect();
+            words.push(Tape::write(|tape| self.apart[lane].pass(tape)));
+        }
         if Tape::join(words, |tape| self.memory.pass(tape)).is_some() {
             self.apart.clear();
         }
     }
+}
+
+/// One lane of a list.
+fn alone<const L: usize>(lane: usize, lanes: &[Lanes<L>]) -> Vec<Lanes<1>> {
+    lanes.iter().map(|x| Lanes::new([x[lane]])).collect()
+}
+
+fn first_lane(lanes: &[Lanes<1>]) -> Vec<f64> {
+    lanes.iter().map(|x| x[0]).collect()
 }
 
 /// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.

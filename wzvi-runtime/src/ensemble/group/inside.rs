@@ -19,8 +19,10 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
     pub(super) fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let interval = Interval { start: job.start.t, h: job.h, step };
-        let stepper = |lane| Stepper::beside_others(job.system_of(self.source_of(lane)), h, false);
-        let mut steppers: Vec<_> = (0..L).map(stepper).collect::<Result<_, _>>()?;
+        let mut steppers = Vec::with_capacity(L);
+        for lane in 0..L {
+            steppers.push(Stepper::beside_others(job.system_of(self.source_of(lane)), h, false)?);
+        }
         for (lane, stepper) in steppers.iter_mut().enumerate() {
             if !self.counts[lane] || self.failed[lane] {
                 continue;

@@ -37,7 +37,7 @@ impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WI
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
-        if WIDTH != 0 {
+        if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
         } else if const { size_of::<H::Vector>() > size_of::<f64>() } {
             self.of_width::<HALF>()
