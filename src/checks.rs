@@ -2,6 +2,13 @@
 
 use core::marker::PhantomData;
 
+use wzvi_runtime::carry::{Carry, Plain};
+use wzvi_runtime::error::{ConfigError, StepFailure};
+use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+use wzvi_runtime::scalar::Scalar;
+use wzvi_runtime::solve::Effort;
+use wzvi_runtime::system::{At, Hamiltonian, Scheme};
+
 /// A system whose closures are checked.
 pub trait Checked {
     /// Has them as values.
@@ -34,4 +41,40 @@ pub fn entry(_: f64) -> f64 {
 /// The entries of a covector: taken inside of the closure, so that what it maps may borrow its parameters.
 pub fn entries<T, I: IntoIterator<Item = T>>(_: I) -> f64 {
     0.0
+}
+
+/// The steps of a system with errors, which does not compile.
+#[derive(Clone, Copy, Debug)]
+pub struct NoSteps;
+
+impl<H: Hamiltonian> Scheme<H> for NoSteps {
+    const PLAN: Plan = Plan {
+        solver: Solver::Explicit,
+        unknowns: 0,
+        order: 1,
+        noise: NoiseClass::None,
+        consistent: false,
+        conserves_energy: Knowledge::Unknown,
+        commuting: Knowledge::Unknown,
+    };
+    type Prepared = ();
+    type Memory<S: Scalar> = ();
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
+
+    fn prepare(_: &H, _: f64) -> Result<(), ConfigError> {
+        Err(ConfigError::Parameter)
+    }
+
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        _: &H,
+        _: &(),
+        _: At<'_, S>,
+        _: &mut (),
+        _: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        Err(StepFailure::NonFinite)
+    }
+
+    wzvi_runtime::__apart!(H);
 }

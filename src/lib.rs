@@ -225,6 +225,7 @@ pub mod __private {
     pub use wzvi_runtime::elements;
     pub use wzvi_runtime::embedding;
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
+    pub use wzvi_runtime::gauss;
     pub use wzvi_runtime::lanes::Lanes;
     pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
@@ -233,13 +234,9 @@ pub mod __private {
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};
     pub use wzvi_runtime::system::{
-        Discretized, Gradient, Hamiltonian, LagrangianGradient, Segment, Solution, array_mut, covector,
-        gradient, increments,
+        Gradient, Hamiltonian, Listed, Scheme, Solution, Straight, StraightLine, covector, gradient,
     };
     pub use wzvi_runtime::variables::{Labels, Variables};
-    pub use wzvi_runtime::{
-        __apart as apart, __composition as composition, __gauss as gauss, __lagrangian as lagrangian, gauss,
-    };
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
     /// constant.

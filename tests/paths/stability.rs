@@ -4,6 +4,7 @@ use fixtures::stiff::{SpringPendulum, hanging, length_error, spring_errors, subd
 use wzvi::__private::Plain;
 use wzvi::error::{StepError, StepFailure};
 use wzvi::prelude::*;
+use wzvi::system::{At, Scheme, SchemeOf};
 
 /// `H = p²/2 - q³/3`: the mid-point of a step solves a quadratic equation.
 #[hamiltonian(drift = |q, p| 0.5 * p * p - q * q * q / 3.0, embedding = Midpoint)]
@@ -178,15 +179,13 @@ fn isolated_unknowns_count_in_the_orientation() {
     let prepared = Discretized::<Midpoint>::prepare(&DilatedWell, h).unwrap();
     for w in [-1.5, -0.5, 0.5, 1.5] {
         let (mut q, mut p) = ([0.5], [0.5]);
-        let effort = Discretized::<Midpoint>::advance_carrying::<f64, Plain, true>(
+        let at = At { t: 0.0, h, q: &mut q, p: &mut p, dw: &[2.0 * w] };
+        let memory = &mut Default::default();
+        let effort = SchemeOf::<DilatedWell, Midpoint>::advance::<f64, Plain, true>(
             &DilatedWell,
             &prepared,
-            0.0,
-            h,
-            &mut q,
-            &mut p,
-            &[2.0 * w],
-            &mut Default::default(),
+            at,
+            memory,
             &mut Plain,
         )
         .unwrap();

@@ -17,15 +17,14 @@
 mod checks;
 pub(crate) mod flows;
 mod gradient;
-mod implement;
 pub(crate) mod kept;
 mod lagrangian;
 mod linear;
 mod pair;
 mod parts;
-pub(crate) mod sequence;
 pub(crate) mod stages;
 mod structure;
+pub(crate) mod substeps;
 mod tables;
 mod text;
 pub(crate) mod windowed;
@@ -41,15 +40,13 @@ pub use checks::{check_table, check_weights};
 pub use flows::{Flows, KickDrift};
 pub use gradient::{GradientKicks, GradientTable};
 #[doc(hidden)]
-pub use lagrangian::{gradient, gradient_of, value};
-#[doc(hidden)]
 pub use pair::Pair;
 #[doc(hidden)]
 pub use parts::{Form, PartFlows, Parts};
 #[doc(hidden)]
-pub use sequence::{Half, Sequence, Substep, kept_energy, plan};
-#[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
+#[doc(hidden)]
+pub use substeps::{Half, Many, One, Substep, Substeps};
 pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,
@@ -155,8 +152,8 @@ pub trait Composes<E, K: Structure<E> = General> {
     const ORDER: u32;
     /// What `EQUATIONS` say of them.
     const LISTING: Listing;
-    /// How the parts of a step are taken.
-    type Sequence;
+    /// What takes the steps.
+    type Steps;
     /// The parts of a step, in their order.
     fn substeps() -> Vec<Substep>;
 }
@@ -164,7 +161,7 @@ pub trait Composes<E, K: Structure<E> = General> {
 impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = Listing::Steps(W::GAMMA);
-    type Sequence = K::Sequence;
+    type Steps = K::Steps<Many<E, K, W>>;
 
     fn substeps() -> Vec<Substep> {
         const { check_weights::<W>() };
@@ -185,7 +182,7 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
 impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = turns::<W>(DRIFT_KICK, K::NOTE);
-    type Sequence = K::Sequence;
+    type Steps = K::Steps<Many<Verlet, K, Self>>;
 
     fn substeps() -> Vec<Substep> {
         K::splitting(&of_table::<W>())
@@ -194,11 +191,11 @@ impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
 
 /// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
 macro_rules! partitioned {
-    ($($table:ty: $structure:ident, $sequence:ty, $parts:expr, $names:expr, $note:expr;)+) => {$(
+    ($($table:ty: $structure:ident, $steps:ty, $parts:expr, $names:expr, $note:expr;)+) => {$(
         impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
             const LISTING: Listing = turns::<$table>($names, $note);
-            type Sequence = $sequence;
+            type Steps = $steps;
 
             fn substeps() -> Vec<Substep> {
                 $parts(&of_table::<$table>())
@@ -208,18 +205,11 @@ macro_rules! partitioned {
 }
 
 partitioned! {
-    BlanesMoan4: Sized, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
-    BlanesMoan6: Sized, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
-    Srkn6: QuadraticKinetic, K::Sequence, K::splitting, DRIFT_KICK, K::NOTE;
-    Chin4: QuadraticKinetic, GradientKicks<Chin4>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE;
-    TakahashiImada4: QuadraticKinetic, GradientKicks<TakahashiImada4>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE;
-    Aba864: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS, K::NOTE;
-    Aba1064: TwoFlows, K::Flows, <[Substep]>::to_vec, K::PARTS, K::NOTE;
-}
-
-/// The parts of one step of `E`.
-pub fn of_one<E, K: Structure<E>>() -> Vec<Substep> {
-    let mut substeps = Vec::new();
-    K::step(1.0, &mut substeps);
-    substeps
+    BlanesMoan4: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    BlanesMoan6: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    Srkn6: QuadraticKinetic, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    Chin4: QuadraticKinetic, GradientKicks<Many<Verlet, K, Self>, Self>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE;
+    TakahashiImada4: QuadraticKinetic, GradientKicks<Many<Verlet, K, Self>, Self>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE;
+    Aba864: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+    Aba1064: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
 }

@@ -20,7 +20,7 @@ use crate::few::{Few, List};
 use crate::memory::StepMemory;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::{Discretized, Hamiltonian};
+use crate::system::{At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf};
 
 /// The longest part of a step in which its solution is followed, and the shortest.
 const LONGEST: f64 = 1.0 / 8.0;
@@ -40,7 +40,7 @@ const KINK: u32 = 4;
 /// By value, as is what comes back: the caller keeps its own in registers.
 pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) system: &'a H,
-    pub(crate) prepared: H::Prepared,
+    pub(crate) prepared: PreparedOf<H, E>,
     pub(crate) t: f64,
     pub(crate) h: f64,
     pub(crate) q: H::Vector,
@@ -58,7 +58,7 @@ pub(crate) struct Continued<V, M, C> {
     pub(crate) effort: Effort,
 }
 
-pub(crate) type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, <H as Discretized<E>>::Memory<f64>, C>;
+pub(crate) type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, MemoryOf<H, E, f64>, C>;
 type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.
@@ -104,7 +104,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     /// The whole step with care, from zero.
     ///
     /// # Errors
-    /// Those of [`Discretized::advance_carrying`].
+    /// Those of [`Scheme::advance`].
     pub(crate) fn solve_whole(&self) -> Outcome<H, E, C> {
         self.solve(&self.prepared, self.h, &self.dw, Default::default())
     }
@@ -112,23 +112,15 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     /// The step of size `h`, started from what `memory` holds.
     fn solve(
         &self,
-        prepared: &H::Prepared,
+        prepared: &PreparedOf<H, E>,
         h: f64,
         dw: &[f64],
-        mut memory: H::Memory<f64>,
+        mut memory: MemoryOf<H, E, f64>,
     ) -> Outcome<H, E, C> {
         let (mut q, mut p, mut carry) = (self.q.clone(), self.p.clone(), self.carry.clone());
-        let (q_slice, p_slice) = (q.components_mut(), p.components_mut());
-        let effort = self.system.advance_carrying::<f64, C, true>(
-            prepared,
-            self.t,
-            h,
-            q_slice,
-            p_slice,
-            dw,
-            &mut memory,
-            &mut carry,
-        )?;
+        let at = At { t: self.t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        let effort =
+            SchemeOf::<H, E>::advance::<f64, C, true>(self.system, prepared, at, &mut memory, &mut carry)?;
         Ok(Continued { q, p, memory, carry, effort })
     }
 
@@ -144,7 +136,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             }
         };
         let mut at = [self.q.clone(), self.p.clone()];
-        let mut memory = H::Memory::<f64>::default();
+        let mut memory = MemoryOf::<H, E, f64>::default();
         let mut kink = Kink::of(&at);
         let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
         while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
@@ -155,7 +147,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 *scaled = fraction * dw;
             }
             let h = fraction * self.h;
-            let Ok(prepared) = self.system.prepare(h) else { break };
+            let Ok(prepared) = SchemeOf::<H, E>::prepare(self.system, h) else { break };
             let tried = self.solve(&prepared, h, dw, memory.clone());
             let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());
             iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);

@@ -19,7 +19,7 @@ mod slopes;
 
 use crate::plan::{NoiseClass, Plan};
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 use hermite::Hermite;
 pub use slopes::Slopes;
 use slopes::{Weights, weights};
@@ -171,14 +171,14 @@ impl<V: Vector> DenseOutput<V> {
     /// Of the step with these increments that led from `before` to `after`, and was the last that left something in `memory`.
     pub(crate) fn fill<H: Discretized<E, Vector = V>, E>(
         &mut self,
-        (system, prepared, memory): (&H, &H::Prepared, &H::Memory<f64>),
+        (system, prepared, memory): (&H, &PreparedOf<H, E>, &MemoryOf<H, E, f64>),
         [before, after]: [&State<V>; 2],
         h: f64,
         dw: &[f64],
     ) {
-        if H::HAS_POLYNOMIAL {
-            self.go([before, after], h, H::DENSE_ORDER);
-            system.slopes_between(prepared, memory, before, h, dw, &mut self.slopes);
+        if H::PROPERTIES.has_polynomial {
+            self.go([before, after], h, H::PROPERTIES.dense_order);
+            SchemeOf::<H, E>::slopes_between(system, (prepared, memory), before, h, dw, &mut self.slopes);
         } else {
             self.fill_by_rates::<H, E>(system, [before, after], h, dw);
         }
@@ -194,9 +194,9 @@ impl<V: Vector> DenseOutput<V> {
     ) {
         // A bath acts on the momenta at once; the polynomial knows of it by the nodes.
         let dw = dw.get(..system.noises()).unwrap_or(dw);
-        let is_same = self.order == H::DENSE_ORDER && h == self.h && dw.is_empty();
+        let is_same = self.order == H::PROPERTIES.dense_order && h == self.h && dw.is_empty();
         let follows = is_same && nodes[0] == &self.ends[1];
-        self.go(nodes, h, H::DENSE_ORDER);
+        self.go(nodes, h, H::PROPERTIES.dense_order);
         self.hermite.fill(system, &self.ends, h, dw, follows, self.order, &mut self.slopes);
     }
 

@@ -30,6 +30,7 @@ mod careful;
 mod change;
 mod explicit;
 mod hamiltonian;
+mod in_loops;
 mod iterate;
 mod jacobian;
 mod kept;
@@ -49,10 +50,9 @@ mod windows;
 
 pub use bath::{damping, rates};
 pub use beside::Placements;
-pub use explicit::{advance_explicit, advance_explicit_vectors};
 pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
-pub use iterate::advance;
-pub use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, momentum_between, momentum_solved};
+pub use in_loops::{InLoops, Loops};
+pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
 pub use pairs::{Pair, Row};
 pub(crate) use passes::are_finite;
@@ -69,7 +69,7 @@ pub use crate::memory::{Iteration, Method};
 
 use hamiltonian::{DRIFT, FORCE, NOISE};
 
-use crate::error::{ConfigError, StepFailure};
+use crate::error::StepFailure;
 use crate::scalar::{Number, Scalar};
 use crate::system::Hamiltonian;
 
@@ -422,17 +422,4 @@ pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
         return Err(StepFailure::Dimension { expected, got });
     }
     places::check(system, got)
-}
-
-/// The check that the making of a stepper does.
-///
-/// # Errors
-/// [`ConfigError::Index`] if an index is out of range.
-pub fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
-    match system.degrees() {
-        0 => Ok(()),
-        degrees => {
-            places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
-        }
-    }
 }

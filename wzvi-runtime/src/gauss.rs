@@ -20,7 +20,6 @@ mod advance;
 mod beside;
 mod dense;
 mod equations;
-mod implement;
 mod kept;
 mod newton;
 mod shape;
@@ -31,17 +30,20 @@ mod sweep;
 mod table;
 mod wide;
 
+use crate::carry::Carry;
+use crate::dense::Slopes;
+use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
 use crate::plan::{Plan, Solver};
 use crate::scalar::{Constant, Over, Scalar};
-use crate::system::Hamiltonian;
+use crate::solve::Effort;
+use crate::state::State;
+use crate::system::{At, Hamiltonian, Properties, Scheme, Segment};
 
-pub use action::value;
-pub use advance::{Prepared, advance, advance_beside, memory, prepare};
-pub use dense::{dense_order, slopes_between};
+pub use advance::Prepared;
 pub use kept::Memory;
 pub use shape::{Dynamic, Fixed, Shape};
-pub use source::{Systems, beside};
+pub use source::Systems;
 pub use stages::{One, Stages};
 
 /// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
@@ -53,6 +55,8 @@ pub(crate) use table::quadrature;
 
 /// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
 pub trait Field: Hamiltonian {
+    /// The plan of a mid-point step with one unknown for each degree of freedom.
+    const MIDPOINT: Plan;
     /// Whether `F` is a constant quadratic form of `p` plus a function of `q` and `t`.
     const IS_NYSTROM: bool;
     /// Whether all stages can be evaluated at once although their times differ.
@@ -110,8 +114,75 @@ pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
     by_p.fill(S::from_f64(f64::NAN));
 }
 
-/// The plan of a step with so many stages, from that of the mid-point step with one unknown for each degree of freedom.
-pub const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool) -> Plan {
+/// The plan of a step with so many stages, from that of the mid-point step.
+const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool) -> Plan {
     let unknowns = midpoint.unknowns.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
     Plan { solver: Solver::Newton, unknowns, order: 2 * stages as u32, consistent: true, ..midpoint }
+}
+
+impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
+    const PLAN: Plan = plan(F::MIDPOINT, N, F::IS_NYSTROM);
+    const PROPERTIES: Properties = Properties {
+        in_lanes: F::Shape::IS_FIXED,
+        // That of a step with friction is one of the momentum that friction leaves alone.
+        has_polynomial: N > 1 && !F::IS_CONFORMAL,
+        dense_order: dense::dense_order(
+            if F::IS_CONFORMAL { 1 } else { N as u32 },
+            &<Self as Scheme<F>>::PLAN,
+        ),
+        ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<<Self as Scheme<F>>::Memory<f64>>())
+    };
+    type Prepared = Prepared<N>;
+    type Memory<S: Scalar> = Memory<S, F::Shape, F::Noises, N>;
+    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Carry<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Beside<const L: usize> = Systems<F, L, N>;
+
+    fn memory(system: &F) -> Self::Memory<f64> {
+        advance::memory(system)
+    }
+
+    fn prepare(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
+        advance::prepare(system, h)
+    }
+
+    #[inline(always)]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Prepared<N>,
+        at: At<'_, S>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        advance::advance::<F, S, C, N, CAREFUL>(system, prepared, at, memory, carry)
+    }
+
+    fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared<N>; L]) -> Option<Systems<F, L, N>> {
+        source::beside(systems, prepared)
+    }
+
+    #[inline(always)]
+    fn advance_beside<const L: usize>(
+        beside: &Systems<F, L, N>,
+        at: At<'_, Lanes<L>>,
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        advance::advance_beside(beside, at, memory)
+    }
+
+    fn slopes_between(
+        system: &F,
+        (prepared, memory): (&Prepared<N>, &Self::Memory<f64>),
+        before: &State<F::Vector>,
+        h: f64,
+        dw: &[f64],
+        slopes: &mut Slopes,
+    ) {
+        dense::slopes_between(system, prepared, memory, before, h, dw, slopes);
+    }
+
+    fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
+        let prepared = advance::prepare::<F, N>(system, segment.h);
+        prepared.map_or(f64::NAN, |prepared| action::value(system, &prepared, segment, dw))
+    }
 }

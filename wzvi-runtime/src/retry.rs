@@ -19,7 +19,7 @@ use crate::plan::NoiseClass;
 use crate::state::{State, Vector};
 use crate::step::{StepInfo, Stepper};
 use crate::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
-use crate::system::Discretized;
+use crate::system::{CarryOf, Discretized};
 use crate::watch::{AGREEMENT, Watch, disagreement};
 
 /// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
@@ -85,7 +85,7 @@ fn stepper<'a, H: Discretized<E>, E, C: Carry<f64>>(
 }
 
 /// Takes the steps of a run, subdividing those that it has to and may.
-pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
+pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     system: &'a H,
     h: f64,
     retry: Retry,

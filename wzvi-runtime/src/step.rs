@@ -16,7 +16,7 @@ use crate::memory::{Iteration, Method, StepMemory, Threads};
 use crate::plan::{NoiseClass, Solver};
 use crate::solve::Effort;
 use crate::state::{State, Vector};
-use crate::system::{Discretized, Exchange, Hamiltonian};
+use crate::system::{CarryOf, Discretized, Exchange, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf};
 use account::Ledger;
 use rare::{Arrived, Cause, Rare, Refused};
 
@@ -41,11 +41,11 @@ pub struct StepInfo {
 ///
 /// Its steps allocate nothing. Time is `t_0 + n h` for `n` consecutive steps of one state, never accumulated.
 #[derive(Debug)]
-pub struct Stepper<'a, H: Discretized<E>, E, C = <H as Discretized<E>>::Carry<f64>> {
+pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     system: &'a H,
     h: f64,
-    prepared: H::Prepared,
-    memory: H::Memory<f64>,
+    prepared: PreparedOf<H, E>,
+    memory: MemoryOf<H, E, f64>,
     /// What rounding took from the state, if it is kept.
     carry: C,
     /// Steps before the clock was last restarted.
@@ -98,7 +98,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
             return Err(ConfigError::StepSize(h));
         }
         let (d, prepared) = (system.degrees(), prepared(system, h)?);
-        let mut memory: H::Memory<f64> = system.memory();
+        let mut memory: MemoryOf<H, E, f64> = SchemeOf::<H, E>::memory(system);
         memory.share(Threads::Cores);
         Ok(Self {
             system,
@@ -119,7 +119,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// The same steps, but what rounding takes from the state is carried to the next one ([`crate::carry`]): the drift
     /// of first integrals by rounding shrinks by about the ratio of a step's increment to the state. Costs six
     /// additions per component; on from the start where that is less than about 5 % of the step.
-    pub fn compensated(self) -> Stepper<'a, H, E, H::Compensated<f64>> {
+    pub fn compensated(self) -> Stepper<'a, H, E, <SchemeOf<H, E> as Scheme<H>>::Compensated<f64>> {
         self.carrying()
     }
 
@@ -238,9 +238,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if state.t != self.clock.now || self.jumped(state) {
             return self.step_anew(state, dw);
         }
-        let (q, p) = (&mut state.q, &mut state.p);
-        let (t, h, prepared, memory) = (state.t, self.h, &self.prepared, &mut self.memory);
-        match self.system.advance_vectors::<C, false>(prepared, t, h, q, p, dw, memory, &mut self.carry) {
+        let (time, ends) = ([state.t, self.h], [&mut state.q, &mut state.p]);
+        let Self { system, prepared, memory, carry, .. } = self;
+        match SchemeOf::<H, E>::advance_vectors::<C, false>(system, prepared, time, ends, dw, memory, carry) {
             Ok(effort) => {
                 self.arrive(state, self.clock.next(self.h), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
@@ -295,8 +295,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock, dw: &[f64]) {
         self.clock = at;
         state.t = at.now;
-        if H::EXCHANGES && !self.is_unaccounted {
-            self.exchanged += self.system.exchanged(&self.memory);
+        if H::PROPERTIES.exchanges && !self.is_unaccounted {
+            self.exchanged += SchemeOf::<H, E>::exchanged(self.system, &self.memory);
         }
         if Self::MAY_EXCHANGE {
             self.settle(state, dw);
@@ -308,7 +308,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// Whether forces or friction may be at work in steps.
-    pub(super) const MAY_EXCHANGE: bool = H::IS_FORCED || H::IS_CONFORMAL || H::EXCHANGES;
+    pub(super) const MAY_EXCHANGE: bool = H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges;
 
     /// Keeps where a step begins.
     fn begin(&mut self, state: &State<H::Vector>) {
@@ -322,7 +322,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// Accounts for what a step exchanged.
     fn settle(&mut self, state: &State<H::Vector>, dw: &[f64]) {
         let Some(mut ledger) = self.ledger.take() else { return };
-        if !H::EXCHANGES {
+        if !H::PROPERTIES.exchanges {
             let Ledger { before, dense, .. } = &mut *ledger;
             self.fill([before, state], dw, dense);
         }
@@ -349,9 +349,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             }
             return taken;
         }
-        let (q, p, mut carry) = (&mut state.q, &mut state.p, C::default());
-        let (t, h, prepared) = (state.t, self.h, &self.prepared);
-        match self.system.advance_vectors::<C, false>(prepared, t, h, q, p, dw, &mut memory, &mut carry) {
+        let (time, ends, mut carry) = ([state.t, self.h], [&mut state.q, &mut state.p], C::default());
+        let Self { system, prepared, .. } = self;
+        let (room, lost) = (&mut memory, &mut carry);
+        match SchemeOf::<H, E>::advance_vectors::<C, false>(system, prepared, time, ends, dw, room, lost) {
             Ok(effort) => {
                 self.before += self.clock.ticks;
                 (self.memory, self.carry) = (memory, carry);
@@ -373,7 +374,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         state: &mut State<H::Vector>,
         dw: &[f64],
         clock: Clock,
-        cause: Cause<H::Memory<f64>>,
+        cause: Cause<MemoryOf<H, E, f64>>,
     ) -> Result<StepInfo, StepError> {
         cold();
         let (is_moved, pinned) = match &cause {
@@ -415,7 +416,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.
-    const REMEMBERS: bool = H::REMEMBERS || C::CARRIES;
+    const REMEMBERS: bool = H::PROPERTIES.remembers || C::CARRIES;
 
     /// Whether the caller moved the state since the last step: then what that step left is no guide.
     #[inline]
@@ -441,8 +442,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 ///
 /// # Errors
 /// Those of the system, with the name of a parameter that is no number.
-pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<H::Prepared, ConfigError> {
-    match system.validate().and_then(|()| system.prepare(h)) {
+pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<PreparedOf<H, E>, ConfigError> {
+    match system.validate().and_then(|()| SchemeOf::<H, E>::prepare(system, h)) {
         Err(ConfigError::Parameter) => Err(mistaken_parameter(system)),
         prepared => prepared,
     }

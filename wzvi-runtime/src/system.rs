@@ -1,25 +1,27 @@
 //! The traits that `#[hamiltonian]` implements.
 
-mod anew;
+pub(crate) mod anew;
+pub(crate) mod by_dual_numbers;
+mod scheme;
 mod solution;
+mod straight;
 
 use std::fmt::Debug;
 use std::ops::AddAssign;
 
 use nalgebra::SVector;
 
-use crate::carry::{Carry, Plain};
-use crate::dense::{Slopes, hermite_order};
 use crate::error::{ConfigError, StepFailure};
-use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::plan::{KeptEnergy, NoiseClass, Plan, Solver};
+use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::variables::Variables;
 
+pub use scheme::{At, CarryOf, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
 pub use solution::{Solution, array_mut, covector, gradient, increments};
+pub use straight::{Straight, StraightLine};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -277,162 +279,52 @@ impl AddAssign for Exchange {
     }
 }
 
-/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it.
+/// # Errors
+/// [`ConfigError::Parameter`] if a parameter is not a number.
+pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
+    let mut parameters = (0..).map_while(|index| system.parameter(index));
+    if parameters.any(|(_, value)| value.is_nan()) { Err(ConfigError::Parameter) } else { Ok(()) }
+}
+
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. What user code is bound by; every system that
+/// [lists](Listed) `E` has it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
     note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
-pub trait Discretized<E>: Hamiltonian {
+pub trait Discretized<E>: Listed<E> {
     /// What the compiler found out.
     const PLAN: Plan;
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
     const EQUATIONS: &'static str;
 
-    /// The energy that is watched in runs of constant step.
-    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Hamiltonian;
-
     /// Everything that depends on the system and the step size only.
     type Prepared: Clone + Debug + Send + Sync;
 
-    /// What one step leaves for the starting value of the next; `()` where nothing is iterated.
+    /// What one step leaves for the starting value of the next.
     type Memory<S: Scalar>: StepMemory;
-
-    /// Compensated sums of the state's increments: [`Compensation`](crate::carry::Compensation).
-    type Compensated<S: Scalar>: Carry<S>;
-
-    /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
-    /// else [`Plain`].
-    type Carry<S: Scalar>: Carry<S>;
-
-    /// Whether steps use what the ones before left in memory for this state alone: then a state that the caller moved
-    /// makes them forget it.
-    const REMEMBERS: bool =
-        matches!(Self::PLAN.noise, NoiseClass::None) && size_of::<Self::Memory<f64>>() != 0;
-
-    /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
-    const IN_LANES: bool = true;
-
-    /// From how many degrees of freedom on the step of one path is in vector instructions by itself, and stays in the cache: then paths go one after
-    /// the other. `usize::MAX` where there are no such steps.
-    const FILLS_REGISTERS_FROM: usize = usize::MAX;
-
-    /// The order of the error inside a step: [`DenseOutput::order`](crate::dense::DenseOutput::order).
-    const DENSE_ORDER: u32 = hermite_order(&Self::PLAN);
-
-    /// Whether the scheme has a polynomial of its own between the nodes of a step.
-    const HAS_POLYNOMIAL: bool = false;
-
-    /// The slopes of that polynomial, of the step that was the last to leave something in `memory`.
-    fn slopes_between(
-        &self,
-        prepared: &Self::Prepared,
-        memory: &Self::Memory<f64>,
-        before: &State<Self::Vector>,
-        h: f64,
-        dw: &[f64],
-        slopes: &mut Slopes,
-    ) {
-        let _ = (prepared, memory, before, h, dw, slopes);
-    }
-
-    /// Whether the scheme accounts for what forces and bath do: [`Discretized::exchanged`].
-    const EXCHANGES: bool = false;
 
     /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
     /// the standard normals of a bath.
-    fn increments(&self, degrees: usize) -> usize {
-        let _ = degrees;
-        self.noises()
-    }
-
-    /// What the step exchanged that was the last to leave something in `memory`.
-    fn exchanged(&self, memory: &Self::Memory<f64>) -> Exchange {
-        let _ = memory;
-        Exchange::default()
-    }
+    fn increments(&self, degrees: usize) -> usize;
 
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
-    fn memory(&self) -> Self::Memory<f64> {
-        Default::default()
-    }
+    fn memory(&self) -> Self::Memory<f64>;
 
-    /// Computes what does not change from step to step; fails if a matrix that is factored here is singular.
+    /// Computes what does not change from step to step.
+    ///
+    /// # Errors
+    /// Where a parameter makes no sense, or a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
-    /// One step from `(q, p)` at `t` in place. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`]
-    /// elements. On `Err`, `q`, `p`, `memory` and `carry` are as they were; where it is that of some [lanes](StepFailure::Lanes), those of these lanes,
-    /// and the others have taken the step.
-    ///
-    /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the
-    /// business of the [`Stepper`](crate::step::Stepper).
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "generated code calls it, and each is one thing that a step reads"
-    )]
-    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-        &self,
-        prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
-        memory: &mut Self::Memory<S>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure>;
-
-    /// What a step of `L` systems beside each other reads of them; [`Apart`](crate::scalar::Apart) where they cannot be.
-    type Beside<const L: usize>;
-
-    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes. Those that do still do where
-    /// some of them are replaced by others of them.
-    fn beside<const L: usize>(systems: [&Self; L], prepared: [&Self::Prepared; L])
-    -> Option<Self::Beside<L>>;
-
-    /// [`Discretized::advance_carrying`] with plain sums, of `L` systems, each in its lane.
+    /// One step from `(q, p)` at `t` in place, by any numbers, with plain sums: the short way, and from zero with a line search where that
+    /// fails. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`] elements.
     ///
     /// # Errors
-    /// Those of [`Discretized::advance_carrying`].
-    fn advance_beside<const L: usize>(
-        beside: &Self::Beside<L>,
-        t: f64,
-        h: f64,
-        q: &mut [Lanes<L>],
-        p: &mut [Lanes<L>],
-        dw: &[Lanes<L>],
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure>;
-
-    /// [`Discretized::advance_carrying`] of vectors that may be exchanged for others with the new numbers.
-    ///
-    /// # Errors
-    /// Those of [`Discretized::advance_carrying`].
-    #[expect(clippy::too_many_arguments, reason = "as above")]
-    #[inline(always)]
-    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-        &self,
-        prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut Self::Vector,
-        p: &mut Self::Vector,
-        dw: &[f64],
-        memory: &mut Self::Memory<f64>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure> {
-        let (q, p) = (q.components_mut(), p.components_mut());
-        self.advance_carrying::<f64, C, CAREFUL>(prepared, t, h, q, p, dw, memory, carry)
-    }
-
-    /// [`Discretized::advance_carrying`] with plain sums, and from zero with a line search where the
-    /// short way fails.
-    ///
-    /// # Errors
-    /// Those of [`Discretized::advance_carrying`]; `q`, `p` and `memory` are then as they were.
-    #[expect(clippy::too_many_arguments, reason = "as above")]
-    #[inline(always)]
+    /// Where the step has no solution that could be found, or sizes do not fit; `q`, `p` and `memory` are then as they were.
+    #[expect(clippy::too_many_arguments, reason = "each is one thing that a step reads")]
     fn advance<S: Scalar>(
         &self,
         prepared: &Self::Prepared,
@@ -442,23 +334,7 @@ pub trait Discretized<E>: Hamiltonian {
         p: &mut [S],
         dw: &[S],
         memory: &mut Self::Memory<S>,
-    ) -> Result<Effort, StepFailure> {
-        // Paths beside each other all take the step, or none of them.
-        let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
-        match self.advance_carrying::<S, Plain, false>(prepared, t, h, q, p, dw, memory, &mut Plain) {
-            Ok(effort) => Ok(effort),
-            // What is not iterated fails with care, too.
-            Err(cause) if !matches!(Self::PLAN.solver, Solver::Newton) => Err(cause),
-            Err(_) => {
-                if let Some((start_q, start_p, known)) = before {
-                    q.copy_from_slice(&start_q);
-                    p.copy_from_slice(&start_p);
-                    *memory = known;
-                }
-                anew::advance::<Self, E, S>(self, prepared, t, h, q, p, dw, memory)
-            }
-        }
-    }
+    ) -> Result<Effort, StepFailure>;
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A counter-term that is the same everywhere, which no
     /// equation sees, is left out.
@@ -498,4 +374,59 @@ pub trait Discretized<E>: Hamiltonian {
         h: f64,
         dw: &[f64],
     ) -> Self::Vector;
+}
+
+impl<H: Listed<E>, E> Discretized<E> for H {
+    const PLAN: Plan = <H::Scheme as Scheme<H>>::PLAN;
+    const EQUATIONS: &'static str = H::TEXT;
+    type Prepared = PreparedOf<H, E>;
+    type Memory<S: Scalar> = MemoryOf<H, E, S>;
+
+    fn increments(&self, degrees: usize) -> usize {
+        H::Scheme::increments(self, degrees)
+    }
+
+    fn memory(&self) -> Self::Memory<f64> {
+        H::Scheme::memory(self)
+    }
+
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+        H::Scheme::prepare(self, h)
+    }
+
+    #[inline(always)]
+    fn advance<S: Scalar>(
+        &self,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+    ) -> Result<Effort, StepFailure> {
+        anew::advance::<H, H::Scheme, S>(self, prepared, At { t, h, q, p, dw }, memory)
+    }
+
+    fn discrete_lagrangian(&self, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
+        H::Scheme::discrete_lagrangian(self, segment, dw)
+    }
+
+    fn discrete_lagrangian_gradient(
+        &self,
+        segment: &Segment<H::Vector>,
+        dw: &[f64],
+    ) -> LagrangianGradient<H::Vector> {
+        H::Scheme::discrete_lagrangian_gradient(self, segment, dw)
+    }
+
+    fn step_momentum(
+        &self,
+        before: &State<H::Vector>,
+        after: &State<H::Vector>,
+        h: f64,
+        dw: &[f64],
+    ) -> H::Vector {
+        H::Scheme::step_momentum(self, before, after, h, dw)
+    }
 }

@@ -182,7 +182,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         start: &State<V>,
         exchanged: Exchange,
     ) -> Self {
-        let is_accounted = H::IS_FORCED || H::IS_CONFORMAL || H::EXCHANGES;
+        let is_accounted = H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges;
         let gained =
             (is_accounted || H::READS_TIME).then(|| system.energy(&self.path.last) - system.energy(start));
         let path = &mut self.path;

@@ -140,7 +140,7 @@ impl<V: Vector> Watch<V> {
     /// By how much this energy is off.
     fn distance<H: Discretized<E>, E>(&mut self, energy: f64) -> f64 {
         let [least, largest] = &mut self.band;
-        if matches!(H::KEPT_ENERGY, KeptEnergy::Nearly) && self.looks < SPAN as u64 {
+        if matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.looks < SPAN as u64 {
             (*least, *largest) = (least.min(energy), largest.max(energy));
         }
         // NaN stays.
@@ -201,16 +201,16 @@ impl<V: Vector> Room<V> {
     /// `E_h`
     fn kept_energy<H: Discretized<E, Vector = V>, E>(&mut self, system: &H, state: &State<V>, h: f64) -> f64 {
         let energy = system.energy(state);
-        if const { matches!(H::KEPT_ENERGY, KeptEnergy::Hamiltonian | KeptEnergy::Nearly) } {
+        if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::Hamiltonian | KeptEnergy::Nearly) } {
             return energy;
         }
         let [by_q, by_p] = &mut self.slopes;
         let (q, p) = (state.q.components(), state.p.components());
         system.differentiate(0, q, p, state.t, by_q.components_mut(), by_p.components_mut());
-        if let KeptEnergy::Point(l) = H::KEPT_ENERGY {
+        if let KeptEnergy::Point(l) = H::PROPERTIES.kept_energy {
             return energy + h * (l - 0.5) * dot(by_q.components(), by_p.components());
         }
-        if const { matches!(H::KEPT_ENERGY, KeptEnergy::KickDriftKick) } {
+        if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::KickDriftKick) } {
             // `H_p(q, p + ε H_q)`
             let [along_q, along_p, out_q, out_p] = &mut self.dual;
             let along = |into: &mut Vec<Dual<1>>, from: &[f64], slope: &dyn Fn(usize) -> f64| {

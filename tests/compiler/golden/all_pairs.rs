@@ -58,13 +58,12 @@ pub struct Bodies {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, KeptEnergy, Knowledge, Labels, NoiseClass, Number, Option,
-        Plain, Plan, Range, Result, Scalar, Sized, Solver, StepFailure, Variables, bool,
-        f64, isize, str, usize,
+        self as wzvi, Conservative, DVector, Hamiltonian, KeptEnergy, Knowledge, Labels,
+        Listed, NoiseClass, Number, Option, Plan, Range, Result, Scalar, Sized, Solver,
+        StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            CompensationVec, Elements, Given, Memory, MomentumUpdate, Pair, Point, Row,
-            Run, Scheme, Slopes, Stage, Sums, Unknowns,
+            Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Row, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -415,8 +414,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl InLoops<DeltaPlus> for Bodies {
+        const PLAN: Plan = Plan {
+            solver: Solver::Explicit,
+            unknowns: 0,
+            order: 1,
+            noise: NoiseClass::None,
+            consistent: true,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.0,
@@ -430,93 +439,25 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        #[automatically_derived]
-        impl Discretized<DeltaPlus> for Bodies {
-            const PLAN: Plan = Plan {
-                solver: Solver::Explicit,
-                unknowns: 0,
-                order: 1,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]\n    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]\n    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]\n";
-            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
-            const REMEMBERS: bool = false;
-            const IN_LANES: bool = true;
-            type Prepared = ();
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = CompensationVec<S>;
-            type Carry<S: Scalar> = Plain;
-            fn memory(&self) -> Self::Memory<f64> {
-                Memory::new(self, &SCHEME)
-            }
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                if f64::is_nan(self.g) {
-                    return Err(ConfigError::Parameter);
-                }
-                wzvi::elements::prepare(self)
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance_explicit::<
-                    _,
-                    S,
-                    C,
-                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
-            }
-            #[inline(always)]
-            fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut Self::Vector,
-                p: &mut Self::Vector,
-                dw: &[f64],
-                memory: &mut Self::Memory<f64>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance_explicit_vectors(
-                    self,
-                    &SCHEME,
-                    t,
-                    h,
-                    q,
-                    p,
-                    dw,
-                    memory,
-                    carry,
-                )
-            }
-            wzvi::apart!(Self);
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
+        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
+    }
+    #[automatically_derived]
+    impl Listed<DeltaPlus> for Bodies {
+        type Scheme = Loops<DeltaPlus>;
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]\n    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]\n    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]\n";
+    }
     #[automatically_derived]
     impl Conservative for Bodies {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as at, binding as b0, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as difference, binding as difference2, binding as dw,
+        binding as at, binding as b0, binding as by_p, binding as by_q,
+        binding as degrees, binding as difference, binding as difference2,
         binding as end, binding as factor, binding as first0, binding as first1,
-        binding as g, binding as h, binding as i0, binding as i1, binding as i2,
-        binding as index, binding as inverse, binding as len, binding as list,
-        binding as low, binding as mass_i, binding as mass_j, binding as memory,
-        binding as outer, binding as p, binding as p_2i, binding as p_2i_plus_1,
-        binding as part, binding as place, binding as points0, binding as points1,
-        binding as prepared, binding as product, binding as product2,
+        binding as g, binding as i0, binding as i1, binding as i2, binding as index,
+        binding as inverse, binding as len, binding as list, binding as low,
+        binding as mass_i, binding as mass_j, binding as outer, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
+        binding as points0, binding as points1, binding as product, binding as product2,
         binding as product3, binding as product4, binding as q, binding as q_2i,
         binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
         binding as range, binding as s2, binding as s5, binding as size,

@@ -55,13 +55,12 @@ pub struct Chain {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, Knowledge, NoiseClass, Number, Option, Plain, Plan, Result,
-        Scalar, Sized, Solver, StepFailure, bool, f64, isize, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        self as wzvi, Conservative, DVector, Hamiltonian, Knowledge, Listed, NoiseClass,
+        Number, Option, Plan, Result, Scalar, Sized, Solver, StepFailure, bool, f64,
+        isize, str, usize, compose::{Composes, Equations, General, ROOM},
         elements::{
-            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
-            Run, Scheme, Slopes, Stage, Sums, Unknowns,
+            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -347,8 +346,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl InLoops<Midpoint> for Chain {
+        const PLAN: Plan = Plan {
+            solver: Solver::Newton,
+            unknowns: usize::MAX,
+            order: 2,
+            noise: NoiseClass::None,
+            consistent: true,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.5,
@@ -362,61 +371,25 @@ const _: () = {
             remembers: true,
             is_linear: false,
         };
-        #[automatically_derived]
-        impl Discretized<Midpoint> for Chain {
-            const PLAN: Plan = Plan {
-                solver: Solver::Newton,
-                unknowns: usize::MAX,
-                order: 2,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
-            const REMEMBERS: bool = false;
-            const IN_LANES: bool = false;
-            type Prepared = ();
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = CompensationVec<S>;
-            type Carry<S: Scalar> = Plain;
-            fn memory(&self) -> Self::Memory<f64> {
-                Memory::new(self, &SCHEME)
-            }
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                if f64::is_nan(self.beta) {
-                    return Err(ConfigError::Parameter);
-                }
-                wzvi::elements::prepare(self)
-            }
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance::<
-                    _,
-                    S,
-                    C,
-                    { CAREFUL },
-                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
-            }
-            wzvi::apart!(Self);
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
-    wzvi::composition! {
-        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
-        > > for Chain] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
-        Midpoint, General, W, { 1969 + ROOM } > ::ALL, < W as Composes < Midpoint,
-        General > > ::substeps()
+    }
+    #[automatically_derived]
+    impl Listed<Midpoint> for Chain {
+        type Scheme = Loops<Midpoint>;
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
+    }
+    #[automatically_derived]
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Chain
+    where
+        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
+    {
+        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+        const TEXT: &'static str = Equations::<
+            Self,
+            Midpoint,
+            General,
+            W,
+            { 1969 + ROOM },
+        >::ALL;
     }
     #[automatically_derived]
     impl Conservative for Chain {}
@@ -424,16 +397,15 @@ const _: () = {
     use ::wzvi::__private::{
         binding as ahead, binding as at, binding as at1, binding as b0, binding as b1,
         binding as beta, binding as by_p, binding as by_q, binding as carried1,
-        binding as carry, binding as degrees, binding as difference,
-        binding as difference_squared, binding as dw, binding as end, binding as factor,
-        binding as first0, binding as first1, binding as h, binding as i0, binding as i1,
-        binding as index, binding as into, binding as len, binding as low,
-        binding as memory, binding as p, binding as p_i, binding as part,
-        binding as place, binding as prepared, binding as product, binding as q,
-        binding as q0, binding as q0_squared, binding as q_i, binding as q_i_plus_1,
-        binding as quarter_beta, binding as s0, binding as s1, binding as size,
-        binding as skipped, binding as t, binding as term, binding as three_beta,
-        binding as total, binding as value, binding as wanted, binding as weight,
+        binding as degrees, binding as difference, binding as difference_squared,
+        binding as end, binding as factor, binding as first0, binding as first1,
+        binding as i0, binding as i1, binding as index, binding as into, binding as len,
+        binding as low, binding as p, binding as p_i, binding as part, binding as place,
+        binding as product, binding as q, binding as q0, binding as q0_squared,
+        binding as q_i, binding as q_i_plus_1, binding as quarter_beta, binding as s0,
+        binding as s1, binding as size, binding as skipped, binding as t,
+        binding as term, binding as three_beta, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 #[allow(

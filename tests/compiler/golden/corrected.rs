@@ -48,10 +48,10 @@ pub struct Multiplicative {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Gradient, Hamiltonian, KeptEnergy, Knowledge, Lanes, NoiseClass,
-        Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
-        Sized, Solution, Solver, Some, State, StepFailure, bool, f64, str, usize,
+        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Gradient,
+        Hamiltonian, KeptEnergy, Knowledge, Lanes, Listed, NoiseClass, Number, Ok,
+        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution,
+        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
             Unknowns,
@@ -204,8 +204,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
+        const PLAN: Plan = Plan {
+            solver: Solver::Linear,
+            unknowns: 1,
+            order: 1,
+            noise: NoiseClass::Multiplicative,
+            consistent: true,
+            conserves_energy: Knowledge::Refuted,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.0,
@@ -219,15 +229,31 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K> = [K; 2];
-        type Memory<S> = PhantomData<S>;
+        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
+        type Prepared<K: Constant> = [K; 2];
+        type Memory<S: Scalar> = PhantomData<S>;
+        type Carry<S: Scalar> = Plain;
+        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
+            let sigma: f64 = self.sigma;
+            if sigma.is_nan() {
+                return Err(ConfigError::Parameter);
+            }
+            Ok([sigma, 0.5 * sigma])
+        }
+        fn gather<const L: usize>(
+            prepared: [&Self::Prepared<f64>; L],
+        ) -> Self::Prepared<Lanes<{ L }>> {
+            Beside::beside(prepared)
+        }
         #[inline(always)]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
+            prepared: &Self::Prepared<K>,
+            t: f64,
             h: f64,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
+            memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
@@ -247,95 +273,22 @@ const _: () = {
             }
             Ok(())
         }
-        #[automatically_derived]
-        impl Discretized<Corrected<DeltaPlus>> for Multiplicative {
-            const PLAN: Plan = Plan {
-                solver: Solver::Linear,
-                unknowns: 1,
-                order: 1,
-                noise: NoiseClass::Multiplicative,
-                consistent: true,
-                conserves_energy: Knowledge::Refuted,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
-            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
-            type Prepared = Prepared<f64>;
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = Compensation<S, 1>;
-            type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                let sigma: f64 = self.sigma;
-                if sigma.is_nan() {
-                    return Err(ConfigError::Parameter);
-                }
-                Ok([sigma, 0.5 * sigma])
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                let dw = wzvi::increments(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<
-                    S,
-                    f64,
-                    C,
-                    { CAREFUL },
-                >(prepared, h, *q, *p, dw, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
-            fn beside<const L: usize>(
-                systems: [&Self; L],
-                prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<{ L }>> {
-                Some(Beside::beside(prepared))
-            }
-            #[inline(always)]
-            fn advance_beside<const L: usize>(
-                beside: &Self::Beside<{ L }>,
-                t: f64,
-                h: f64,
-                q: &mut [Lanes<{ L }>],
-                p: &mut [Lanes<{ L }>],
-                dw: &[Lanes<{ L }>],
-                memory: &mut Self::Memory<Lanes<{ L }>>,
-            ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                let dw = wzvi::increments(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<
-                    Lanes<{ L }>,
-                    Lanes<{ L }>,
-                    Plain,
-                    false,
-                >(prepared, h, *q, *p, dw, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
+    }
+    #[automatically_derived]
+    impl Listed<Corrected<DeltaPlus>> for Multiplicative {
+        type Scheme = Straight<Corrected<DeltaPlus>, 1, 1>;
+        const TEXT: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
+    }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as at, binding as beside, binding as by_p, binding as by_q,
-        binding as carry, binding as degrees, binding as dw, binding as factor,
-        binding as h, binding as half_sigma, binding as index, binding as into,
+        binding as at, binding as by_p, binding as by_q, binding as carry,
+        binding as degrees, binding as dw, binding as factor, binding as h,
+        binding as half_sigma, binding as index, binding as into,
         binding as inverse_pivot, binding as memory, binding as next, binding as p,
         binding as part, binding as prepared, binding as product, binding as product2,
         binding as q, binding as sigma, binding as sigma_squared, binding as state,
-        binding as systems, binding as t, binding as term, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as t, binding as term, binding as total, binding as value,
+        binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -57,13 +57,12 @@ pub struct Lattice<const N: usize> {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Err, Hamiltonian, KeptEnergy, Knowledge, Labels, NoiseClass, Number, Option, Ord,
-        Plain, Plan, Result, Scalar, Sized, Solver, StepFailure, Variables, bool, f64,
-        isize, str, usize,
+        self as wzvi, Conservative, DVector, Hamiltonian, KeptEnergy, Knowledge, Labels,
+        Listed, NoiseClass, Number, Option, Ord, Plan, Result, Scalar, Sized, Solver,
+        StepFailure, Variables, bool, f64, isize, str, usize,
         elements::{
-            Alone, CompensationVec, Elements, Given, LEAST_IN_WINDOWS, Memory,
-            MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
+            Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
+            Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
         embedding::DeltaPlus,
     };
@@ -317,8 +316,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl<const N: usize> InLoops<DeltaPlus> for Lattice<{ N }> {
+        const PLAN: Plan = Plan {
+            solver: Solver::Explicit,
+            unknowns: 0,
+            order: 1,
+            noise: NoiseClass::None,
+            consistent: true,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.0,
@@ -332,98 +341,29 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        #[automatically_derived]
-        impl<const N: usize> Discretized<DeltaPlus> for Lattice<{ N }> {
-            const PLAN: Plan = Plan {
-                solver: Solver::Explicit,
-                unknowns: 0,
-                order: 1,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
-            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
-            const REMEMBERS: bool = false;
-            const IN_LANES: bool = true;
-            type Prepared = ();
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = CompensationVec<S>;
-            type Carry<S: Scalar> = Plain;
-            fn memory(&self) -> Self::Memory<f64> {
-                Memory::new(self, &SCHEME)
-            }
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                if f64::is_nan(self.k) {
-                    return Err(ConfigError::Parameter);
-                }
-                wzvi::elements::prepare(self)
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance_explicit::<
-                    _,
-                    S,
-                    C,
-                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
-            }
-            #[inline(always)]
-            fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut Self::Vector,
-                p: &mut Self::Vector,
-                dw: &[f64],
-                memory: &mut Self::Memory<f64>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance_explicit_vectors(
-                    self,
-                    &SCHEME,
-                    t,
-                    h,
-                    q,
-                    p,
-                    dw,
-                    memory,
-                    carry,
-                )
-            }
-            wzvi::apart!(Self);
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
+        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
+    }
+    #[automatically_derived]
+    impl<const N: usize> Listed<DeltaPlus> for Lattice<{ N }> {
+        type Scheme = Loops<DeltaPlus>;
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
+    }
     #[automatically_derived]
     impl<const N: usize> Conservative for Lattice<{ N }> {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as at, binding as b0, binding as b1, binding as b3, binding as by_p,
-        binding as by_q, binding as carry, binding as degrees, binding as difference,
-        binding as dw, binding as end, binding as factor, binding as first0,
-        binding as first1, binding as from, binding as h, binding as half_k,
-        binding as i0, binding as i1, binding as index, binding as k, binding as len,
-        binding as low, binding as memory, binding as most, binding as next,
-        binding as p, binding as p_2i, binding as p_2i_plus_1, binding as part,
-        binding as place, binding as points0, binding as points1, binding as points2,
-        binding as prepared, binding as product, binding as product2, binding as q,
-        binding as q_2_i_plus_1_mod_N, binding as q_2_i_plus_1_mod_N_plus_1,
-        binding as q_2i, binding as q_2i_plus_1, binding as run, binding as sin,
-        binding as skip, binding as skipped, binding as t, binding as taken,
-        binding as term, binding as total, binding as until, binding as value,
-        binding as wanted, binding as weight,
+        binding as by_q, binding as degrees, binding as difference, binding as end,
+        binding as factor, binding as first0, binding as first1, binding as from,
+        binding as half_k, binding as i0, binding as i1, binding as index, binding as k,
+        binding as len, binding as low, binding as most, binding as next, binding as p,
+        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
+        binding as points0, binding as points1, binding as points2, binding as product,
+        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
+        binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
+        binding as run, binding as sin, binding as skip, binding as skipped,
+        binding as t, binding as taken, binding as term, binding as total,
+        binding as until, binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -52,13 +52,12 @@ pub struct Network {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Conservative, DVector, Discretized, Effort,
-        Hamiltonian, KeptEnergy, Knowledge, NoiseClass, None, Number, Ord, Plain, Plan,
-        Range, Result, Scalar, Sized, Solver, Some, StepFailure, bool, f64, i128, isize,
-        str, usize,
+        self as wzvi, Conservative, DVector, Hamiltonian, KeptEnergy, Knowledge, Listed,
+        NoiseClass, None, Number, Ord, Plan, Range, Result, Scalar, Sized, Solver, Some,
+        StepFailure, bool, f64, i128, isize, str, usize,
         elements::{
-            Alone, CompensationVec, Elements, Given, Memory, MomentumUpdate, Pair,
-            Placements, Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
+            Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
+            Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -455,8 +454,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl InLoops<DeltaPlus> for Network {
+        const PLAN: Plan = Plan {
+            solver: Solver::Explicit,
+            unknowns: 0,
+            order: 1,
+            noise: NoiseClass::None,
+            consistent: true,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.0,
@@ -470,89 +479,24 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        #[automatically_derived]
-        impl Discretized<DeltaPlus> for Network {
-            const PLAN: Plan = Plan {
-                solver: Solver::Explicit,
-                unknowns: 0,
-                order: 1,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][0]\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][1]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
-            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
-            const REMEMBERS: bool = false;
-            const IN_LANES: bool = true;
-            type Prepared = ();
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = CompensationVec<S>;
-            type Carry<S: Scalar> = Plain;
-            fn memory(&self) -> Self::Memory<f64> {
-                Memory::new(self, &SCHEME)
-            }
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                wzvi::elements::prepare(self)
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance_explicit::<
-                    _,
-                    S,
-                    C,
-                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
-            }
-            #[inline(always)]
-            fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut Self::Vector,
-                p: &mut Self::Vector,
-                dw: &[f64],
-                memory: &mut Self::Memory<f64>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance_explicit_vectors(
-                    self,
-                    &SCHEME,
-                    t,
-                    h,
-                    q,
-                    p,
-                    dw,
-                    memory,
-                    carry,
-                )
-            }
-            wzvi::apart!(Self);
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
+        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
+    }
+    #[automatically_derived]
+    impl Listed<DeltaPlus> for Network {
+        type Scheme = Loops<DeltaPlus>;
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][0]\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][1]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
+    }
     #[automatically_derived]
     impl Conservative for Network {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
         binding as at, binding as b0, binding as block, binding as by_p, binding as by_q,
-        binding as carry, binding as degrees, binding as dw, binding as end,
-        binding as entry, binding as factor, binding as few, binding as first,
-        binding as first0, binding as h, binding as i0, binding as i1, binding as inner,
-        binding as integer, binding as lane, binding as len, binding as list,
-        binding as list0, binding as list1, binding as low, binding as memory,
-        binding as o0, binding as outer, binding as p, binding as p_i, binding as part,
-        binding as place, binding as prepared, binding as product, binding as q,
+        binding as degrees, binding as end, binding as entry, binding as factor,
+        binding as few, binding as first, binding as first0, binding as i0,
+        binding as i1, binding as inner, binding as integer, binding as lane,
+        binding as len, binding as list, binding as list0, binding as list1,
+        binding as low, binding as o0, binding as outer, binding as p, binding as p_i,
+        binding as part, binding as place, binding as product, binding as q,
         binding as q_bonds_i_0, binding as q_bonds_i_1, binding as range, binding as s0,
         binding as sin, binding as size, binding as skipped, binding as slope0,
         binding as slope1, binding as strength_i, binding as t, binding as table,

@@ -51,11 +51,11 @@ pub struct HenonHeiles;
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
-        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, Knowledge,
-        Labels, Lanes, NoiseClass, Number, Ok, Option, Over, Plain, Plan, Result,
-        Rounded, SVector, Scalar, Sized, Solution, Solver, Some, StepFailure, Variables,
-        bool, f64, str, usize, compose::{Composes, Equations, General, ROOM, Structure},
+        self as wzvi, Beside, Block, Carry, ConfigError, Conservative, Constant, Err,
+        Extrapolation, Hamiltonian, Knowledge, Labels, Lanes, Listed, NoiseClass, Number,
+        Ok, Over, Plain, Plan, Result, Rounded, SVector, Scalar, Sized, Solution, Solver,
+        StepFailure, Straight, StraightLine, Variables, bool, f64, str, usize,
+        compose::{Composes, Equations, General, ROOM},
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
             Unknowns,
@@ -162,22 +162,6 @@ const _: () = {
         }
     }
     const _: () = {
-        const SCHEME: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.5,
-                    start: 0.5,
-                    end: 0.5,
-                    parts: &[(0, 1.0)],
-                },
-            ],
-            update: MomentumUpdate::Multiple(2.0),
-            unknowns: Unknowns::Momenta,
-            remembers: false,
-            is_linear: false,
-        };
-        type Prepared<K> = [K; 3];
-        type Memory<S> = Extrapolation<S, 2>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
         fn equations<S: Over<K>, K: Constant>(
@@ -230,67 +214,8 @@ const _: () = {
                 )
                 .0
         }
-        #[inline(always)]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
-            h: f64,
-            q: [S; 2],
-            p: [S; 2],
-            memory: &mut Memory<S>,
-            carry: &C,
-            next: &mut Solution<S, 2>,
-        ) -> Result<(), StepFailure> {
-            let ([x, y], [px, py]) = (q, p);
-            let [half_h, quarter_h_squared, half_h_squared] = *prepared;
-            let mut unknowns = memory.guess::<true>();
-            let effort = wzvi::newton::<
-                S,
-                2,
-                true,
-                true,
-                { CAREFUL },
-            >(
-                &mut unknowns,
-                Block {
-                    evaluate: move |iterate: &[S; 2]| equations(
-                        [x, y, px, py],
-                        [half_h, quarter_h_squared, half_h_squared],
-                        *iterate,
-                    ),
-                    rounded: move |iterate: &[S; 2], lane| {
-                        rounded(
-                            [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
-                            [
-                                half_h.lane(lane),
-                                quarter_h_squared.lane(lane),
-                                half_h_squared.lane(lane),
-                            ],
-                            iterate.map(|number| number.lane(lane)),
-                        )
-                    },
-                },
-            )?;
-            let [delta_px, delta_py] = unknowns;
-            let node_py = py + delta_py;
-            let node_px = px + delta_px;
-            *next = Solution::new(
-                carry,
-                [[x, y], [px, py]],
-                [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
-                effort,
-            );
-            if !next.is_finite() {
-                if S::GOES_IN_PART {
-                    let taken = next.are_finite();
-                    memory.record_in_part::<true>(taken, [delta_px, delta_py]);
-                }
-                return Err(next.failure());
-            }
-            memory.record::<true>([delta_px, delta_py]);
-            Ok(())
-        }
         #[automatically_derived]
-        impl Discretized<Midpoint> for HenonHeiles {
+        impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
             const PLAN: Plan = Plan {
                 solver: Solver::Newton,
                 unknowns: 2,
@@ -300,94 +225,131 @@ const _: () = {
                 conserves_energy: Knowledge::Proven,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
-            type Prepared = Prepared<f64>;
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = Compensation<S, 2>;
+            const QUADRATURE: Scheme = Scheme {
+                stages: &[
+                    Stage {
+                        point: 0.5,
+                        start: 0.5,
+                        end: 0.5,
+                        parts: &[(0, 1.0)],
+                    },
+                ],
+                update: MomentumUpdate::Multiple(2.0),
+                unknowns: Unknowns::Momenta,
+                remembers: false,
+                is_linear: false,
+            };
+            type Prepared<K: Constant> = [K; 3];
+            type Memory<S: Scalar> = Extrapolation<S, 2>;
             type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+            fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
                 let h_squared = h * h;
                 Ok([0.5 * h, h_squared * 0.25, h_squared * 0.5])
             }
+            fn gather<const L: usize>(
+                prepared: [&Self::Prepared<f64>; L],
+            ) -> Self::Prepared<Lanes<{ L }>> {
+                Beside::beside(prepared)
+            }
             #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
+            fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+                prepared: &Self::Prepared<K>,
                 t: f64,
                 h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
+                q: [S; 2],
+                p: [S; 2],
+                dw: [S; 0],
                 memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<_, 0>(dw)?;
-                let mut next = Solution::nowhere();
-                let solved = solve::<
+                carry: &C,
+                next: &mut Solution<S, 2>,
+            ) -> Result<(), StepFailure> {
+                let ([x, y], [px, py]) = (q, p);
+                let [half_h, quarter_h_squared, half_h_squared] = *prepared;
+                let mut unknowns = memory.guess::<true>();
+                let effort = wzvi::newton::<
                     S,
-                    f64,
-                    C,
+                    2,
+                    true,
+                    true,
                     { CAREFUL },
-                >(prepared, h, *q, *p, memory, carry, &mut next);
-                next.arrive(solved, q, p, carry)
+                >(
+                    &mut unknowns,
+                    Block {
+                        evaluate: move |iterate: &[S; 2]| equations(
+                            [x, y, px, py],
+                            [half_h, quarter_h_squared, half_h_squared],
+                            *iterate,
+                        ),
+                        rounded: move |iterate: &[S; 2], lane| {
+                            rounded(
+                                [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
+                                [
+                                    half_h.lane(lane),
+                                    quarter_h_squared.lane(lane),
+                                    half_h_squared.lane(lane),
+                                ],
+                                iterate.map(|number| number.lane(lane)),
+                            )
+                        },
+                    },
+                )?;
+                let [delta_px, delta_py] = unknowns;
+                let node_py = py + delta_py;
+                let node_px = px + delta_px;
+                *next = Solution::new(
+                    carry,
+                    [[x, y], [px, py]],
+                    [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
+                    effort,
+                );
+                if !next.is_finite() {
+                    if S::GOES_IN_PART {
+                        let taken = next.are_finite();
+                        memory.record_in_part::<true>(taken, [delta_px, delta_py]);
+                    }
+                    return Err(next.failure());
+                }
+                memory.record::<true>([delta_px, delta_py]);
+                Ok(())
             }
-            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
-            fn beside<const L: usize>(
-                systems: [&Self; L],
-                prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<{ L }>> {
-                Some(Beside::beside(prepared))
-            }
-            #[inline(always)]
-            fn advance_beside<const L: usize>(
-                beside: &Self::Beside<{ L }>,
-                t: f64,
-                h: f64,
-                q: &mut [Lanes<{ L }>],
-                p: &mut [Lanes<{ L }>],
-                dw: &[Lanes<{ L }>],
-                memory: &mut Self::Memory<Lanes<{ L }>>,
-            ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<_, 0>(dw)?;
-                let mut next = Solution::nowhere();
-                let solved = solve::<
-                    Lanes<{ L }>,
-                    Lanes<{ L }>,
-                    Plain,
-                    false,
-                >(prepared, h, *q, *p, memory, carry, &mut next);
-                next.arrive(solved, q, p, carry)
-            }
-            wzvi::lagrangian!(SCHEME);
         }
     };
-    wzvi::composition! {
-        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
-        > > for HenonHeiles] Composed < Midpoint, W >, < General as Structure < Midpoint
-        >> ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: <
-        Self, Midpoint, General, W, { 1109 + ROOM } > ::ALL, < W as Composes < Midpoint,
-        General > > ::substeps()
+    #[automatically_derived]
+    impl Listed<Midpoint> for HenonHeiles {
+        type Scheme = Straight<Midpoint, 2, 0>;
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
+    }
+    #[automatically_derived]
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for HenonHeiles
+    where
+        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
+    {
+        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+        const TEXT: &'static str = Equations::<
+            Self,
+            Midpoint,
+            General,
+            W,
+            { 1109 + ROOM },
+        >::ALL;
     }
     #[automatically_derived]
     impl Conservative for HenonHeiles {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as at, binding as beside, binding as by_p, binding as by_q,
-        binding as carry, binding as constants, binding as degrees, binding as delta_px,
+        binding as at, binding as by_p, binding as by_q, binding as carry,
+        binding as constants, binding as degrees, binding as delta_px,
         binding as delta_py, binding as dw, binding as effort, binding as factor,
         binding as given, binding as h, binding as h_squared, binding as half_h,
         binding as half_h_squared, binding as iterate, binding as lane,
         binding as memory, binding as next, binding as node_px, binding as node_py,
         binding as number, binding as p, binding as part, binding as prepared,
         binding as product, binding as px, binding as py, binding as q,
-        binding as quarter_h_squared, binding as solved, binding as stage_x,
-        binding as stage_y, binding as sum, binding as systems, binding as t,
-        binding as taken, binding as term, binding as total, binding as twice_stage_y,
-        binding as unknowns, binding as value, binding as wanted, binding as weight,
-        binding as x, binding as x_squared, binding as y, binding as y_squared,
+        binding as quarter_h_squared, binding as stage_x, binding as stage_y,
+        binding as sum, binding as t, binding as taken, binding as term,
+        binding as total, binding as twice_stage_y, binding as unknowns,
+        binding as value, binding as wanted, binding as weight, binding as x,
+        binding as x_squared, binding as y, binding as y_squared,
     };
 };
 #[allow(

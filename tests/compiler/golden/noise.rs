@@ -78,11 +78,11 @@ pub struct Kubo {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Carry, Compensation, ConfigError, Constant, Discretized,
-        Effort, Err, Gradient, Hamiltonian, KeptEnergy, Knowledge, Lanes, NoiseClass,
-        Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar,
-        Sized, Solution, Solver, Some, State, StepFailure, bool, f64, str, usize,
-        compose::{Composes, Equations, General, ROOM, Structure},
+        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Gradient,
+        Hamiltonian, KeptEnergy, Knowledge, Lanes, Listed, NoiseClass, Number, Ok,
+        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution,
+        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        compose::{Composes, Equations, General, ROOM},
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
             Unknowns,
@@ -236,8 +236,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl StraightLine<Midpoint, 1, 1> for Kubo {
+        const PLAN: Plan = Plan {
+            solver: Solver::Linear,
+            unknowns: 1,
+            order: 2,
+            noise: NoiseClass::Multiplicative,
+            consistent: true,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.5,
@@ -251,14 +261,31 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K> = [K; 2];
-        type Memory<S> = PhantomData<S>;
+        type Prepared<K: Constant> = [K; 2];
+        type Memory<S: Scalar> = PhantomData<S>;
+        type Carry<S: Scalar> = Plain;
+        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
+            let a: f64 = self.a;
+            let sigma: f64 = self.sigma;
+            if a.is_nan() || sigma.is_nan() {
+                return Err(ConfigError::Parameter);
+            }
+            Ok([sigma, h * a])
+        }
+        fn gather<const L: usize>(
+            prepared: [&Self::Prepared<f64>; L],
+        ) -> Self::Prepared<Lanes<{ L }>> {
+            Beside::beside(prepared)
+        }
         #[inline(always)]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
+            prepared: &Self::Prepared<K>,
+            t: f64,
+            h: f64,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
+            memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
@@ -279,82 +306,24 @@ const _: () = {
             }
             Ok(())
         }
-        #[automatically_derived]
-        impl Discretized<Midpoint> for Kubo {
-            const PLAN: Plan = Plan {
-                solver: Solver::Linear,
-                unknowns: 1,
-                order: 2,
-                noise: NoiseClass::Multiplicative,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n";
-            type Prepared = Prepared<f64>;
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = Compensation<S, 1>;
-            type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                let a: f64 = self.a;
-                let sigma: f64 = self.sigma;
-                if a.is_nan() || sigma.is_nan() {
-                    return Err(ConfigError::Parameter);
-                }
-                Ok([sigma, h * a])
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                let dw = wzvi::increments(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<S, f64, C, { CAREFUL }>(prepared, *q, *p, dw, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
-            fn beside<const L: usize>(
-                systems: [&Self; L],
-                prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<{ L }>> {
-                Some(Beside::beside(prepared))
-            }
-            #[inline(always)]
-            fn advance_beside<const L: usize>(
-                beside: &Self::Beside<{ L }>,
-                t: f64,
-                h: f64,
-                q: &mut [Lanes<{ L }>],
-                p: &mut [Lanes<{ L }>],
-                dw: &[Lanes<{ L }>],
-                memory: &mut Self::Memory<Lanes<{ L }>>,
-            ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                let dw = wzvi::increments(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<
-                    Lanes<{ L }>,
-                    Lanes<{ L }>,
-                    Plain,
-                    false,
-                >(prepared, *q, *p, dw, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    }
+    #[automatically_derived]
+    impl Listed<Midpoint> for Kubo {
+        type Scheme = Straight<Midpoint, 1, 1>;
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_{i+1/2}²)/2 - sigma ΔW (P² + q_{i+1/2}²)/2\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: linear (then Δq)\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H1, H0} = 0\n  H0 is a first integral: kept by the step to rounding\n  first integral p² + q²: kept by the step to rounding\n";
+    }
+    #[automatically_derived]
+    impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
+        const PLAN: Plan = Plan {
+            solver: Solver::Explicit,
+            unknowns: 0,
+            order: 1,
+            noise: NoiseClass::Multiplicative,
+            consistent: false,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.0,
@@ -368,14 +337,32 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K> = [K; 2];
-        type Memory<S> = PhantomData<S>;
+        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
+        type Prepared<K: Constant> = [K; 2];
+        type Memory<S: Scalar> = PhantomData<S>;
+        type Carry<S: Scalar> = Plain;
+        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
+            let a: f64 = self.a;
+            let sigma: f64 = self.sigma;
+            if a.is_nan() || sigma.is_nan() {
+                return Err(ConfigError::Parameter);
+            }
+            Ok([sigma, h * a])
+        }
+        fn gather<const L: usize>(
+            prepared: [&Self::Prepared<f64>; L],
+        ) -> Self::Prepared<Lanes<{ L }>> {
+            Beside::beside(prepared)
+        }
         #[inline(always)]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
+            prepared: &Self::Prepared<K>,
+            t: f64,
+            h: f64,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
+            memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
@@ -394,99 +381,36 @@ const _: () = {
             }
             Ok(())
         }
-        #[automatically_derived]
-        impl Discretized<Uncorrected<DeltaPlus>> for Kubo {
-            const PLAN: Plan = Plan {
-                solver: Solver::Explicit,
-                unknowns: 0,
-                order: 1,
-                noise: NoiseClass::Multiplicative,
-                consistent: false,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
-            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
-            type Prepared = Prepared<f64>;
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = Compensation<S, 1>;
-            type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                let a: f64 = self.a;
-                let sigma: f64 = self.sigma;
-                if a.is_nan() || sigma.is_nan() {
-                    return Err(ConfigError::Parameter);
-                }
-                Ok([sigma, h * a])
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                let dw = wzvi::increments(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<S, f64, C, { CAREFUL }>(prepared, *q, *p, dw, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
-            fn beside<const L: usize>(
-                systems: [&Self; L],
-                prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<{ L }>> {
-                Some(Beside::beside(prepared))
-            }
-            #[inline(always)]
-            fn advance_beside<const L: usize>(
-                beside: &Self::Beside<{ L }>,
-                t: f64,
-                h: f64,
-                q: &mut [Lanes<{ L }>],
-                p: &mut [Lanes<{ L }>],
-                dw: &[Lanes<{ L }>],
-                memory: &mut Self::Memory<Lanes<{ L }>>,
-            ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                let dw = wzvi::increments(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<
-                    Lanes<{ L }>,
-                    Lanes<{ L }>,
-                    Plain,
-                    false,
-                >(prepared, *q, *p, dw, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
-    wzvi::composition! {
-        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
-        > > for Kubo] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
-        Midpoint, General, W, { 676 + ROOM } > ::ALL, < W as Composes < Midpoint, General
-        > > ::substeps()
+    }
+    #[automatically_derived]
+    impl Listed<Uncorrected<DeltaPlus>> for Kubo {
+        type Scheme = Straight<Uncorrected<DeltaPlus>, 1, 1>;
+        const TEXT: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
+    }
+    #[automatically_derived]
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Kubo
+    where
+        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
+    {
+        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+        const TEXT: &'static str = Equations::<
+            Self,
+            Midpoint,
+            General,
+            W,
+            { 676 + ROOM },
+        >::ALL;
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as a, binding as a_h, binding as at, binding as beside, binding as by_p,
-        binding as by_q, binding as carry, binding as degrees, binding as dw,
-        binding as factor, binding as h, binding as half_a, binding as half_sigma,
-        binding as index, binding as into, binding as inverse_pivot, binding as memory,
-        binding as next, binding as number, binding as p, binding as part,
-        binding as prepared, binding as product, binding as q, binding as sigma,
-        binding as state, binding as sum, binding as sum2, binding as systems,
-        binding as t, binding as term, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as a, binding as a_h, binding as at, binding as by_p, binding as by_q,
+        binding as carry, binding as degrees, binding as dw, binding as factor,
+        binding as h, binding as half_a, binding as half_sigma, binding as index,
+        binding as into, binding as inverse_pivot, binding as memory, binding as next,
+        binding as number, binding as p, binding as part, binding as prepared,
+        binding as product, binding as q, binding as sigma, binding as state,
+        binding as sum, binding as sum2, binding as t, binding as term, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -55,13 +55,13 @@ pub struct Bath {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, DVector, Discretized, Effort, Err, Gradient,
-        Hamiltonian, Knowledge, NoiseClass, Number, Option, Ord, Plain, Plan, Range,
-        Result, Scalar, Sized, Solver, State, StepFailure, bool, f64, i128, isize, str,
-        usize, compose::{Composes, Equations, General, ROOM, Structure},
+        self as wzvi, DVector, Gradient, Hamiltonian, Knowledge, Listed, NoiseClass,
+        Number, Option, Ord, Plan, Range, Result, Scalar, Sized, Solver, State,
+        StepFailure, bool, f64, i128, isize, str, usize,
+        compose::{Composes, Equations, General, ROOM},
         elements::{
-            CompensationVec, Curvature, Elements, Given, Memory, MomentumUpdate, Point,
-            Run, Scheme, Slopes, Stage, Sums, Unknowns,
+            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
+            Scheme, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -348,8 +348,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl InLoops<Midpoint> for Bath {
+        const PLAN: Plan = Plan {
+            solver: Solver::Linear,
+            unknowns: usize::MAX,
+            order: 2,
+            noise: NoiseClass::Additive,
+            consistent: true,
+            conserves_energy: Knowledge::Refuted,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.5,
@@ -363,70 +373,33 @@ const _: () = {
             remembers: false,
             is_linear: true,
         };
-        #[automatically_derived]
-        impl Discretized<Midpoint> for Bath {
-            const PLAN: Plan = Plan {
-                solver: Solver::Linear,
-                unknowns: usize::MAX,
-                order: 2,
-                noise: NoiseClass::Additive,
-                consistent: true,
-                conserves_energy: Knowledge::Refuted,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
-            const REMEMBERS: bool = false;
-            const IN_LANES: bool = false;
-            type Prepared = ();
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = CompensationVec<S>;
-            type Carry<S: Scalar> = Plain;
-            fn memory(&self) -> Self::Memory<f64> {
-                Memory::new(self, &SCHEME)
-            }
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                if f64::is_nan(self.sigma) {
-                    return Err(ConfigError::Parameter);
-                }
-                wzvi::elements::prepare(self)
-            }
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                wzvi::elements::advance::<
-                    _,
-                    S,
-                    C,
-                    { CAREFUL },
-                >(self, &SCHEME, t, h, q, p, dw, memory, carry)
-            }
-            wzvi::apart!(Self);
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
-    wzvi::composition! {
-        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
-        > > for Bath] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
-        Midpoint, General, W, { 957 + ROOM } > ::ALL, < W as Composes < Midpoint, General
-        > > ::substeps()
+    }
+    #[automatically_derived]
+    impl Listed<Midpoint> for Bath {
+        type Scheme = Loops<Midpoint>;
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+    }
+    #[automatically_derived]
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Bath
+    where
+        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
+    {
+        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+        const TEXT: &'static str = Equations::<
+            Self,
+            Midpoint,
+            General,
+            W,
+            { 957 + ROOM },
+        >::ALL;
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as at, binding as b0, binding as by_p, binding as by_q, binding as carry,
+        binding as at, binding as b0, binding as by_p, binding as by_q,
         binding as degrees, binding as dw, binding as end, binding as factor,
-        binding as first0, binding as h, binding as i0, binding as i1, binding as index,
-        binding as into, binding as len, binding as low, binding as memory,
-        binding as outer, binding as p, binding as p_i, binding as part,
-        binding as place, binding as prepared, binding as q, binding as q_i,
+        binding as first0, binding as i0, binding as i1, binding as index,
+        binding as into, binding as len, binding as low, binding as outer, binding as p,
+        binding as p_i, binding as part, binding as place, binding as q, binding as q_i,
         binding as range, binding as s0, binding as s1, binding as sigma,
         binding as size, binding as skipped, binding as state, binding as t,
         binding as table, binding as term, binding as total, binding as value,

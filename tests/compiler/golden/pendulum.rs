@@ -76,11 +76,11 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Block, Carry, Compensation, ConfigError, Conservative,
-        Constant, Discretized, Effort, Err, Extrapolation, Hamiltonian, KeptEnergy,
-        Knowledge, Lanes, NoiseClass, Number, Ok, Option, Over, PhantomData, Plain, Plan,
-        Result, Rounded, SVector, Scalar, Sized, Solution, Solver, Some, StepFailure,
-        bool, f64, str, usize, compose::{Composes, Equations, General, ROOM, Structure},
+        self as wzvi, Beside, Block, Carry, ConfigError, Conservative, Constant, Effort,
+        Err, Extrapolation, Hamiltonian, KeptEnergy, Knowledge, Lanes, Listed,
+        NoiseClass, Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, Rounded,
+        SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight, StraightLine,
+        bool, f64, str, usize, compose::{Composes, Equations, General, ROOM},
         elements::{
             Alone, Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage,
             Sums, Unknowns, Usual,
@@ -177,8 +177,18 @@ const _: () = {
             }
         }
     }
-    const _: () = {
-        const SCHEME: Scheme = Scheme {
+    #[automatically_derived]
+    impl StraightLine<DeltaPlus, 1, 0> for Pendulum {
+        const PLAN: Plan = Plan {
+            solver: Solver::Explicit,
+            unknowns: 0,
+            order: 1,
+            noise: NoiseClass::None,
+            consistent: true,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+        };
+        const QUADRATURE: Scheme = Scheme {
             stages: &[
                 Stage {
                     point: 0.0,
@@ -192,14 +202,31 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K> = [K; 1];
-        type Memory<S> = PhantomData<S>;
+        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
+        type Prepared<K: Constant> = [K; 1];
+        type Memory<S: Scalar> = PhantomData<S>;
+        type Carry<S: Scalar> = Plain;
+        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
+            let omega: f64 = self.omega;
+            if omega.is_nan() {
+                return Err(ConfigError::Parameter);
+            }
+            Ok([omega * omega * h])
+        }
+        fn gather<const L: usize>(
+            prepared: [&Self::Prepared<f64>; L],
+        ) -> Self::Prepared<Lanes<{ L }>> {
+            Beside::beside(prepared)
+        }
         #[inline(always)]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
+            prepared: &Self::Prepared<K>,
+            t: f64,
             h: f64,
             q: [S; 1],
             p: [S; 1],
+            dw: [S; 0],
+            memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
@@ -217,97 +244,13 @@ const _: () = {
             }
             Ok(())
         }
-        #[automatically_derived]
-        impl Discretized<DeltaPlus> for Pendulum {
-            const PLAN: Plan = Plan {
-                solver: Solver::Explicit,
-                unknowns: 0,
-                order: 1,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
-            const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = p omega² sin(q)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
-            const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
-            type Prepared = Prepared<f64>;
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = Compensation<S, 1>;
-            type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-                let omega: f64 = self.omega;
-                if omega.is_nan() {
-                    return Err(ConfigError::Parameter);
-                }
-                Ok([omega * omega * h])
-            }
-            #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
-                t: f64,
-                h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
-                memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<_, 0>(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<S, f64, C, { CAREFUL }>(prepared, h, *q, *p, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
-            fn beside<const L: usize>(
-                systems: [&Self; L],
-                prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<{ L }>> {
-                Some(Beside::beside(prepared))
-            }
-            #[inline(always)]
-            fn advance_beside<const L: usize>(
-                beside: &Self::Beside<{ L }>,
-                t: f64,
-                h: f64,
-                q: &mut [Lanes<{ L }>],
-                p: &mut [Lanes<{ L }>],
-                dw: &[Lanes<{ L }>],
-                memory: &mut Self::Memory<Lanes<{ L }>>,
-            ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<_, 0>(dw)?;
-                let mut next = Solution::nowhere();
-                solve::<
-                    Lanes<{ L }>,
-                    Lanes<{ L }>,
-                    Plain,
-                    false,
-                >(prepared, h, *q, *p, carry, &mut next)?;
-                Ok(next.store(q, p, carry))
-            }
-            wzvi::lagrangian!(SCHEME);
-        }
-    };
+    }
+    #[automatically_derived]
+    impl Listed<DeltaPlus> for Pendulum {
+        type Scheme = Straight<DeltaPlus, 1, 0>;
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = p omega² sin(q)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
+    }
     const _: () = {
-        const SCHEME: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.5,
-                    start: 0.5,
-                    end: 0.5,
-                    parts: &[(0, 1.0)],
-                },
-            ],
-            update: MomentumUpdate::Multiple(2.0),
-            unknowns: Unknowns::Momenta,
-            remembers: false,
-            is_linear: false,
-        };
-        type Prepared<K> = [K; 3];
-        type Memory<S> = Extrapolation<S, 1>;
         /// The equations of a block, and their Jacobian by rows.
         #[inline(always)]
         fn equations<S: Over<K>, K: Constant>(
@@ -339,62 +282,8 @@ const _: () = {
                 )
                 .0
         }
-        #[inline(always)]
-        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Prepared<K>,
-            h: f64,
-            q: [S; 1],
-            p: [S; 1],
-            memory: &mut Memory<S>,
-            carry: &C,
-            next: &mut Solution<S, 1>,
-        ) -> Result<(), StepFailure> {
-            let ([q], [p]) = (q, p);
-            let [half_h, product, product2] = *prepared;
-            let mut unknowns = memory.guess::<true>();
-            let effort = wzvi::newton::<
-                S,
-                1,
-                false,
-                true,
-                { CAREFUL },
-            >(
-                &mut unknowns,
-                Block {
-                    evaluate: move |iterate: &[S; 1]| equations(
-                        [q, p],
-                        [half_h, product, product2],
-                        *iterate,
-                    ),
-                    rounded: move |iterate: &[S; 1], lane| {
-                        rounded(
-                            [q.lane(lane), p.lane(lane)],
-                            [half_h.lane(lane), product.lane(lane), product2.lane(lane)],
-                            iterate.map(|number| number.lane(lane)),
-                        )
-                    },
-                },
-            )?;
-            let [delta_p] = unknowns;
-            let node_p = p + delta_p;
-            *next = Solution::new(
-                carry,
-                [[q], [p]],
-                [[node_p * h], [delta_p * 2.0]],
-                effort,
-            );
-            if !next.is_finite() {
-                if S::GOES_IN_PART {
-                    let taken = next.are_finite();
-                    memory.record_in_part::<true>(taken, [delta_p]);
-                }
-                return Err(next.failure());
-            }
-            memory.record::<true>([delta_p]);
-            Ok(())
-        }
         #[automatically_derived]
-        impl Discretized<Midpoint> for Pendulum {
+        impl StraightLine<Midpoint, 1, 0> for Pendulum {
             const PLAN: Plan = Plan {
                 solver: Solver::Newton,
                 unknowns: 1,
@@ -404,12 +293,24 @@ const _: () = {
                 conserves_energy: Knowledge::Proven,
                 commuting: Knowledge::Proven,
             };
-            const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
-            type Prepared = Prepared<f64>;
-            type Memory<S: Scalar> = Memory<S>;
-            type Compensated<S: Scalar> = Compensation<S, 1>;
+            const QUADRATURE: Scheme = Scheme {
+                stages: &[
+                    Stage {
+                        point: 0.5,
+                        start: 0.5,
+                        end: 0.5,
+                        parts: &[(0, 1.0)],
+                    },
+                ],
+                update: MomentumUpdate::Multiple(2.0),
+                unknowns: Unknowns::Momenta,
+                remembers: false,
+                is_linear: false,
+            };
+            type Prepared<K: Constant> = [K; 3];
+            type Memory<S: Scalar> = Extrapolation<S, 1>;
             type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+            fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
                 let omega: f64 = self.omega;
                 if omega.is_nan() {
                     return Err(ConfigError::Parameter);
@@ -417,83 +318,106 @@ const _: () = {
                 let omega_squared = omega * omega;
                 Ok([0.5 * h, omega_squared * 0.5 * h, h * h * (0.25 * omega_squared)])
             }
+            fn gather<const L: usize>(
+                prepared: [&Self::Prepared<f64>; L],
+            ) -> Self::Prepared<Lanes<{ L }>> {
+                Beside::beside(prepared)
+            }
             #[inline(always)]
-            fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-                &self,
-                prepared: &Self::Prepared,
+            fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+                prepared: &Self::Prepared<K>,
                 t: f64,
                 h: f64,
-                q: &mut [S],
-                p: &mut [S],
-                dw: &[S],
+                q: [S; 1],
+                p: [S; 1],
+                dw: [S; 0],
                 memory: &mut Self::Memory<S>,
-                carry: &mut C,
-            ) -> Result<Effort, StepFailure> {
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<_, 0>(dw)?;
-                let mut next = Solution::nowhere();
-                let solved = solve::<
+                carry: &C,
+                next: &mut Solution<S, 1>,
+            ) -> Result<(), StepFailure> {
+                let ([q], [p]) = (q, p);
+                let [half_h, product, product2] = *prepared;
+                let mut unknowns = memory.guess::<true>();
+                let effort = wzvi::newton::<
                     S,
-                    f64,
-                    C,
-                    { CAREFUL },
-                >(prepared, h, *q, *p, memory, carry, &mut next);
-                next.arrive(solved, q, p, carry)
-            }
-            type Beside<const L: usize> = Prepared<Lanes<{ L }>>;
-            fn beside<const L: usize>(
-                systems: [&Self; L],
-                prepared: [&Self::Prepared; L],
-            ) -> Option<Self::Beside<{ L }>> {
-                Some(Beside::beside(prepared))
-            }
-            #[inline(always)]
-            fn advance_beside<const L: usize>(
-                beside: &Self::Beside<{ L }>,
-                t: f64,
-                h: f64,
-                q: &mut [Lanes<{ L }>],
-                p: &mut [Lanes<{ L }>],
-                dw: &[Lanes<{ L }>],
-                memory: &mut Self::Memory<Lanes<{ L }>>,
-            ) -> Result<Effort, StepFailure> {
-                let (prepared, carry) = (beside, &mut Plain);
-                let (q, p) = (wzvi::array_mut(q)?, wzvi::array_mut(p)?);
-                wzvi::increments::<_, 0>(dw)?;
-                let mut next = Solution::nowhere();
-                let solved = solve::<
-                    Lanes<{ L }>,
-                    Lanes<{ L }>,
-                    Plain,
+                    1,
                     false,
-                >(prepared, h, *q, *p, memory, carry, &mut next);
-                next.arrive(solved, q, p, carry)
+                    true,
+                    { CAREFUL },
+                >(
+                    &mut unknowns,
+                    Block {
+                        evaluate: move |iterate: &[S; 1]| equations(
+                            [q, p],
+                            [half_h, product, product2],
+                            *iterate,
+                        ),
+                        rounded: move |iterate: &[S; 1], lane| {
+                            rounded(
+                                [q.lane(lane), p.lane(lane)],
+                                [
+                                    half_h.lane(lane),
+                                    product.lane(lane),
+                                    product2.lane(lane),
+                                ],
+                                iterate.map(|number| number.lane(lane)),
+                            )
+                        },
+                    },
+                )?;
+                let [delta_p] = unknowns;
+                let node_p = p + delta_p;
+                *next = Solution::new(
+                    carry,
+                    [[q], [p]],
+                    [[node_p * h], [delta_p * 2.0]],
+                    effort,
+                );
+                if !next.is_finite() {
+                    if S::GOES_IN_PART {
+                        let taken = next.are_finite();
+                        memory.record_in_part::<true>(taken, [delta_p]);
+                    }
+                    return Err(next.failure());
+                }
+                memory.record::<true>([delta_p]);
+                Ok(())
             }
-            wzvi::lagrangian!(SCHEME);
         }
     };
-    wzvi::composition! {
-        [impl < W : Composes < Midpoint, General > > Discretized < Composed < Midpoint, W
-        > > for Pendulum] Composed < Midpoint, W >, < General as Structure < Midpoint >>
-        ::Sequence, < W as Composes < Midpoint, General > > ::ORDER, Equations:: < Self,
-        Midpoint, General, W, { 658 + ROOM } > ::ALL, < W as Composes < Midpoint, General
-        > > ::substeps()
+    #[automatically_derived]
+    impl Listed<Midpoint> for Pendulum {
+        type Scheme = Straight<Midpoint, 1, 0>;
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
+    }
+    #[automatically_derived]
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Pendulum
+    where
+        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
+    {
+        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+        const TEXT: &'static str = Equations::<
+            Self,
+            Midpoint,
+            General,
+            W,
+            { 658 + ROOM },
+        >::ALL;
     }
     #[automatically_derived]
     impl Conservative for Pendulum {}
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{
-        binding as at, binding as beside, binding as by_p, binding as by_q,
-        binding as carry, binding as constants, binding as cos_stage_q,
-        binding as degrees, binding as delta_p, binding as dw, binding as effort,
-        binding as factor, binding as given, binding as h, binding as half_h,
-        binding as index, binding as iterate, binding as lane, binding as memory,
-        binding as next, binding as node_p, binding as number, binding as omega,
-        binding as omega_squared, binding as p, binding as part, binding as prepared,
-        binding as product, binding as product2, binding as q, binding as sin_stage_q,
-        binding as solved, binding as stage_q, binding as systems, binding as t,
-        binding as taken, binding as term, binding as total, binding as unknowns,
-        binding as value, binding as wanted, binding as weight,
+        binding as at, binding as by_p, binding as by_q, binding as carry,
+        binding as constants, binding as cos_stage_q, binding as degrees,
+        binding as delta_p, binding as dw, binding as effort, binding as factor,
+        binding as given, binding as h, binding as half_h, binding as index,
+        binding as iterate, binding as lane, binding as memory, binding as next,
+        binding as node_p, binding as number, binding as omega, binding as omega_squared,
+        binding as p, binding as part, binding as prepared, binding as product,
+        binding as product2, binding as q, binding as sin_stage_q, binding as stage_q,
+        binding as t, binding as taken, binding as term, binding as total,
+        binding as unknowns, binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -4,6 +4,7 @@ use wzvi::ensemble::InstructionSet;
 use wzvi::nalgebra::SVector;
 use wzvi::noise::Interval;
 use wzvi::prelude::*;
+use wzvi::system::{Listed, Scheme, SchemeOf};
 
 use fixtures::bath::{Damped, Driven, Oscillator, Wall};
 use fixtures::lanes::{numbers, steps_in_part};
@@ -27,13 +28,12 @@ fn oscillator(path: u64) -> Oscillator {
 /// Every path is the one that a stepper takes of its system, to the last bit, whatever the width and the threads; how many steps are hard.
 fn check<E, H>(system: fn(u64) -> H, [q, p]: [f64; 2], goes_in_lanes: bool) -> u32
 where
-    H: Discretized<E, Vector = SVector<f64, 1>> + Clone + Send + Sync,
-    H::Prepared: Send + Sync,
+    H: Listed<E, Vector = SVector<f64, 1>> + Clone + Send + Sync,
 {
     let what = std::any::type_name::<(E, H)>();
     let list: Vec<H> = (0..PATHS).map(system).collect();
     let prepared: Vec<_> = list.iter().map(|system| system.prepare(self::H).expect("a step")).collect();
-    let beside = H::beside([&list[0], &list[1]], [&prepared[0], &prepared[1]]);
+    let beside = SchemeOf::<H, E>::beside([&list[0], &list[1]], [&prepared[0], &prepared[1]]);
     assert_eq!(beside.is_some(), goes_in_lanes, "{what}");
     let start = State::new([q], [p]);
     let run = || list[0].ensemble::<E>(self::H).systems_from(list.clone()).start(start).seed(9);

@@ -9,6 +9,7 @@
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
+use wzvi::system::{At, Listed, Scheme, SchemeOf};
 use wzvi_runtime::carry::Carry;
 
 use super::real::{Real, error_in_ulps, with_precision};
@@ -74,24 +75,16 @@ pub(crate) struct Errors {
 }
 
 /// The step of `case` by the generated code, against the equations solved from its own result.
-pub(crate) fn compare<E: Point, H: Discretized<E> + Terms>(
+pub(crate) fn compare<E: Point, H: Listed<E> + Terms>(
     system: &H,
     case: &Case,
 ) -> Result<Errors, StepFailure> {
     let prepared = system.prepare(case.h).map_err(|_| StepFailure::NonFinite)?;
     let (mut q, mut p) = (case.q.clone(), case.p.clone());
-    let mut carry = H::Compensated::<f64>::default();
+    let mut carry = <SchemeOf<H, E> as Scheme<H>>::Compensated::<f64>::default();
     let mut memory = Default::default();
-    system.advance_carrying::<f64, _, true>(
-        &prepared,
-        0.0,
-        case.h,
-        &mut q,
-        &mut p,
-        &case.dw,
-        &mut memory,
-        &mut carry,
-    )?;
+    let at = At { t: 0.0, h: case.h, q: &mut q, p: &mut p, dw: &case.dw };
+    SchemeOf::<H, E>::advance::<f64, _, true>(system, &prepared, at, &mut memory, &mut carry)?;
     Ok(with_precision(BITS, || {
         let d = q.len();
         let computed: Vec<Real> = (0..d)

@@ -1,9 +1,10 @@
-//! `impl Discretized<E>` of schemes that are steps of others, or flows, one after the other.
+//! Schemes that are steps of others, or flows, one after the other.
 
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
+use super::listed::listed;
 use super::plan::Plan;
 use super::system::count;
 use crate::describe::Texts;
@@ -48,7 +49,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     for (embedding, text) in &texts.listed {
         let scheme = embedding.path(&quote!(__wzvi));
         if embedding.is_thermostat() {
-            generated.extend(thermostat(embedding, text).emit(item, &item.generics, &scheme));
+            generated.extend(listed(item, &item.generics, &scheme, &thermostat(embedding), text));
             continue;
         }
         // Inside of a thermostat, what the step is made of has the name that it has outside.
@@ -66,63 +67,46 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             [whole] => (whole != embedding).then(|| whole.path(&quote!(__wzvi))),
             _ => Some(own.path(&quote!(__wzvi))),
         };
+        let generics = &item.generics;
         if let Some(whole) = whole {
-            let composition = Composition {
-                sequence: sequence_of(&whole, &structure),
-                order: quote!(2),
-                text: quote!(#text),
-                substeps: quote!(__wzvi::compose::of_one::<#whole, #structure>()),
+            let steps = match embedding {
+                Embedding::Gauss(_) => quote!(<Self as __wzvi::Listed<#whole>>::Scheme),
+                _ => quote! {
+                    <#structure as __wzvi::compose::Structure<#whole>>::Steps<
+                        __wzvi::compose::One<#whole, #structure>
+                    >
+                },
             };
-            generated.extend(composition.emit(item, &item.generics, &scheme));
+            generated.extend(listed(item, generics, &scheme, &steps, text));
         }
         if embedding.is_symmetric() {
-            let composed = match (parted, flows) {
-                (Some(_), _) => Composed::ByTable(quote!(__wzvi::compose::Parted<#structure>)),
-                (None, Some(Flows { is_nystrom: true, .. })) => Composed::ByTable(structure),
-                _ => Composed::ByStructure(structure),
+            let structure = match parted {
+                Some(_) => quote!(__wzvi::compose::Parted<#structure>),
+                None => structure,
             };
-            generated.extend(composed_of(item, &scheme, &composed, text));
+            generated.extend(composed_of(item, &scheme, &structure, text));
         }
     }
     generated
 }
 
-/// What says how the parts of a composition are taken, with the structure of the system.
-enum Composed {
-    ByStructure(TokenStream),
-    /// The parts of the drift may take turns, or steps of the sum; kicks may be by the square of the force, too.
-    ByTable(TokenStream),
-}
-
-/// `impl<W> Discretized<Composed<E, W>>`
-fn composed_of(item: &ItemStruct, base: &TokenStream, composed: &Composed, text: &str) -> TokenStream {
+/// `impl<W> Listed<Composed<E, W>>`, for weights that compose `E` where a Hamiltonian has this structure.
+fn composed_of(item: &ItemStruct, base: &TokenStream, structure: &TokenStream, text: &str) -> TokenStream {
     let mut generics = item.generics.clone();
-    let (Composed::ByStructure(structure) | Composed::ByTable(structure)) = composed;
     let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
-    let sequence;
-    if let Composed::ByTable(_) = composed {
-        sequence = quote!(<__W as #weights>::Sequence);
-        let filter = generics.make_where_clause();
-        filter.predicates.push(syn::parse_quote!(#sequence: __wzvi::compose::Sequence<Self>));
-    } else {
-        sequence = sequence_of(base, structure);
-    }
+    let steps = quote!(<__W as #weights>::Steps);
+    generics.make_where_clause().predicates.push(syn::parse_quote!(#steps: __wzvi::Scheme<Self>));
     generics.params.push(syn::parse_quote!(__W: #weights));
     let length = count(text.len());
-    let composition = Composition {
-        sequence,
-        order: quote!(<__W as #weights>::ORDER),
-        text: quote!(
-            __wzvi::compose::Equations::<Self, #base, #structure, __W, { #length + __wzvi::compose::ROOM }>::ALL
-        ),
-        substeps: quote!(<__W as #weights>::substeps()),
-    };
-    composition.emit(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>))
+    let all = quote!(
+        __wzvi::compose::Equations::<Self, #base, #structure, __W, { #length + __wzvi::compose::ROOM }>::ALL
+    );
+    listed(item, &generics, &quote!(__wzvi::embedding::Composed<#base, __W>), &steps, &all)
 }
 
-/// A step with parts in which friction and noise of a bath act.
-fn thermostat(embedding: &Embedding, text: &str) -> Composition {
-    let sequence = match embedding {
+/// What takes steps with parts in which friction and noise of a bath act.
+fn thermostat(embedding: &Embedding) -> TokenStream {
+    match embedding {
         Embedding::Thermostat(inner) => {
             let inner = inner.path(&quote!(__wzvi));
             quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>)
@@ -130,37 +114,6 @@ fn thermostat(embedding: &Embedding, text: &str) -> Composition {
         word => {
             let word = word.path(&quote!(__wzvi));
             quote!(__wzvi::bath::Splitting<#word>)
-        }
-    };
-    let order = proc_macro2::Literal::u32_unsuffixed(embedding.order());
-    Composition { sequence, order: quote!(#order), text: quote!(#text), substeps: quote!([]) }
-}
-
-/// What steps of a scheme are made of for a structure.
-fn sequence_of(scheme: &TokenStream, structure: &TokenStream) -> TokenStream {
-    quote!(<#structure as __wzvi::compose::Structure<#scheme>>::Sequence)
-}
-
-/// A scheme whose steps are a sequence of parts.
-struct Composition {
-    sequence: TokenStream,
-    order: TokenStream,
-    text: TokenStream,
-    substeps: TokenStream,
-}
-
-impl Composition {
-    /// The implementation of `scheme`, whose parameters are `generics`.
-    fn emit(&self, item: &ItemStruct, generics: &syn::Generics, scheme: &TokenStream) -> TokenStream {
-        let Self { sequence, order, text, substeps } = self;
-        let name = &item.ident;
-        let (_, arguments, _) = item.generics.split_for_impl();
-        let (parameters, _, filter) = generics.split_for_impl();
-        quote! {
-            __wzvi::composition! {
-                [impl #parameters __wzvi::Discretized<#scheme> for #name #arguments #filter]
-                #scheme, #sequence, #order, #text, #substeps
-            }
         }
     }
 }

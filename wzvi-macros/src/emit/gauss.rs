@@ -1,4 +1,4 @@
-//! The slopes of the step Hamiltonian, once for all numbers of stages, and what reads them: `impl Discretized<Gauss<S>>`, and the
+//! The slopes of the step Hamiltonian, once for all numbers of stages, and what reads them: `Gauss<S>`, and the
 //! flows that `Verlet` and its compositions are made of.
 
 use std::collections::HashMap;
@@ -7,6 +7,7 @@ use proc_macro2::{Group, Ident, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 use super::compose;
+use super::listed::listed;
 use super::names::Names;
 use super::print::f64_type;
 use super::program::Level;
@@ -33,26 +34,26 @@ pub(super) fn emit(
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(system, facts);
+    // Its unknowns are those of one stage with one unknown for each degree of freedom.
+    let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
+    let midpoint = terms::plan(system, facts, &Embedding::Midpoint, strategy);
+    let constants = quote! {
+        const MIDPOINT: __wzvi::Plan = #midpoint;
+        const IS_NYSTROM: __wzvi::bool = #is_nystrom;
+    };
     let (mut generated, in_place) = match line {
-        Some(line) => (field(&system.item, (&mut system.graph, line), is_nystrom), TokenStream::new()),
-        None => (terms::field(system, is_nystrom), terms::in_place()),
+        Some(line) => {
+            (field(&system.item, (&mut system.graph, line), is_nystrom, &constants), TokenStream::new())
+        }
+        None => (terms::field(system, &constants), terms::in_place()),
     };
     if let Some(flows) = texts.flows {
         generated.extend(compose::flows(&system.item, flows, facts, &in_place));
     }
-    // Its unknowns are those of one stage with one unknown for each degree of freedom.
-    let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
-    let midpoint = terms::plan(system, facts, &Embedding::Midpoint, strategy);
-    let name = &system.item.ident;
-    let (generics, arguments, filter) = system.item.generics.split_for_impl();
     for (embedding, stages, text) in texts.staged() {
         let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
-        generated.extend(quote! {
-            __wzvi::gauss! {
-                [impl #generics __wzvi::Discretized<#scheme> for #name #arguments #filter]
-                #scheme, #stages, #midpoint, #text
-            }
-        });
+        let gauss = quote!(__wzvi::embedding::Gauss<#stages>);
+        generated.extend(listed(&system.item, &system.item.generics, &scheme, &gauss, text));
     }
     generated
 }
@@ -62,6 +63,7 @@ fn field(
     item: &syn::ItemStruct,
     (graph, line): (&mut Graph, &StraightLine),
     is_nystrom: bool,
+    constants: &TokenStream,
 ) -> TokenStream {
     let slopes = StepSlopes::new(graph, line, is_nystrom);
     let phase = &line.phase;
@@ -92,7 +94,7 @@ fn field(
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
-            const IS_NYSTROM: #bool = #is_nystrom;
+            #constants
             const IN_LANES: #bool = true;
             type Shape = __wzvi::gauss::Fixed<#degrees>;
             type Noises = __wzvi::gauss::Fixed<#noises>;

@@ -1,8 +1,8 @@
 //! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
 
 pub(crate) mod compose;
-pub(crate) mod discretized;
 mod gauss;
+mod listed;
 pub(crate) mod names;
 pub(crate) mod plan;
 mod print;

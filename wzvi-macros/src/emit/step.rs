@@ -1,9 +1,9 @@
 //! The step of one scheme as straight-line code.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 
-use super::discretized::{Beside, Discretized};
+use super::listed::{kept_energy, listed};
 use super::names::Names;
 use super::plan::Plan;
 use super::print::f64_type;
@@ -25,99 +25,6 @@ mod solve;
 use flow::Flow;
 use prepare::Prepared;
 use solve::Arguments;
-
-/// A step as code that reads no system but what is prepared of it.
-pub(crate) struct Kernel {
-    /// `__Prepared<__K>`, `__Memory<__S>` and the function `__solve`.
-    pub(crate) items: TokenStream,
-    /// The body of a method that makes a `__Prepared` of numbers of `self` and `__h`.
-    pub(crate) prepare: TokenStream,
-    affords_compensation: bool,
-    /// What `__solve` reads of `__t`, `__h`, `__dw` and `__memory`.
-    reads: [bool; 4],
-}
-
-impl Kernel {
-    pub(crate) fn new(graph: &mut Graph, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> Self {
-        let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
-        let noises = scheme.lagrangian.symbols.dw.len();
-        let Letters { q, p, mut names, .. } = Letters::of_state(graph, line, Names::default());
-        let arguments = Arguments { q, p, dw: increment_names(&mut names, noises) };
-        let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
-        let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);
-        let sizes = flow.newton_sizes();
-        let reads =
-            [mentions(&statements, "__t"), mentions(&statements, "__h"), noises > 0, !sizes.is_empty()];
-        let Arguments { q, p, dw } = arguments;
-        let (degrees, noises) = (count(q.len()), count(noises));
-        let parameters = chosen(
-            reads,
-            [
-                quote!(__t: __wzvi::f64),
-                quote!(__h: __wzvi::f64),
-                quote!(__dw: [__S; #noises]),
-                quote!(__memory: &mut __Memory<__S>),
-            ],
-        );
-        let [t, h, dw_list, memory] = parameters;
-        let state = match dw.is_empty() {
-            true => quote!(let ([#(#q),*], [#(#p),*]) = (__q, __p);),
-            false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__q, __p, __dw);),
-        };
-        let (open, prepared_type, memory_type) =
-            (prepared.open(), prepared.ty(), memory::memory_type(&sizes));
-        let items = quote! {
-            type __Prepared<__K> = #prepared_type;
-            type __Memory<__S> = #memory_type;
-
-            #functions
-
-            #[inline(always)]
-            fn __solve<
-                __S: __wzvi::Over<__K>,
-                __K: __wzvi::Constant,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::bool,
-            >(
-                __prepared: &__Prepared<__K>,
-                #t
-                #h
-                __q: [__S; #degrees],
-                __p: [__S; #degrees],
-                #dw_list
-                #memory
-                __carry: &__C,
-                __next: &mut __wzvi::Solution<__S, #degrees>,
-            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
-                #state
-                #open
-                #statements
-            }
-        };
-        Self { items, prepare: prepared.body, affords_compensation: flow.affords_compensation(), reads }
-    }
-
-    /// Whether there is something to iterate on.
-    fn is_iterated(&self) -> bool {
-        self.reads[3]
-    }
-
-    /// A call of `__solve` with arguments of these values, generic parameters first: those of numbers, constants, carry and care.
-    pub(crate) fn call(
-        &self,
-        [number, constant, carried, careful]: [&TokenStream; 4],
-        [prepared, t, h, q, p, dw, memory, carry]: [TokenStream; 8],
-    ) -> TokenStream {
-        let [t, h, dw, memory] = chosen(self.reads, [t, h, dw, memory]);
-        quote!(__solve::<#number, #constant, #carried, #careful>(#prepared, #t #h #q, #p, #dw #memory #carry, &mut __next))
-    }
-}
-
-/// The arguments that are read, each with a comma.
-fn chosen(reads: [bool; 4], arguments: [TokenStream; 4]) -> [Option<TokenStream>; 4] {
-    let mut reads = reads.into_iter();
-    arguments.map(|argument| reads.next().is_some_and(|is_read| is_read).then(|| quote!(#argument,)))
-}
 
 /// Whether `name` occurs.
 pub(crate) fn mentions(tokens: &TokenStream, name: &str) -> bool {
@@ -144,79 +51,84 @@ pub(crate) fn emit(
     scheme: &Scheme,
     text: &str,
 ) -> TokenStream {
-    let plan = plan(facts, scheme);
-    let kernel = Kernel::new(graph, line, facts, scheme);
-    let advance = advance(&kernel, scheme, [&quote!(__S), &f64_type(), &quote!(__C), &quote!(__CAREFUL)]);
-    let beside = Beside {
-        ty: quote!(__Prepared<__wzvi::Lanes<__L>>),
-        make: quote!(__wzvi::Some(__wzvi::Beside::beside(__prepared))),
-        advance: advance_beside(&kernel, scheme),
+    let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
+    let noises = scheme.lagrangian.symbols.dw.len();
+    let Letters { q, p, mut names, .. } = Letters::of_state(graph, line, Names::default());
+    let arguments = Arguments { q, p, dw: increment_names(&mut names, noises) };
+    let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
+    let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);
+    let Arguments { q, p, dw } = arguments;
+    let state = match dw.is_empty() {
+        true => quote!(let ([#(#q),*], [#(#p),*]) = (__q, __p);),
+        false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__q, __p, __dw);),
     };
-    let d = count(scheme.lagrangian.symbols.u.len());
-    let carry =
-        if kernel.affords_compensation { quote!(Self::Compensated<__S>) } else { quote!(__wzvi::Plain) };
-    let Kernel { items, prepare, .. } = kernel;
+    let (open, prepared_type) = (prepared.open(), prepared.ty());
+    let (prepare, memory) = (&prepared.body, memory::memory_type(&flow.newton_sizes()));
+    let (d, n) = (count(q.len()), count(noises));
+    let carry = match flow.affords_compensation() {
+        true => quote!(__wzvi::Compensation<__S, #d>),
+        false => quote!(__wzvi::Plain),
+    };
     // Of what is solved in loops only the momentum between two ends, if that.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
-    let data = terms::scheme(facts, &scheme.embedding, strategy, false);
-    Discretized {
-        item,
-        embedding: &scheme.embedding,
-        text,
-        items: quote!(#data #items),
-        constants: TokenStream::new(),
-        plan,
-        prepared: quote!(__Prepared<__wzvi::f64>),
-        beside: Some(beside),
-        memory: quote!(__Memory<__S>),
-        compensated: quote!(__wzvi::Compensation<__S, #d>),
-        carry,
-        new_memory: None,
-        prepare,
-        inline: quote!(#[inline(always)]),
-        advance,
-        advance_vectors: None,
-    }
-    .emit()
-}
+    let quadrature = terms::quadrature(facts, &scheme.embedding, strategy, false);
+    let (plan, kept) = (plan(facts, scheme), kept_energy(&scheme.embedding));
+    let (name, f64, usize) = (&item.ident, f64_type(), quote!(__wzvi::usize));
+    let (generics, arguments, filter) = item.generics.split_for_impl();
+    let embedding = scheme.embedding.path(&quote!(__wzvi));
+    let step = quote! {
+        #functions
 
-/// The body of `advance_carrying`, or one with other generic parameters of `__solve`.
-fn advance(kernel: &Kernel, scheme: &Scheme, generics: [&TokenStream; 4]) -> TokenStream {
-    let increments = match scheme.lagrangian.symbols.dw.len() {
-        0 => quote!(__wzvi::increments::<_, 0>(__dw)?;),
-        _ => quote!(let __dw = __wzvi::increments(__dw)?;),
-    };
-    let [prepared, t, h, dw, memory, carry] = ["prepared", "t", "h", "dw", "memory", "carry"].map(|name| {
-        let name = format_ident!("__{name}");
-        quote!(#name)
-    });
-    let solve = kernel.call(generics, [prepared, t, h, quote!(*__q), quote!(*__p), dw, memory, carry]);
-    let store = match kernel.is_iterated() {
-        true => quote! {
-            let __solved = #solve;
-            __next.arrive(__solved, __q, __p, __carry)
-        },
-        false => quote! {
-            #solve?;
-            __wzvi::Ok(__next.store(__q, __p, __carry))
-        },
-    };
-    quote! {
-        let (__q, __p) = (__wzvi::array_mut(__q)?, __wzvi::array_mut(__p)?);
-        #increments
-        let mut __next = __wzvi::Solution::nowhere();
-        #store
-    }
-}
+        #[automatically_derived]
+        impl #generics __wzvi::StraightLine<#embedding, #d, #n> for #name #arguments #filter {
+            const PLAN: __wzvi::Plan = #plan;
+            const QUADRATURE: __wzvi::elements::Scheme = #quadrature;
+            #kept
+            type Prepared<__K: __wzvi::Constant> = #prepared_type;
+            type Memory<__S: __wzvi::Scalar> = #memory;
+            type Carry<__S: __wzvi::Scalar> = #carry;
 
-/// The body of `advance_beside`.
-fn advance_beside(kernel: &Kernel, scheme: &Scheme) -> TokenStream {
-    let lanes = quote!(__wzvi::Lanes<__L>);
-    let advance = advance(kernel, scheme, [&lanes, &lanes, &quote!(__wzvi::Plain), &quote!(false)]);
-    quote! {
-        let (__prepared, __carry) = (__beside, &mut __wzvi::Plain);
-        #advance
-    }
+            fn prepare(&self, __h: #f64) -> __wzvi::Result<Self::Prepared<#f64>, __wzvi::ConfigError> {
+                #prepare
+            }
+
+            fn gather<const __L: #usize>(
+                __prepared: [&Self::Prepared<#f64>; __L],
+            ) -> Self::Prepared<__wzvi::Lanes<__L>> {
+                __wzvi::Beside::beside(__prepared)
+            }
+
+            #[inline(always)]
+            fn solve<
+                __S: __wzvi::Over<__K>,
+                __K: __wzvi::Constant,
+                __C: __wzvi::Carry<__S>,
+                const __CAREFUL: __wzvi::bool,
+            >(
+                __prepared: &Self::Prepared<__K>,
+                __t: #f64,
+                __h: #f64,
+                __q: [__S; #d],
+                __p: [__S; #d],
+                __dw: [__S; #n],
+                __memory: &mut Self::Memory<__S>,
+                __carry: &__C,
+                __next: &mut __wzvi::Solution<__S, #d>,
+            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
+                #state
+                #open
+                #statements
+            }
+        }
+    };
+    // Equations have names of their own in each scheme.
+    let step = match functions.is_empty() {
+        true => step,
+        false => quote!(const _: () = { #step };),
+    };
+    let straight = quote!(__wzvi::Straight<#embedding, #d, #n>);
+    let listed = listed(item, &item.generics, &embedding, &straight, &text);
+    quote!(#step #listed)
 }
 
 /// `PLAN` of a step that is solved block by block.

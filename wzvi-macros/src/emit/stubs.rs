@@ -60,7 +60,6 @@ impl Stubs {
         let (parameters, system) = self.system.as_ref()?;
         let wzvi = self.crate_path.as_ref()?;
         let hamiltonian = self.hamiltonian(wzvi);
-        let discretized = discretized(wzvi);
         let (with_scheme, schemes): (Vec<_>, Vec<_>) = self.schemes.iter().cloned().unzip();
         Some(quote! {
             const _: () = {
@@ -70,7 +69,10 @@ impl Stubs {
                 impl #parameters #wzvi::modified::Conservative for #system {}
                 #(
                     #[allow(warnings)]
-                    impl #with_scheme #wzvi::system::Discretized<#schemes> for #system { #discretized }
+                    impl #with_scheme #wzvi::system::Listed<#schemes> for #system {
+                        type Scheme = #wzvi::__private::checks::NoSteps;
+                        const TEXT: &'static ::core::primitive::str = "";
+                    }
                 )*
             };
         })
@@ -99,46 +101,6 @@ impl Stubs {
             fn energy_rate(
                 &self, _: ::core::primitive::usize, _: &#wzvi::state::State<Self::Vector>,
             ) -> ::core::primitive::f64 { ::core::unimplemented!() }
-        }
-    }
-}
-
-/// The items of `Discretized`, the same for every scheme.
-fn discretized(wzvi: &Path) -> TokenStream {
-    let vector = quote! { <Self as #wzvi::system::Hamiltonian>::Vector };
-    let segment = quote! { #wzvi::system::Segment<#vector> };
-    let state = quote! { #wzvi::state::State<#vector> };
-    let real = quote! { ::core::primitive::f64 };
-    quote! {
-        const PLAN: #wzvi::plan::Plan = #wzvi::plan::Plan {
-            solver: #wzvi::plan::Solver::Explicit,
-            unknowns: 0,
-            order: 1,
-            noise: #wzvi::plan::NoiseClass::None,
-            consistent: false,
-            conserves_energy: #wzvi::plan::Knowledge::Unknown,
-            commuting: #wzvi::plan::Knowledge::Unknown,
-        };
-        const EQUATIONS: &'static ::core::primitive::str = "";
-        type Prepared = ();
-        type Memory<S: #wzvi::scalar::Scalar> = ();
-        type Compensated<S: #wzvi::scalar::Scalar> = #wzvi::__private::Plain;
-        type Carry<S: #wzvi::scalar::Scalar> = #wzvi::__private::Plain;
-        fn prepare(&self, _: #real) -> ::core::result::Result<(), #wzvi::error::ConfigError> {
-            ::core::unimplemented!()
-        }
-        fn advance_carrying<
-            S: #wzvi::scalar::Scalar, C: #wzvi::__private::Carry<S>, const CAREFUL: ::core::primitive::bool,
-        >(
-            &self, _: &(), _: #real, _: #real, _: &mut [S], _: &mut [S], _: &[S], _: &mut (), _: &mut C,
-        ) -> ::core::result::Result<#wzvi::__private::Effort, #wzvi::error::StepFailure> { ::core::unimplemented!() }
-        #wzvi::__private::apart!(Self);
-        fn discrete_lagrangian(&self, _: &#segment, _: &[#real]) -> #real { ::core::unimplemented!() }
-        fn discrete_lagrangian_gradient(
-            &self, _: &#segment, _: &[#real],
-        ) -> #wzvi::system::LagrangianGradient<#vector> { ::core::unimplemented!() }
-        fn step_momentum(&self, _: &#state, _: &#state, _: #real, _: &[#real]) -> #vector {
-            ::core::unimplemented!()
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Kicks and drifts are the flows of [`compose::flows`](crate::compose), with the increments of the noises; the force at the end of a step is that at the
 //! start of the next.
 //!
-//! Generated, for a system with [`Flows`] and [`Damped`]: `composition! { [impl Discretized<Baoab> for System] Baoab, Splitting<Baoab>, 2, "text", [] }`.
+//! For a system with [`Flows`] and [`Damped`].
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -16,10 +16,10 @@ use super::relaxation::is_list;
 use super::windowed::WithBath;
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
-use crate::compose::flows::{Flows, FlowsBeside, FlowsOf, KickDrift, Slopes};
-use crate::compose::sequence::{Followed, Half, Sequence, Substep};
+use crate::compose::flows::{Flows, FlowsBeside, FlowsOf, Slopes};
 use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
-use crate::compose::windowed::{self, Givens, takes_windows};
+use crate::compose::substeps::{Half, Substep, plan};
+use crate::compose::windowed::{self, Givens, least_alone, takes_windows};
 use crate::elements::Taken;
 use crate::error::{BathError, ConfigError, StepFailure};
 use crate::gauss::{Field, Shape};
@@ -30,7 +30,7 @@ use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::{Exchange, Segment};
+use crate::system::{At, Exchange, Properties, Scheme};
 
 /// A word of kicks, drifts and O parts.
 pub trait Letters: Debug {
@@ -124,21 +124,22 @@ impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
     }
 }
 
-impl<F, W> Sequence<F> for Splitting<W>
+impl<F, W> Scheme<F> for Splitting<W>
 where
     F: Flows + Damped,
     W: Letters,
 {
-    const PLAN: Plan = with_bath(<F as Flows>::PLAN);
-    const REMEMBERS: bool = false;
-    const IN_LANES: bool = true;
-    // Windows are for lists of rates and masses.
-    const FILLS_REGISTERS_FROM: usize = match is_list::<F>() && !F::PER_STATE {
-        true => <KickDrift as Sequence<F>>::FILLS_REGISTERS_FROM,
-        false => usize::MAX,
+    const PLAN: Plan = plan(with_bath(<F as Flows>::PLAN), 2);
+    const PROPERTIES: Properties = Properties {
+        // Windows are for lists of rates and masses.
+        fills_registers_from: match is_list::<F>() && !F::PER_STATE {
+            true => least_alone::<F>(),
+            false => usize::MAX,
+        },
+        exchanges: true,
+        is_variational: false,
+        ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
-    const IS_VARIATIONAL: bool = false;
-    const EXCHANGES: bool = true;
     type Prepared = Prepared;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
@@ -152,11 +153,11 @@ where
         Exchange { work: 0.0, heat: memory.bath.heat }
     }
 
-    fn memory(system: &F, _: &[Substep]) -> Self::Memory<f64> {
+    fn memory(system: &F) -> Self::Memory<f64> {
         Memory { flows: stages::Memory::of_system(system), bath: part::Memory::of_system(system) }
     }
 
-    fn prepare(system: &F, h: f64, _: &[Substep]) -> Result<Self::Prepared, ConfigError> {
+    fn prepare(system: &F, h: f64) -> Result<Self::Prepared, ConfigError> {
         stages::check(system)?;
         let relaxation = part::prepare(system, h, shares::<W>())?;
         let substeps: Vec<Substep> = W::FLOWS.iter().map(|&(half, weight, _)| (half, weight)).collect();
@@ -170,11 +171,7 @@ where
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { t, h, q, p, dw }: At<'_, S>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -209,10 +206,8 @@ where
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut F::Vector,
-        p: &mut F::Vector,
+        [t, h]: [f64; 2],
+        [q, p]: [&mut F::Vector; 2],
         dw: &[f64],
         memory: &mut Self::Memory<f64>,
         carry: &mut C,
@@ -230,8 +225,8 @@ where
                 return Ok(Effort::fast(0));
             }
         }
-        let (q, p) = (q.components_mut(), p.components_mut());
-        Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
+        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        Self::advance::<f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
 
     type Beside<const L: usize> = Beside<F, L>;
@@ -250,11 +245,7 @@ where
     #[inline(always)]
     fn advance_beside<const L: usize>(
         beside: &Beside<F, L>,
-        t: f64,
-        h: f64,
-        q: &mut [Lanes<L>],
-        p: &mut [Lanes<L>],
-        dw: &[Lanes<L>],
+        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
         memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure> {
         let Beside { flows: system, baths } = beside;
@@ -262,10 +253,6 @@ where
         let flows = FlowsOf { system, t, h, count: list.len() };
         let mut word = Word::<_, _, _, W>::new(flows, parts);
         stages::advance(system, &mut word, list, q, p, dw, &mut memory.flows, &mut Plain)
-    }
-
-    fn follow(_: &F, _: &Segment<F::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<F::Vector>> {
-        None
     }
 }
 

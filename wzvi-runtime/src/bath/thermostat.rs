@@ -1,7 +1,6 @@
 //! O parts around the steps of any scheme: [`Thermostat`](super::Thermostat).
 //!
-//! Generated, for a system with [`Damped`] and `Discretized<I>`, where `I` steps its Hamiltonians and forces without friction:
-//! `composition! { [impl Discretized<Thermostat<E>> for System] Thermostat<E>, Around<I>, 1, "text", [] }`. It is of the order that `I` has, but not above 2.
+//! It is of the order that `E` has, but not above 2.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -13,7 +12,6 @@ use super::relaxation::is_list;
 use super::{Damped, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
 use crate::compose::kept;
-use crate::compose::sequence::{Followed, Sequence, Substep};
 use crate::elements::are_finite;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::lanes::Lanes;
@@ -22,7 +20,7 @@ use crate::numbers::{Numbers, Tape};
 use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
-use crate::system::{Discretized, Exchange, Segment};
+use crate::system::{At, Exchange, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
 
 /// O parts in front of and behind a step.
 const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
@@ -104,33 +102,36 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
     }
 }
 
-impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
-    const PLAN: Plan = with_bath(<T as Discretized<E>>::PLAN);
-    const REMEMBERS: bool = <T as Discretized<E>>::REMEMBERS;
-    const IN_LANES: bool = <T as Discretized<E>>::IN_LANES;
-    // As far as the plan of `E` says.
-    const IS_SYMMETRIC: bool = false;
-    const IS_VARIATIONAL: bool = false;
-    const EXCHANGES: bool = true;
-    type Prepared = Prepared<<T as Discretized<E>>::Prepared>;
-    type Memory<S: Scalar> = Memory<S, <T as Discretized<E>>::Memory<S>>;
-    type Compensated<S: Scalar> = <T as Discretized<E>>::Compensated<S>;
-    type Carry<S: Scalar> = <T as Discretized<E>>::Carry<S>;
+/// As far as the plan of `E` says.
+impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
+    const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
+    const PROPERTIES: Properties = Properties {
+        remembers: <T as Listed<E>>::PROPERTIES.remembers,
+        in_lanes: <T as Listed<E>>::PROPERTIES.in_lanes,
+        exchanges: true,
+        is_variational: false,
+        ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)
+    };
+    type Prepared = Prepared<PreparedOf<T, E>>;
+    type Memory<S: Scalar> = Memory<S, MemoryOf<T, E, S>>;
+    type Compensated<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Compensated<S>;
+    type Carry<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Carry<S>;
+    type Beside<const L: usize> = Beside<<SchemeOf<T, E> as Scheme<T>>::Beside<L>, L>;
 
     fn increments(system: &T, degrees: usize) -> usize {
-        Discretized::<E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
+        SchemeOf::<T, E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
     }
 
     fn exchanged(system: &T, memory: &Self::Memory<f64>) -> Exchange {
         let mut exchange = Exchange { work: 0.0, heat: memory.bath.heat };
         if let Some(step) = memory.kept.first.first() {
-            exchange += Discretized::<E>::exchanged(system, step);
+            exchange += SchemeOf::<T, E>::exchanged(system, step);
         }
         exchange
     }
 
-    fn memory(system: &T, _: &[Substep]) -> Self::Memory<f64> {
-        let (step, degrees) = (Discretized::<E>::memory(system), system.degrees());
+    fn memory(system: &T) -> Self::Memory<f64> {
+        let (step, degrees) = (SchemeOf::<T, E>::memory(system), system.degrees());
         Memory {
             kept: kept::Memory::of(vec![step], Vec::new()).with_room(degrees, system.noises()),
             lost: std::array::from_fn(|_| Vec::with_capacity(degrees)),
@@ -138,20 +139,16 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
         }
     }
 
-    fn prepare(system: &T, h: f64, _: &[Substep]) -> Result<Self::Prepared, ConfigError> {
+    fn prepare(system: &T, h: f64) -> Result<Self::Prepared, ConfigError> {
         let relaxation = part::prepare(system, h, SHARES)?;
-        Ok(Prepared { step: Discretized::<E>::prepare(system, h)?, relaxation })
+        Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, h)?, relaxation })
     }
 
     #[inline(always)]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &T,
         prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { t, h, q, p, dw }: At<'_, S>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -163,40 +160,32 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
             return Err(StepFailure::Dimension { expected: degrees, got });
         }
         let Memory { kept, lost, bath } = memory;
-        let noises = Discretized::<E>::increments(system, degrees);
+        let noises = SchemeOf::<T, E>::increments(system, degrees);
         let size = (h, SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
         let (effort, heat) = between(&mut parts, [q, p], (kept, lost), carry, |[q, p], memory, carry| {
-            let (prepared, dw) = (&prepared.step, &dw[..noises]);
-            Discretized::<E>::advance_carrying::<S, C, CAREFUL>(
-                system, prepared, t, h, q, p, dw, memory, carry,
-            )
+            let at = At { t, h, q, p, dw: &dw[..noises] };
+            SchemeOf::<T, E>::advance::<S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
         })?;
         bath.heat = heat;
         Ok(effort)
     }
-
-    type Beside<const L: usize> = Beside<<T as Discretized<E>>::Beside<L>, L>;
 
     fn beside<const L: usize>(systems: [&T; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
         if !is_list::<T>() || T::PER_STATE {
             return None;
         }
         let relaxations = prepared.map(|prepared| &prepared.relaxation);
-        let noises = |system: &T| Discretized::<E>::increments(system, system.degrees());
+        let noises = |system: &T| SchemeOf::<T, E>::increments(system, system.degrees());
         let baths = Baths::new(systems, relaxations, noises)?;
-        let step = Discretized::<E>::beside(systems, prepared.map(|prepared| &prepared.step))?;
+        let step = SchemeOf::<T, E>::beside(systems, prepared.map(|prepared| &prepared.step))?;
         Some(Beside { step, baths })
     }
 
     #[inline(always)]
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
-        t: f64,
-        h: f64,
-        q: &mut [Lanes<L>],
-        p: &mut [Lanes<L>],
-        dw: &[Lanes<L>],
+        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
         memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure> {
         let (expected, got) = (q.len(), p.len());
@@ -206,13 +195,9 @@ impl<T: Damped + Discretized<E>, E> Sequence<T> for Around<E> {
         let (dw, mut parts) = beside.baths.parts(SHARES.parts, dw)?;
         let Memory { kept, lost, .. } = memory;
         let taken = between(&mut parts, [q, p], (kept, lost), &mut Plain, |[q, p], memory, _| {
-            <T as Discretized<E>>::advance_beside(&beside.step, t, h, q, p, dw, memory)
+            SchemeOf::<T, E>::advance_beside(&beside.step, At { t, h, q, p, dw }, memory)
         })?;
         Ok(taken.0)
-    }
-
-    fn follow(_: &T, _: &Segment<T::Vector>, _: &[f64], _: &[Substep]) -> Option<Followed<T::Vector>> {
-        None
     }
 }
 

@@ -12,9 +12,12 @@
 //! What a flow reads of the system is [`Field::slopes`]. Another kind of part (a kick by a modified potential, say) is a variant
 //! of [`Half`], an arm of `take` and a method of [`Flows`].
 
-use super::sequence::{Followed, Half, Sequence, Substep};
+use std::marker::PhantomData;
+
+use super::lagrangian::{self, Followed};
 use super::stages::{Fits, Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
-use super::windowed::{Givens, LEAST_ALONE, takes_windows};
+use super::substeps::{Half, Substeps, kept_energy, plan};
+use super::windowed::{Givens, least_alone, takes_windows};
 use crate::carry::{Carry, Plain};
 use crate::elements::{Taken, WindowPlan, Word, nothing};
 use crate::error::{ConfigError, StepFailure};
@@ -24,7 +27,7 @@ use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::{Hamiltonian, Segment};
+use crate::system::{At, Hamiltonian, Properties, Scheme, Segment};
 
 /// A system with `F = T(p) + V(q, t)`; generated.
 pub trait Flows: Field {
@@ -187,38 +190,35 @@ impl<F: Field, const L: usize> Fits for FlowsBeside<F, L> {
     }
 }
 
-/// Drifts and kicks in turn.
+/// The drifts and kicks `W` in turn.
 #[derive(Clone, Copy, Debug)]
-pub struct KickDrift;
+pub struct KickDrift<W>(PhantomData<W>);
 
-impl<F: Flows> Sequence<F> for KickDrift {
-    const PLAN: Plan = F::PLAN;
-    const KEPT_ENERGY: KeptEnergy = KeptEnergy::KickDriftKick;
-    const REMEMBERS: bool = false;
-    const IN_LANES: bool = true;
-    const FILLS_REGISTERS_FROM: usize = if F::HAS_WINDOWS { LEAST_ALONE } else { usize::MAX };
+impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
+    const PLAN: Plan = plan(F::PLAN, W::ORDER);
+    const PROPERTIES: Properties = Properties {
+        kept_energy: kept_energy(KeptEnergy::KickDriftKick, W::ORDER),
+        fills_registers_from: least_alone::<F>(),
+        ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
+    };
     type Prepared = Stages;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
 
-    fn memory(system: &F, _: &[Substep]) -> Self::Memory<f64> {
+    fn memory(system: &F) -> Self::Memory<f64> {
         Memory::of_system(system)
     }
 
-    fn prepare(system: &F, _: f64, substeps: &[Substep]) -> Result<Stages, ConfigError> {
-        check(system).map(|()| Stages::of(substeps))
+    fn prepare(system: &F, _: f64) -> Result<Stages, ConfigError> {
+        check(system).map(|()| Stages::of(&W::list()))
     }
 
     #[inline(always)]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Stages,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { t, h, q, p, dw }: At<'_, S>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -244,11 +244,7 @@ impl<F: Flows> Sequence<F> for KickDrift {
     #[inline(always)]
     fn advance_beside<const L: usize>(
         beside: &FlowsBeside<F, L>,
-        t: f64,
-        h: f64,
-        q: &mut [Lanes<L>],
-        p: &mut [Lanes<L>],
-        dw: &[Lanes<L>],
+        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
         memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure> {
         let Stages(stages) = &beside.stages;
@@ -260,10 +256,8 @@ impl<F: Flows> Sequence<F> for KickDrift {
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &F,
         prepared: &Stages,
-        t: f64,
-        h: f64,
-        q: &mut F::Vector,
-        p: &mut F::Vector,
+        [t, h]: [f64; 2],
+        [q, p]: [&mut F::Vector; 2],
         dw: &[f64],
         memory: &mut Self::Memory<f64>,
         carry: &mut C,
@@ -274,19 +268,16 @@ impl<F: Flows> Sequence<F> for KickDrift {
             taken.exchange(q, p);
             return Ok(Effort::fast(0));
         }
-        let (q, p) = (q.components_mut(), p.components_mut());
-        Self::advance::<f64, C, CAREFUL>(system, prepared, t, h, q, p, dw, memory, carry)
+        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        Self::advance::<f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
 
-    fn follow(
-        system: &F,
-        segment: &Segment<F::Vector>,
-        dw: &[f64],
-        substeps: &[Substep],
-    ) -> Option<Followed<F::Vector>> {
-        let Stages(stages) = Stages::of(substeps);
+    fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
+        let Stages(stages) = Stages::of(&W::list());
         let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.len() };
-        flows.follow(&mut flows.clone(), &stages, segment, dw, |_, _, _| 0.0)
+        lagrangian::value(segment, dw, Hamiltonian::noises(system), || {
+            flows.follow(&mut flows.clone(), &stages, segment, dw, |_, _, _| 0.0)
+        })
     }
 }
 

@@ -14,9 +14,10 @@
 use std::marker::PhantomData;
 
 use super::Partitioned;
-use super::flows::{Flows, FlowsOf, KickDrift};
-use super::sequence::{Followed, Sequence, Substep};
-use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance};
+use super::flows::{Flows, FlowsOf};
+use super::lagrangian;
+use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check};
+use super::substeps::{Substeps, plan};
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::Shape;
@@ -24,7 +25,7 @@ use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::{Dual, Scalar};
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::Segment;
+use crate::system::{At, Hamiltonian, Properties, Scheme, Segment};
 
 /// Tables whose kicks are by `b V - c |V'|²`, with the square of the force in the metric of the inverse masses.
 pub trait GradientTable: Partitioned {
@@ -34,67 +35,57 @@ pub trait GradientTable: Partitioned {
     const NOTE: &'static str;
 }
 
-/// Drifts and kicks in turn, by the table `W`.
+/// The drifts and kicks `W` in turn, by the table `T`.
 #[derive(Clone, Copy, Debug)]
-pub struct GradientKicks<W>(PhantomData<W>);
+pub struct GradientKicks<W, T>(PhantomData<(W, T)>);
 
-impl<F: Flows, W: GradientTable> Sequence<F> for GradientKicks<W> {
-    const PLAN: Plan = F::PLAN;
-    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Nearly;
-    const REMEMBERS: bool = <KickDrift as Sequence<F>>::REMEMBERS;
-    const IN_LANES: bool = <KickDrift as Sequence<F>>::IN_LANES;
+impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> {
+    const PLAN: Plan = plan(F::PLAN, W::ORDER);
+    const PROPERTIES: Properties =
+        Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared = Stages;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
 
-    fn memory(system: &F, substeps: &[Substep]) -> Self::Memory<f64> {
-        let mut memory = <KickDrift as Sequence<F>>::memory(system, substeps);
+    fn memory(system: &F) -> Self::Memory<f64> {
+        let mut memory = Memory::of_system(system);
         memory.directional.fit(system.degrees(), system.noises());
         memory
     }
 
-    fn prepare(system: &F, h: f64, substeps: &[Substep]) -> Result<Stages, ConfigError> {
+    fn prepare(system: &F, _: f64) -> Result<Stages, ConfigError> {
         const {
             assert!(
-                W::GRADIENT.len() == W::SEQUENCE.len(),
+                T::GRADIENT.len() == T::SEQUENCE.len(),
                 "a table with gradients has one for each drift and kick"
             );
         }
-        <KickDrift as Sequence<F>>::prepare(system, h, substeps)
+        check(system).map(|()| Stages::of(&W::list()))
     }
 
     #[inline(always)]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Stages,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { t, h, q, p, dw }: At<'_, S>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &mut Kicks::of::<W>(flows), &prepared.0, q, p, dw, memory, carry)
+        advance(system, &mut Kicks::of::<T>(flows), &prepared.0, q, p, dw, memory, carry)
     }
 
     crate::__apart!(F);
 
     /// A kick has the discrete Lagrangian `-b V(q) + c |V'(q)|²`.
-    fn follow(
-        system: &F,
-        segment: &Segment<F::Vector>,
-        dw: &[f64],
-        substeps: &[Substep],
-    ) -> Option<Followed<F::Vector>> {
-        let stages = Stages::of(substeps);
+    fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
+        let stages = Stages::of(&W::list());
         let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.0.len() };
-        let kicks = Kicks::of::<W>(flows);
+        let kicks = Kicks::of::<T>(flows);
         let degrees = segment.q0.components().len();
-        let mut taken = Kicks::of::<W>(kicks.flows.clone());
-        kicks.flows.follow(&mut taken, &stages.0, segment, dw, |index, stage, q| {
+        let mut taken = Kicks::of::<T>(kicks.flows.clone());
+        let along_kick = |index: usize, stage: &Stage, q: &[f64]| {
             let gradient = kicks.gradient(index);
             if gradient == 0.0 {
                 return 0.0;
@@ -106,6 +97,9 @@ impl<F: Flows, W: GradientTable> Sequence<F> for GradientKicks<W> {
             let kick = Kick { flows: &kicks.flows, stage, q, dw: &dw };
             let square = kick.differentiate(&mut directional, &mut force, &mut change);
             gradient / stage.share().powi(3) * square
+        };
+        lagrangian::value(segment, dw, Hamiltonian::noises(system), || {
+            kicks.flows.follow(&mut taken, &stages.0, segment, dw, along_kick)
         })
     }
 }
@@ -118,8 +112,8 @@ struct Kicks<'a, F> {
 
 impl<'a, F: Flows> Kicks<'a, F> {
     #[inline(always)]
-    fn of<W: GradientTable>(flows: FlowsOf<'a, F>) -> Self {
-        Self { flows, gradient: W::GRADIENT }
+    fn of<T: GradientTable>(flows: FlowsOf<'a, F>) -> Self {
+        Self { flows, gradient: T::GRADIENT }
     }
 
     #[inline(always)]

@@ -1,104 +1,28 @@
 //! The discrete Lagrangian of a step that is made of others.
-//!
-//! The parts lead from `(q_i, P)` to `(Q, R)`, which are functions of `q_i` and `P`, and the sum `A` of their discrete Lagrangians
-//! has `dA = R · dQ - P · dq_i`. Therefore
-//!
-//! ```text
-//! L_d(q_i, q_{i+1}, P) = A(q_i, P) + R(q_i, P) · (q_{i+1} - Q(q_i, P))
-//! D_1 L_d = -P + (∂R/∂q_i)ᵀ (q_{i+1} - Q),   D_2 L_d = R,   ∂L_d/∂P = (∂R/∂P)ᵀ (q_{i+1} - Q)
-//! ```
-//!
-//! whose discrete Euler-Lagrange equations say that `q_{i+1} = Q` and that the momenta of a node agree: `P = p_i` is the
-//! momentum with which the step starts.
 
-use super::sequence::{Followed, Sequence, Substep};
-use crate::scalar::{Dual, Scalar};
 use crate::state::Vector;
-use crate::system::{Discretized, Hamiltonian, LagrangianGradient, Segment};
+use crate::system::Segment;
 
-/// `L_d`; NaN where a part of the step has no solution.
-pub fn value<H: Hamiltonian, T: Sequence<H>>(
-    system: &H,
-    segment: &Segment<H::Vector>,
+/// The end of a sequence of parts: `Q`, `R`, and the sum `A` of their discrete Lagrangians.
+#[derive(Clone, Debug)]
+pub(crate) struct Followed<V> {
+    pub(crate) q: V,
+    pub(crate) p: V,
+    pub(crate) action: f64,
+}
+
+/// `L_d = A + R · (q_{i+1} - Q)`; NaN where a part of the step has no solution, or sizes do not fit.
+pub(crate) fn value<V: Vector>(
+    segment: &Segment<V>,
     dw: &[f64],
-    substeps: &[Substep],
+    noises: usize,
+    follow: impl FnOnce() -> Option<Followed<V>>,
 ) -> f64 {
-    if segment.q0.components().len() != segment.p.components().len() || dw.len() != system.noises() {
+    if segment.q0.components().len() != segment.p.components().len() || dw.len() != noises {
         return f64::NAN;
     }
-    match T::follow(system, segment, dw, substeps) {
-        Some(Followed { q, p, action }) => action + dot(&p, &difference(&segment.q1, &q)),
-        None => f64::NAN,
-    }
-}
-
-/// The gradient of `L_d` of a sequence of parts; NaN where there is none.
-pub fn gradient_of<H: Discretized<E>, E, T: Sequence<H>>(
-    system: &H,
-    segment: &Segment<H::Vector>,
-    dw: &[f64],
-) -> LagrangianGradient<H::Vector> {
-    if T::IS_VARIATIONAL { gradient(system, segment, dw) } else { nowhere::<H>(segment) }
-}
-
-/// No gradient.
-fn nowhere<H: Hamiltonian>(segment: &Segment<H::Vector>) -> LagrangianGradient<H::Vector> {
-    let mut nan = H::Vector::zeros(segment.q0.components().len());
-    nan.components_mut().fill(f64::NAN);
-    LagrangianGradient { q0: nan.clone(), q1: nan.clone(), p: nan }
-}
-
-/// The gradient of `L_d`, by dual numbers; NaN where the step has no solution.
-pub fn gradient<H: Discretized<E>, E>(
-    system: &H,
-    segment: &Segment<H::Vector>,
-    dw: &[f64],
-) -> LagrangianGradient<H::Vector> {
-    let d = segment.q0.components().len();
-    let nowhere = || nowhere::<H>(segment);
-    let Ok(prepared) = &system.prepare(segment.h) else { return nowhere() };
-    if segment.p.components().len() != d || segment.q1.components().len() != d {
-        return nowhere();
-    }
-    let start = [segment.q0.components(), segment.p.components()];
-    let step = |varied: Option<usize>| {
-        let lift = |offset: usize, values: &[f64]| -> Vec<Dual<1>> {
-            let numbered = values.iter().enumerate();
-            numbered
-                .map(|(i, &x)| Dual { value: x, derivative: [f64::from(varied == Some(offset + i))] })
-                .collect()
-        };
-        let (mut q, mut p) = (lift(0, start[0]), lift(d, start[1]));
-        let dw: Vec<Dual<1>> = dw.iter().map(|&dw| Dual::from_f64(dw)).collect();
-        let mut memory = H::Memory::<Dual<1>>::default();
-        system.advance(prepared, segment.t, segment.h, &mut q, &mut p, &dw, &mut memory).ok()?;
-        Some([q, p])
-    };
-    let Some([reached, left_with]) = step(None) else { return nowhere() };
-    let gap: Vec<f64> = segment.q1.components().iter().zip(&reached).map(|(q1, q)| q1 - q.value).collect();
-    let mut gradient =
-        LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: H::Vector::zeros(d) };
-    gradient.q0.components_mut().iter_mut().for_each(|p| *p = -*p);
-    for (q1, momentum) in gradient.q1.components_mut().iter_mut().zip(&left_with) {
-        *q1 = momentum.value;
-    }
-    for i in 0..d {
-        for (offset, slope) in [(0, &mut gradient.q0), (d, &mut gradient.p)] {
-            let Some([_, momenta]) = step(Some(offset + i)) else { return nowhere() };
-            let pulled: f64 =
-                momenta.iter().zip(&gap).map(|(momentum, gap)| momentum.derivative[0] * gap).sum();
-            slope.components_mut()[i] += pulled;
-        }
-    }
-    gradient
-}
-
-fn difference<V: Vector>(a: &V, b: &V) -> V {
-    let mut difference = a.clone();
-    difference.components_mut().iter_mut().zip(b.components()).for_each(|(a, b)| *a -= b);
-    difference
-}
-
-fn dot<V: Vector>(a: &V, b: &V) -> f64 {
-    a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
+    follow().map_or(f64::NAN, |Followed { q, p, action }| {
+        let gaps = segment.q1.components().iter().zip(q.components()).map(|(q1, q)| q1 - q);
+        action + p.components().iter().zip(gaps).map(|(p, gap)| p * gap).sum::<f64>()
+    })
 }

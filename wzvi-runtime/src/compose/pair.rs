@@ -3,7 +3,8 @@
 use std::marker::PhantomData;
 
 use super::kept::Memory;
-use super::sequence::{Followed, Half, Sequence, Substep, joint_plan};
+use super::lagrangian::{self, Followed};
+use super::substeps::{Half, Substep, Substeps, joint_plan, kept_energy, plan};
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::lanes::Lanes;
@@ -12,11 +13,13 @@ use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
-use crate::system::{Discretized, Segment};
+use crate::system::{
+    At, Hamiltonian, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
+};
 
-/// Steps of `A` and of `B`, which may be one.
+/// Steps `W` of `A` and of `B`, which may be one.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<A, B>(PhantomData<(A, B)>);
+pub struct Pair<A, B, W>(PhantomData<(A, B, W)>);
 
 /// What is prepared for each part of a step.
 #[derive(Clone, Debug)]
@@ -31,11 +34,11 @@ pub struct Prepared<A, B> {
 struct Part<A, B> {
     start: f64,
     weight: f64,
-    scheme: Scheme<A, B>,
+    kind: Kind<A, B>,
 }
 
 #[derive(Clone, Debug)]
-enum Scheme<A, B> {
+enum Kind<A, B> {
     First(A),
     Second(B),
 }
@@ -46,7 +49,7 @@ fn counts(substeps: &[Substep]) -> [usize; 2] {
     [first, substeps.len() - first]
 }
 
-impl<A, B> Scheme<A, B> {
+impl<A, B> Kind<A, B> {
     fn first(&self) -> Option<&A> {
         if let Self::First(first) = self { Some(first) } else { None }
     }
@@ -63,30 +66,18 @@ fn lanes<P, T, const L: usize>(prepared: [&P; L], part: impl Fn(&P) -> Option<&T
 }
 
 impl<A, B> Prepared<A, B> {
-    /// All parts of a step from `t` on, of size `h`, by what takes one of each kind. On `Err`, everything is as it was.
+    /// All parts of a step, by what takes one of each kind. On `Err`, everything is as it was.
     ///
     /// # Errors
     /// That of the first part that has one.
-    #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
     #[inline(always)]
     fn advance<S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
         &self,
-        [t, h]: [f64; 2],
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { t, h, q, p, dw }: At<'_, S>,
         memory: &mut Memory<S, M, N>,
         carry: &mut C,
-        take_first: impl Fn(&A, [f64; 2], &mut [S], &mut [S], &[S], &mut M, &mut C) -> Result<Effort, StepFailure>,
-        take_second: impl Fn(
-            &B,
-            [f64; 2],
-            &mut [S],
-            &mut [S],
-            &[S],
-            &mut N,
-            &mut C,
-        ) -> Result<Effort, StepFailure>,
+        take_first: impl Fn(&A, At<'_, S>, &mut M, &mut C) -> Result<Effort, StepFailure>,
+        take_second: impl Fn(&B, At<'_, S>, &mut N, &mut C) -> Result<Effort, StepFailure>,
     ) -> Result<Effort, StepFailure> {
         memory.save(self.counts, q, p, dw, carry);
         let mut effort = Effort::fast(0);
@@ -96,15 +87,15 @@ impl<A, B> Prepared<A, B> {
             for (scaled, dw) in scaled.iter_mut().zip(dw) {
                 *scaled = *dw * part.weight;
             }
-            let time = [t + part.start * h, part.weight * h];
-            let taken = match &part.scheme {
-                Scheme::First(scheme) => {
+            let at = At { t: t + part.start * h, h: part.weight * h, q: &mut *q, p: &mut *p, dw: scaled };
+            let taken = match &part.kind {
+                Kind::First(prepared) => {
                     first += 1;
-                    take_first(scheme, time, q, p, scaled, &mut firsts[first - 1], carry)
+                    take_first(prepared, at, &mut firsts[first - 1], carry)
                 }
-                Scheme::Second(scheme) => {
+                Kind::Second(prepared) => {
                     second += 1;
-                    take_second(scheme, time, q, p, scaled, &mut seconds[second - 1], carry)
+                    take_second(prepared, at, &mut seconds[second - 1], carry)
                 }
             };
             match taken {
@@ -121,99 +112,97 @@ impl<A, B> Prepared<A, B> {
     }
 }
 
-impl<H, A, B> Sequence<H> for Pair<A, B>
+/// What is beside each other of the schemes that steps are made of.
+type BesideOf<H, E, const L: usize> = <SchemeOf<H, E> as Scheme<H>>::Beside<L>;
+
+impl<H, A, B, W> Scheme<H> for Pair<A, B, W>
 where
-    H: Discretized<A> + Discretized<B>,
+    H: Listed<A> + Listed<B>,
+    W: Substeps,
 {
-    const PLAN: Plan = joint_plan(<H as Discretized<A>>::PLAN, <H as Discretized<B>>::PLAN);
-    const KEPT_ENERGY: KeptEnergy =
-        match (<H as Discretized<A>>::KEPT_ENERGY, <H as Discretized<B>>::KEPT_ENERGY) {
+    const PLAN: Plan =
+        plan(joint_plan(<SchemeOf<H, A> as Scheme<H>>::PLAN, <SchemeOf<H, B> as Scheme<H>>::PLAN), W::ORDER);
+    const PROPERTIES: Properties = {
+        let (first, second) = (<H as Listed<A>>::PROPERTIES, <H as Listed<B>>::PROPERTIES);
+        let kept = match (first.kept_energy, second.kept_energy) {
             (KeptEnergy::Point(_), KeptEnergy::Point(_)) => KeptEnergy::KickDriftKick,
             _ => KeptEnergy::Hamiltonian,
         };
-    const REMEMBERS: bool = <H as Discretized<A>>::REMEMBERS || <H as Discretized<B>>::REMEMBERS;
-    const IN_LANES: bool = <H as Discretized<A>>::IN_LANES && <H as Discretized<B>>::IN_LANES;
-    type Prepared = Prepared<<H as Discretized<A>>::Prepared, <H as Discretized<B>>::Prepared>;
-    type Memory<S: Scalar> = Memory<S, <H as Discretized<A>>::Memory<S>, <H as Discretized<B>>::Memory<S>>;
-    type Compensated<S: Scalar> = <H as Discretized<A>>::Compensated<S>;
-    type Carry<S: Scalar> = <H as Discretized<A>>::Carry<S>;
+        Properties {
+            kept_energy: kept_energy(kept, W::ORDER),
+            remembers: first.remembers || second.remembers,
+            in_lanes: first.in_lanes && second.in_lanes,
+            ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
+        }
+    };
+    type Prepared = Prepared<PreparedOf<H, A>, PreparedOf<H, B>>;
+    type Memory<S: Scalar> = Memory<S, MemoryOf<H, A, S>, MemoryOf<H, B, S>>;
+    type Compensated<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Compensated<S>;
+    type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
+    type Beside<const L: usize> = Prepared<BesideOf<H, A, L>, BesideOf<H, B, L>>;
 
-    fn memory(system: &H, substeps: &[Substep]) -> Self::Memory<f64> {
-        let [first, second] = counts(substeps);
+    fn memory(system: &H) -> Self::Memory<f64> {
+        let [first, second] = counts(&W::list());
         Memory::of(
-            (0..first).map(|_| Discretized::<A>::memory(system)).collect(),
-            (0..second).map(|_| Discretized::<B>::memory(system)).collect(),
+            (0..first).map(|_| SchemeOf::<H, A>::memory(system)).collect(),
+            (0..second).map(|_| SchemeOf::<H, B>::memory(system)).collect(),
         )
         .with_room(system.degrees(), system.noises())
     }
 
-    fn prepare(system: &H, h: f64, substeps: &[Substep]) -> Result<Self::Prepared, ConfigError> {
-        let mut start = 0.0;
+    fn prepare(system: &H, h: f64) -> Result<Self::Prepared, ConfigError> {
+        let (mut start, substeps) = (0.0, W::list());
         let parts = substeps.iter().map(|&(half, weight)| {
-            let scheme = match half {
-                Half::First => Scheme::First(Discretized::<A>::prepare(system, weight * h)?),
-                Half::Second => Scheme::Second(Discretized::<B>::prepare(system, weight * h)?),
+            let kind = match half {
+                Half::First => Kind::First(SchemeOf::<H, A>::prepare(system, weight * h)?),
+                Half::Second => Kind::Second(SchemeOf::<H, B>::prepare(system, weight * h)?),
             };
-            let part = Part { start, weight, scheme };
+            let part = Part { start, weight, kind };
             start += weight;
             Ok(part)
         });
-        Ok(Prepared { parts: parts.collect::<Result<_, _>>()?, counts: counts(substeps) })
+        Ok(Prepared { parts: parts.collect::<Result<_, _>>()?, counts: counts(&substeps) })
     }
 
     #[inline(always)]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        at: At<'_, S>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let [expected, got] = [q.len(), p.len()];
+        let [expected, got] = [at.q.len(), at.p.len()];
         if !system.fits(expected) || got != expected {
             return Err(StepFailure::Dimension { expected: system.degrees().max(expected), got });
         }
         prepared.advance(
-            [t, h],
-            q,
-            p,
-            dw,
+            at,
             memory,
             carry,
-            |prepared, [t, h], q, p, dw, memory, carry| {
-                Discretized::<A>::advance_carrying::<S, C, CAREFUL>(
-                    system, prepared, t, h, q, p, dw, memory, carry,
-                )
+            |prepared, at, memory, carry| {
+                SchemeOf::<H, A>::advance::<S, C, CAREFUL>(system, prepared, at, memory, carry)
             },
-            |prepared, [t, h], q, p, dw, memory, carry| {
-                Discretized::<B>::advance_carrying::<S, C, CAREFUL>(
-                    system, prepared, t, h, q, p, dw, memory, carry,
-                )
+            |prepared, at, memory, carry| {
+                SchemeOf::<H, B>::advance::<S, C, CAREFUL>(system, prepared, at, memory, carry)
             },
         )
     }
 
-    type Beside<const L: usize> =
-        Prepared<<H as Discretized<A>>::Beside<L>, <H as Discretized<B>>::Beside<L>>;
-
     fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
         let first = prepared.first()?;
-        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, scheme })| {
-            let scheme = match scheme {
-                Scheme::First(_) => {
-                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.scheme.first())?;
-                    Scheme::First(<H as Discretized<A>>::beside(systems, of_lanes)?)
+        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, kind })| {
+            let kind = match kind {
+                Kind::First(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.first())?;
+                    Kind::First(SchemeOf::<H, A>::beside(systems, of_lanes)?)
                 }
-                Scheme::Second(_) => {
-                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.scheme.second())?;
-                    Scheme::Second(<H as Discretized<B>>::beside(systems, of_lanes)?)
+                Kind::Second(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.second())?;
+                    Kind::Second(SchemeOf::<H, B>::beside(systems, of_lanes)?)
                 }
             };
-            Some(Part { start: *start, weight: *weight, scheme })
+            Some(Part { start: *start, weight: *weight, kind })
         });
         Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
     }
@@ -221,63 +210,54 @@ where
     #[inline(always)]
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
-        t: f64,
-        h: f64,
-        q: &mut [Lanes<L>],
-        p: &mut [Lanes<L>],
-        dw: &[Lanes<L>],
+        at: At<'_, Lanes<L>>,
         memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure> {
-        let [expected, got] = [q.len(), p.len()];
+        let [expected, got] = [at.q.len(), at.p.len()];
         if got != expected {
             return Err(StepFailure::Dimension { expected, got });
         }
         beside.advance(
-            [t, h],
-            q,
-            p,
-            dw,
+            at,
             memory,
             &mut Plain,
-            |beside, [t, h], q, p, dw, memory, _| {
-                <H as Discretized<A>>::advance_beside(beside, t, h, q, p, dw, memory)
-            },
-            |beside, [t, h], q, p, dw, memory, _| {
-                <H as Discretized<B>>::advance_beside(beside, t, h, q, p, dw, memory)
-            },
+            |beside, at, memory, _| SchemeOf::<H, A>::advance_beside(beside, at, memory),
+            |beside, at, memory, _| SchemeOf::<H, B>::advance_beside(beside, at, memory),
         )
     }
 
-    fn follow(
-        system: &H,
-        segment: &Segment<H::Vector>,
-        dw: &[f64],
-        substeps: &[Substep],
-    ) -> Option<Followed<H::Vector>> {
-        let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
-        let (mut action, mut start) = (0.0, 0.0);
-        for &(half, weight) in substeps {
-            state.t = segment.t + start * segment.h;
-            let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
-            let h = weight * segment.h;
-            action += match half {
-                Half::First => part::<H, A>(system, &mut state, h, &own_dw)?,
-                Half::Second => part::<H, B>(system, &mut state, h, &own_dw)?,
-            };
-            start += weight;
-        }
-        Some(Followed { q: state.q, p: state.p, action })
+    fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
+        lagrangian::value(segment, dw, system.noises(), || {
+            let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
+            let (mut action, mut start) = (0.0, 0.0);
+            for (half, weight) in W::list() {
+                state.t = segment.t + start * segment.h;
+                let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
+                let h = weight * segment.h;
+                action += match half {
+                    Half::First => part::<H, SchemeOf<H, A>>(system, &mut state, h, &own_dw)?,
+                    Half::Second => part::<H, SchemeOf<H, B>>(system, &mut state, h, &own_dw)?,
+                };
+                start += weight;
+            }
+            Some(Followed { q: state.q, p: state.p, action })
+        })
     }
 }
 
 /// Moves the state by one part, and gives its discrete Lagrangian.
-fn part<H: Discretized<E>, E>(system: &H, state: &mut State<H::Vector>, h: f64, dw: &[f64]) -> Option<f64> {
+fn part<H: Hamiltonian, T: Scheme<H>>(
+    system: &H,
+    state: &mut State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+) -> Option<f64> {
     let before = state.clone();
-    let prepared = system.prepare(h).ok()?;
-    let mut memory = H::Memory::<f64>::default();
-    let (q, p) = (state.q.components_mut(), state.p.components_mut());
-    system.advance::<f64>(&prepared, before.t, h, q, p, dw, &mut memory).ok()?;
-    let momentum = system.step_momentum(&before, state, h, dw);
-    let segment = Segment { q0: before.q, q1: state.q.clone(), p: momentum, t: before.t, h };
-    Some(system.discrete_lagrangian(&segment, dw))
+    let prepared = T::prepare(system, h).ok()?;
+    let mut memory = T::Memory::<f64>::default();
+    let at = At { t: before.t, h, q: state.q.components_mut(), p: state.p.components_mut(), dw };
+    anew::advance::<H, T, f64>(system, &prepared, at, &mut memory).ok()?;
+    let p = T::step_momentum(system, &before, state, h, dw);
+    let segment = Segment { q0: before.q, q1: state.q.clone(), p, t: before.t, h };
+    Some(T::discrete_lagrangian(system, &segment, dw))
 }

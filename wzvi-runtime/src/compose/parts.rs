@@ -7,11 +7,14 @@
 //! A force `f(q, t)` is a part of the kick, `p' = -∂H/∂q + f`, and friction of one rate a part of the linear map, `p' = -∂H/∂q - γ p`, which then is
 //! conformally symplectic.
 
+use std::marker::PhantomData;
+
 use super::Verlet;
+use super::lagrangian::{self, Followed};
 use super::linear::Linear;
-use super::sequence::{Followed, Half, Sequence, Substep};
 use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check, follow};
 use super::structure::{Parted, Structure, TwoFlows};
+use super::substeps::{Half, Substep, Substeps, plan};
 use crate::carry::{Carry, Plain};
 use crate::elements::{Elements, Point, Slopes, slopes, value_of_part};
 use crate::error::{ConfigError, StepFailure};
@@ -20,7 +23,7 @@ use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::Segment;
+use crate::system::{At, Properties, Scheme, Segment};
 
 /// The form of a part of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,10 +75,10 @@ pub trait Parts: Elements + Sized {
 
 /// The flows of the parts in turn.
 #[derive(Clone, Copy, Debug)]
-pub struct PartFlows;
+pub struct PartFlows<W>(PhantomData<W>);
 
 impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
-    type Flows = PartFlows;
+    type Flows<W> = PartFlows<W>;
     const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
 }
 
@@ -128,34 +131,29 @@ fn form<F: Parts>(half: Half) -> Form {
     if half == Half::First { first } else { second }
 }
 
-impl<F: Parts> Sequence<F> for PartFlows {
-    const PLAN: Plan = F::PLAN;
-    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Nearly;
-    const REMEMBERS: bool = false;
-    const IN_LANES: bool = true;
+impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
+    const PLAN: Plan = plan(F::PLAN, W::ORDER);
+    const PROPERTIES: Properties =
+        Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared = Prepared;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
 
-    fn memory(system: &F, _: &[Substep]) -> Self::Memory<f64> {
+    fn memory(system: &F) -> Self::Memory<f64> {
         Memory::of_system(system)
     }
 
-    fn prepare(system: &F, h: f64, substeps: &[Substep]) -> Result<Prepared, ConfigError> {
+    fn prepare(system: &F, h: f64) -> Result<Prepared, ConfigError> {
         check(system)?;
-        Prepared::new(system, system.degrees(), h, substeps)
+        Prepared::new(system, system.degrees(), h, &W::list())
     }
 
     #[inline(always)]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Prepared,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { t, h, q, p, dw }: At<'_, S>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -166,18 +164,19 @@ impl<F: Parts> Sequence<F> for PartFlows {
     crate::__apart!(F);
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
-    fn follow(
-        system: &F,
-        segment: &Segment<F::Vector>,
-        dw: &[f64],
-        substeps: &[Substep],
-    ) -> Option<Followed<F::Vector>> {
+    fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
         if F::IS_CONFORMAL {
-            return None;
+            return f64::NAN;
         }
+        lagrangian::value(segment, dw, system.noises(), || Self::follow(system, segment, dw))
+    }
+}
+
+impl<W: Substeps> PartFlows<W> {
+    fn follow<F: Parts>(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> Option<Followed<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let prepared = Prepared::new(system, degrees, h, substeps).ok()?;
+        let prepared = Prepared::new(system, degrees, h, &W::list()).ok()?;
         let mut flows = FlowsOf { system, prepared: &prepared, t, h };
         let action = |index: usize, stage: &Stage, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = || stage.weight * h * system.value_of_part(stage.half, t + stage.node * h, q, p);

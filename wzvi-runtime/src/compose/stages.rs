@@ -1,7 +1,8 @@
 //! The parts of a step that are flows, and what all kinds of flows share: room, sums, checks.
 
 use super::gradient::Directional;
-use super::sequence::{Followed, Half, Substep};
+use super::lagrangian::Followed;
+use super::substeps::{Half, Substep};
 use super::windowed;
 use crate::carry::{Carry, Plain};
 use crate::elements::are_finite;

@@ -4,14 +4,14 @@ use std::marker::PhantomData;
 
 use super::flows::KickDrift;
 use super::pair::Pair;
-use super::sequence::{Half, Substep};
+use super::substeps::{Half, Substep};
 use super::text::DRIFT_KICK;
 use super::{Base, Verlet};
 
 /// The structure of a system, as far as steps of `E` take advantage of it.
 pub trait Structure<E> {
-    /// How the parts of a step are taken.
-    type Sequence;
+    /// What takes the parts `W` of a step.
+    type Steps<W>;
     /// By what a splitting is taken, for people.
     const NOTE: &'static str;
     /// What a step of `E` with this weight is made of.
@@ -44,21 +44,21 @@ impl QuadraticKinetic for Parted<Nystrom> {}
 
 /// Structures of two parts whose flows are known.
 pub trait TwoFlows: Structure<Verlet> {
-    /// How the flows of the parts are taken.
-    type Flows;
+    /// What takes the flows of the parts `W`.
+    type Flows<W>;
     /// What each part does, for people: the first one, then the second.
     const PARTS: [&'static str; 2] = DRIFT_KICK;
 }
 
 impl TwoFlows for Separable {
-    type Flows = KickDrift;
+    type Flows<W> = KickDrift<W>;
 }
 impl TwoFlows for Nystrom {
-    type Flows = KickDrift;
+    type Flows<W> = KickDrift<W>;
 }
 
 impl<E: Base> Structure<E> for General {
-    type Sequence = Pair<E::First, E::Second>;
+    type Steps<W> = Pair<E::First, E::Second, W>;
     const NOTE: &'static str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is \
                                 a coefficient less the one before";
 
@@ -81,7 +81,7 @@ impl<E: Base> Structure<E> for General {
 }
 
 impl<K: Structure<Verlet>> Structure<Verlet> for Parted<K> {
-    type Sequence = K::Sequence;
+    type Steps<W> = K::Steps<W>;
     const NOTE: &'static str = K::NOTE;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
@@ -96,7 +96,7 @@ impl<K: Structure<Verlet>> Structure<Verlet> for Parted<K> {
 macro_rules! by_flows {
     ($($structure:ty),+) => {$(
         impl Structure<Verlet> for $structure {
-            type Sequence = KickDrift;
+            type Steps<W> = KickDrift<W>;
             const NOTE: &'static str = "";
 
             /// Kick and drift in `DeltaPlus`, drift and kick in `DeltaMinus`.

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::{Composes, Partitioned, Structure};
-use crate::system::Discretized;
+use crate::system::Listed;
 
 /// What a step of a composition is made of, for people.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +40,8 @@ pub const ROOM: usize = 60 * LISTED + 1000;
 #[derive(Clone, Copy, Debug)]
 pub struct Equations<H, E, K, W, const N: usize>(PhantomData<(H, E, K, W)>);
 
-impl<H: Discretized<E>, E, K: Structure<E>, W: Composes<E, K>, const N: usize> Equations<H, E, K, W, N> {
-    const TEXT: Text<N> = Text::of(&W::LISTING, H::EQUATIONS);
+impl<H: Listed<E>, E, K: Structure<E>, W: Composes<E, K>, const N: usize> Equations<H, E, K, W, N> {
+    const TEXT: Text<N> = Text::of(&W::LISTING, H::TEXT);
     /// The text.
     pub const ALL: &'static str = {
         let text: &'static Text<N> = &Self::TEXT;

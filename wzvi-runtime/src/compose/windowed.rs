@@ -1,8 +1,8 @@
 //! Kicks and drifts of large systems of elements, window by window.
 
 use super::flows::Flows;
-use super::sequence::Half;
 use super::stages::Stage;
+use super::substeps::Half;
 use crate::elements::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word};
 use crate::error::StepFailure;
 use crate::memory::Threads;
@@ -10,7 +10,12 @@ use crate::memory::Threads;
 /// Degrees of freedom from which paths of an ensemble go one after the other, window by window. A step of a word in windows takes some 150 ns
 /// besides what each site takes, and 16 paths beside each other leave the first cache (each of some ten lists has 128 bytes for a degree of
 /// freedom): measured for chains of 96 to 16 384 sites, both take the same time at 128 (`Baoab`) and 256 (`Verlet`).
-pub(crate) const LEAST_ALONE: usize = 256;
+const LEAST_ALONE: usize = 256;
+
+/// From how many degrees of freedom on paths go one after the other.
+pub(crate) const fn least_alone<F: Flows>() -> usize {
+    if F::HAS_WINDOWS { LEAST_ALONE } else { usize::MAX }
+}
 
 /// Whether steps of so many degrees of freedom go window by window.
 #[inline(always)]

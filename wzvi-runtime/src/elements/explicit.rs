@@ -22,7 +22,7 @@ use crate::state::Vector;
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
+pub(super) fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
     system: &H,
     scheme: &Scheme,
     t: f64,
@@ -113,7 +113,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
 /// Those of [`advance_explicit`].
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
+pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     system: &H,
     scheme: &Scheme,
     t: f64,

@@ -28,7 +28,7 @@ const MOST_ITERATIONS: u32 = 100;
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+pub(super) fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Scheme,
     t: f64,

@@ -47,7 +47,7 @@ impl<'a, V: Vector> Evaluated<'a, V> {
 }
 
 /// `L_d = P · (q_{i+1} - q_i) - F`, NaN if sizes do not fit.
-pub fn discrete_lagrangian<H: Elements>(
+pub(crate) fn discrete_lagrangian<H: Elements>(
     system: &H,
     scheme: &Scheme,
     segment: &Segment<H::Vector>,
@@ -60,7 +60,7 @@ pub fn discrete_lagrangian<H: Elements>(
 }
 
 /// The gradient of [`discrete_lagrangian`], NaN if sizes do not fit.
-pub fn discrete_lagrangian_gradient<H: Elements>(
+pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     system: &H,
     scheme: &Scheme,
     segment: &Segment<H::Vector>,
@@ -100,8 +100,23 @@ pub fn discrete_lagrangian_gradient<H: Elements>(
     gradient
 }
 
-/// `P` of the step between two states, which is what `factor` says if the change of the momenta is so many times `v = P - p_i`. NaN if sizes do not fit.
-pub fn momentum_between<H: Hamiltonian>(
+/// `P` of the step between two states: what is solved for it is compiled where the ends do not say it.
+#[inline(always)]
+pub(crate) fn step_momentum<H: Elements>(
+    system: &H,
+    scheme: &Scheme,
+    [before, after]: [&State<H::Vector>; 2],
+    h: f64,
+    dw: &[f64],
+) -> H::Vector {
+    match scheme.factor() {
+        Some(factor) => momentum_between(system, factor, before, after, h),
+        None => momentum_solved(system, scheme, before, after, h, dw),
+    }
+}
+
+/// The change of the momenta is `factor` times `v = P - p_i`. NaN if sizes do not fit.
+fn momentum_between<H: Hamiltonian>(
     system: &H,
     factor: f64,
     before: &State<H::Vector>,
@@ -121,7 +136,7 @@ pub fn momentum_between<H: Hamiltonian>(
 }
 
 /// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where that has no solution.
-pub fn momentum_solved<H: Elements>(
+fn momentum_solved<H: Elements>(
     system: &H,
     scheme: &Scheme,
     before: &State<H::Vector>,
@@ -157,44 +172,4 @@ fn momentum_increment<H: Elements>(
     let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
     step.careful(&mut memory).ok()?;
     Some(memory.work.lists(scheme, q.len()).x.to_vec())
-}
-
-/// The discrete Lagrangian of a scheme, its gradient and the momentum of a step, for an implementation of `Discretized`.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __lagrangian {
-    ($scheme:expr) => {
-        fn discrete_lagrangian(
-            &self,
-            __segment: &$crate::system::Segment<Self::Vector>,
-            __dw: &[$crate::core::primitive::f64],
-        ) -> $crate::core::primitive::f64 {
-            $crate::elements::discrete_lagrangian(self, &$scheme, __segment, __dw)
-        }
-
-        fn discrete_lagrangian_gradient(
-            &self,
-            __segment: &$crate::system::Segment<Self::Vector>,
-            __dw: &[$crate::core::primitive::f64],
-        ) -> $crate::system::LagrangianGradient<Self::Vector> {
-            $crate::elements::discrete_lagrangian_gradient(self, &$scheme, __segment, __dw)
-        }
-
-        fn step_momentum(
-            &self,
-            __before: &$crate::state::State<Self::Vector>,
-            __after: &$crate::state::State<Self::Vector>,
-            __h: $crate::core::primitive::f64,
-            __dw: &[$crate::core::primitive::f64],
-        ) -> Self::Vector {
-            // Only what is called is compiled.
-            const FACTOR: $crate::core::option::Option<$crate::core::primitive::f64> = $scheme.factor();
-            if FACTOR.is_some() {
-                let __factor = FACTOR.unwrap_or($crate::core::primitive::f64::NAN);
-                $crate::elements::momentum_between(self, __factor, __before, __after, __h)
-            } else {
-                $crate::elements::momentum_solved(self, &$scheme, __before, __after, __h, __dw)
-            }
-        }
-    };
 }

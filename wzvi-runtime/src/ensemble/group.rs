@@ -19,7 +19,7 @@ use crate::scalar::Scalar;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::steps::Advance;
-use crate::system::{Discretized, Exchange};
+use crate::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
 
 /// No step was halved.
 const NEVER: (u64, u32) = (u64::MAX, 0);
@@ -32,10 +32,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
     /// What the steps before left, and what steps in lanes allocate once.
-    memory: H::Memory<Lanes<L>>,
+    memory: MemoryOf<H, E, Lanes<L>>,
     /// The same by lane, between a step that not all lanes could take the short way and the first after which all remember as much;
     /// then, and where nothing is remembered, there are none.
-    apart: Vec<H::Memory<Lanes<1>>>,
+    apart: Vec<MemoryOf<H, E, Lanes<1>>>,
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -48,9 +48,9 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// Increments of one lane.
     alone: Vec<f64>,
     /// What is prepared of the system of each path, if it has its own.
-    own: Vec<H::Prepared>,
+    own: Vec<PreparedOf<H, E>>,
     /// The same beside each other, where systems go so.
-    beside: Option<H::Beside<L>>,
+    beside: Option<<SchemeOf<H, E> as Scheme<H>>::Beside<L>>,
     /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or systems of paths are not, or somebody looks inside steps of which
     /// lanes keep less than a stepper: one for each.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
@@ -172,7 +172,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     }
 
     /// What is prepared of the system of a lane.
-    fn prepared(&self, lane: usize) -> Result<H::Prepared, ConfigError> {
+    fn prepared(&self, lane: usize) -> Result<PreparedOf<H, E>, ConfigError> {
         let path = self.source_of(lane);
         let prepared = crate::step::prepared(self.job.system_of(path), self.job.h);
         prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
@@ -184,7 +184,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         let Some(living) = self.living() else { return };
         let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
         let systems = lanes.map(|lane| self.job.system_of(self.source_of(lane)));
-        self.beside = H::beside(systems, lanes.map(|lane| &self.own[lane]));
+        self.beside = SchemeOf::<H, E>::beside(systems, lanes.map(|lane| &self.own[lane]));
     }
 
     /// The first lane whose path has not failed.
@@ -207,10 +207,10 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     #[inline(always)]
     fn is_stepped(&self) -> bool {
         // Lanes do not keep what a scheme knows between its nodes.
-        !H::IN_LANES
+        !H::PROPERTIES.in_lanes
             || Self::goes_alone(self.job)
             || (P::ARE_OWN && self.beside.is_none())
-            || (H::HAS_POLYNOMIAL && self.looks_between)
+            || (H::PROPERTIES.has_polynomial && self.looks_between)
             || self.job.own_work.is_some()
     }
 
@@ -246,15 +246,17 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         if !self.apart.is_empty() {
             return self.one_by_one(step, t);
         }
-        let (q, p, memory) = (&mut self.q, &mut self.p, &mut self.memory);
-        let dw = self.increments.of(step);
+        let memory = &mut self.memory;
+        let at = At { t, h: job.h, q: &mut self.q, p: &mut self.p, dw: self.increments.of(step) };
         let outcome = match &self.beside {
-            Some(beside) if P::ARE_OWN => H::advance_beside(beside, t, job.h, q, p, dw, memory),
-            _ => {
-                let (system, prepared, h) = (job.system, &job.prepared, job.h);
-                let carry = &mut Plain;
-                system.advance_carrying::<_, Plain, false>(prepared, t, h, q, p, dw, memory, carry)
-            }
+            Some(beside) if P::ARE_OWN => SchemeOf::<H, E>::advance_beside(beside, at, memory),
+            _ => SchemeOf::<H, E>::advance::<_, Plain, false>(
+                job.system,
+                &job.prepared,
+                at,
+                memory,
+                &mut Plain,
+            ),
         };
         match outcome {
             Ok(_) => Ok(()),
@@ -279,7 +281,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
                 let state = &mut self.states[lane];
                 state.t = t;
                 if let Err(error) = stepper.step(state, dw) {
-                    self.halve_or_fail(lane, step, StepError { step, ..error }, &mut H::Memory::default())?;
+                    self.halve_or_fail(lane, step, StepError { step, ..error }, &mut Default::default())?;
                 }
             }
         }

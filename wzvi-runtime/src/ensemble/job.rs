@@ -13,12 +13,12 @@ use crate::retry::Retry;
 use crate::section::Sections;
 use crate::span::Grid;
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, PreparedOf};
 
 /// A run of paths that are known by their numbers.
 pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) system: &'a H,
-    pub(super) prepared: H::Prepared,
+    pub(super) prepared: PreparedOf<H, E>,
     pub(super) h: f64,
     /// The start of all paths, or of path 0.
     pub(super) start: State<H::Vector>,
@@ -54,11 +54,11 @@ pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 impl<H: Discretized<E>, E> Job<'_, H, E> {
     /// Whether [`Job::goes_path_by_path`] may be.
-    pub(super) const MAY_GO_PATH_BY_PATH: bool = H::FILLS_REGISTERS_FROM < usize::MAX;
+    pub(super) const MAY_GO_PATH_BY_PATH: bool = H::PROPERTIES.fills_registers_from < usize::MAX;
 
     /// Whether paths go one after the other, because the steps of each are in vector instructions by themselves. Antithetic paths are drawn in pairs.
     pub(super) fn goes_path_by_path(&self) -> bool {
-        self.start.q.components().len() >= H::FILLS_REGISTERS_FROM && !self.source.is_antithetic()
+        self.start.q.components().len() >= H::PROPERTIES.fills_registers_from && !self.source.is_antithetic()
     }
 
     /// Whether something is looked for in each step.

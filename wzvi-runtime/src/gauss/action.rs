@@ -12,7 +12,7 @@ use crate::system::Segment;
 /// `L_d(q_i, q_{i+1}, P) = A(q_i, P) + R · (q_{i+1} - Q)`, where the step from `(q_i, P)` leads to `(Q, R)` and `A` is the sum of
 /// `b_i [P_i · V_i - F(P_i, Q_i)]` over its stages: the same extension as that of compositions. NaN where the step has no
 /// solution.
-pub fn value<F: Field, const N: usize>(
+pub(super) fn value<F: Field, const N: usize>(
     system: &F,
     prepared: &Prepared<N>,
     segment: &Segment<F::Vector>,

@@ -13,6 +13,7 @@ use crate::lanes::Lanes;
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
+use crate::system::{At, no_nan};
 
 /// What is made once for a step size.
 #[derive(Clone, Debug)]
@@ -51,11 +52,8 @@ impl<const N: usize> Friction<N> {
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
-pub fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
-    let mut parameters = (0..).map_while(|index| system.parameter(index));
-    if parameters.any(|(_, value)| value.is_nan()) {
-        return Err(ConfigError::Parameter);
-    }
+pub(super) fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
+    no_nan(system)?;
     let table = Table::get();
     let modes = Modes::new(system, &table, h);
     let friction = Friction::new(system.friction_rate(), &table, h);
@@ -63,7 +61,7 @@ pub fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<
 }
 
 /// The memory of a new stepper: all that its steps will need, where the system knows its size.
-pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::Noises, N> {
+pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::Noises, N> {
     let mut memory = Memory::default();
     let degrees = system.degrees();
     if degrees != 0 && system.check(degrees).is_ok() {
@@ -83,16 +81,11 @@ pub fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::NonFinite`], or where sizes do not fit.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
-pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>(
+pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>(
     system: &F,
     prepared: &Prepared<N>,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
+    At { t, h, q, p, dw }: At<'_, S>,
     memory: &mut Memory<S, F::Shape, F::Noises, N>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
@@ -124,13 +117,9 @@ pub fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: 
 /// # Errors
 /// As above.
 #[inline(always)]
-pub fn advance_beside<F: Field, const L: usize, const N: usize>(
+pub(super) fn advance_beside<F: Field, const L: usize, const N: usize>(
     systems: &Systems<F, L, N>,
-    t: f64,
-    h: f64,
-    q: &mut [Lanes<L>],
-    p: &mut [Lanes<L>],
-    dw: &[Lanes<L>],
+    At { t, h, q, p, dw }: At<'_, Lanes<L>>,
     memory: &mut Memory<Lanes<L>, F::Shape, F::Noises, N>,
 ) -> Result<Effort, StepFailure> {
     let Systems { prepared, degrees, noises, .. } = systems;

@@ -17,7 +17,7 @@ use crate::error::StepFailure;
 use crate::memory::Iteration;
 use crate::scalar::{Mask, Scalar};
 use crate::solve::Effort;
-use crate::system::Hamiltonian;
+use crate::system::{At, Hamiltonian};
 
 /// One path of several, and what its steps before left.
 #[derive(Debug)]
@@ -191,17 +191,8 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
                 (0..N).for_each(|i| own.set(i, all.get(i).lane(lane)));
             }
         }
-        let effort = advance::<_, f64, Plain, N, false>(
-            system,
-            self.prepared,
-            self.t,
-            self.h,
-            own_q,
-            own_p,
-            own_dw,
-            own,
-            &mut Plain,
-        )?;
+        let at = At { t: self.t, h: self.h, q: own_q, p: own_p, dw: own_dw };
+        let effort = advance::<_, f64, Plain, N, false>(system, self.prepared, at, own, &mut Plain)?;
         for (all, own) in lists.next.iter_mut().zip([&*own_q, own_p]) {
             for (all, own) in all.as_mut().iter_mut().zip(own) {
                 *all = S::select(is_lane, S::from_f64(*own), *all);

@@ -19,12 +19,12 @@ use crate::plan::Plan;
 use crate::state::{State, Vector};
 
 /// The order of the collocation polynomial. That of one stage is a straight line: the cubic of the mid-point step is taken instead.
-pub const fn dense_order(stages: u32, plan: &Plan) -> u32 {
+pub(super) const fn dense_order(stages: u32, plan: &Plan) -> u32 {
     if stages == 1 { hermite_order(plan) } else { stages + 1 }
 }
 
 /// The slopes of the collocation polynomial of the last step.
-pub fn slopes_between<F: Field, const N: usize>(
+pub(super) fn slopes_between<F: Field, const N: usize>(
     system: &F,
     prepared: &Prepared<N>,
     memory: &Memory<f64, F::Shape, F::Noises, N>,

@@ -91,7 +91,7 @@ pub struct Systems<F: Field, const L: usize, const N: usize> {
 }
 
 /// `L` systems beside each other; `None` where a step has a part of its own for each of them, of friction or of a stiff force.
-pub fn beside<F: Field, const L: usize, const N: usize>(
+pub(super) fn beside<F: Field, const L: usize, const N: usize>(
     systems: [&F; L],
     prepared: [&Prepared<N>; L],
 ) -> Option<Systems<F, L, N>> {

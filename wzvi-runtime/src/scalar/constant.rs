@@ -8,7 +8,7 @@ use crate::lanes::{LaneMask, Lanes};
 use crate::solve::{Factor, FactorsByLane};
 
 /// What is prepared of a system: `f64` where all lanes of a step are of one system, [`Lanes`] where each is of its own.
-pub trait Constant: Scalar {
+pub trait Constant: Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
 }
@@ -131,30 +131,26 @@ tuples! {
 #[derive(Clone, Copy, Debug)]
 pub enum Apart {}
 
-/// What an implementation for systems that do not go beside each other says of it: of `Discretized`, or of a `Sequence` of parts of `$system`.
+/// What a [`Scheme`](crate::system::Scheme) says of systems `$system` that do not go beside each other.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __apart {
     ($system:ty) => {
-        type Beside<const __L: $crate::core::primitive::usize> = $crate::scalar::Apart;
+        type Beside<const L: usize> = $crate::scalar::Apart;
 
-        fn beside<const __L: $crate::core::primitive::usize>(
-            _: [&$system; __L],
-            _: [&Self::Prepared; __L],
-        ) -> $crate::core::option::Option<$crate::scalar::Apart> {
-            $crate::core::option::Option::None
+        fn beside<const L: usize>(
+            _: [&$system; L],
+            _: [&Self::Prepared; L],
+        ) -> Option<$crate::scalar::Apart> {
+            None
         }
 
-        fn advance_beside<const __L: $crate::core::primitive::usize>(
-            __beside: &$crate::scalar::Apart,
-            _: $crate::core::primitive::f64,
-            _: $crate::core::primitive::f64,
-            _: &mut [$crate::lanes::Lanes<__L>],
-            _: &mut [$crate::lanes::Lanes<__L>],
-            _: &[$crate::lanes::Lanes<__L>],
-            _: &mut Self::Memory<$crate::lanes::Lanes<__L>>,
-        ) -> $crate::core::result::Result<$crate::solve::Effort, $crate::error::StepFailure> {
-            match *__beside {}
+        fn advance_beside<const L: usize>(
+            beside: &$crate::scalar::Apart,
+            _: $crate::system::At<'_, $crate::lanes::Lanes<L>>,
+            _: &mut Self::Memory<$crate::lanes::Lanes<L>>,
+        ) -> Result<$crate::solve::Effort, $crate::error::StepFailure> {
+            match *beside {}
         }
     };
 }

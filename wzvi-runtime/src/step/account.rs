@@ -30,7 +30,7 @@ pub(super) struct Ledger<V> {
 
 /// Whether steps of a system exchange energy by more than what their scheme accounts for.
 pub(super) fn is_wanted<H: Discretized<E>, E>(system: &H) -> bool {
-    H::IS_FORCED || H::IS_CONFORMAL || (H::EXCHANGES && (system.noises() > 0 || H::READS_TIME))
+    H::IS_FORCED || H::IS_CONFORMAL || (H::PROPERTIES.exchanges && (system.noises() > 0 || H::READS_TIME))
 }
 
 impl<V: Vector> Ledger<V> {
@@ -50,7 +50,7 @@ impl<V: Vector> Ledger<V> {
         h: f64,
         dw: &[f64],
     ) -> Exchange {
-        if H::EXCHANGES {
+        if H::PROPERTIES.exchanges {
             return self.along_the_way(system, after, dw);
         }
         let mut exchange = Exchange::default();

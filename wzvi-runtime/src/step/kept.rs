@@ -4,7 +4,7 @@ use super::{Clock, Stepper};
 use crate::carry::Carry;
 use crate::numbers::{Numbers, Tape};
 use crate::state::Vector;
-use crate::system::Discretized;
+use crate::system::{Discretized, PreparedOf};
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
     /// Everything that steps change. What depends on system and step size only is computed anew.
@@ -44,7 +44,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
     }
 
     /// What is computed once for all steps, for people and checksums.
-    pub(crate) fn prepared(&self) -> &H::Prepared {
+    pub(crate) fn prepared(&self) -> &PreparedOf<H, E> {
         &self.prepared
     }
 }

@@ -8,7 +8,7 @@ use crate::continuation::{Continued, End, Hard, Taken, solve_by_continuation};
 use crate::error::StepFailure;
 use crate::memory::StepMemory;
 use crate::state::Vector;
-use crate::system::Discretized;
+use crate::system::{Discretized, MemoryOf, Scheme, SchemeOf};
 
 /// Why a step is none of the usual ones.
 pub(super) enum Cause<M> {
@@ -47,8 +47,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
     #[inline(never)]
     pub(super) fn take(
         self,
-        cause: Cause<H::Memory<f64>>,
-    ) -> Result<Arrived<H, E, C>, Refused<H::Memory<f64>>> {
+        cause: Cause<MemoryOf<H, E, f64>>,
+    ) -> Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>> {
         let Self { mut hard, is_iterated } = self;
         let (failure, memory) = match cause {
             Cause::Failed(failure) => (failure, None),
@@ -56,12 +56,12 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
                 hard.carry = C::default();
                 let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
                 let Hard { system, prepared, t, h, dw, .. } = &hard;
-                let short = system.advance_vectors::<C, false>(
+                let (time, ends) = ([*t, *h], [&mut q, &mut p]);
+                let short = SchemeOf::<H, E>::advance_vectors::<C, false>(
+                    system,
                     prepared,
-                    *t,
-                    *h,
-                    &mut q,
-                    &mut p,
+                    time,
+                    ends,
                     dw,
                     &mut memory,
                     &mut carry,

@@ -1,37 +1,61 @@
-//! The bare step from zero and with care, where the short way fails: seldom, and out of line.
+//! A bare step: the short way, and from zero with care where that fails.
 
-use super::Discretized;
+use super::{At, Hamiltonian, Scheme};
 use crate::carry::Plain;
 use crate::error::StepFailure;
 use crate::few::Few;
+use crate::plan::Solver;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 
-/// [`Discretized::advance_carrying`] with care, from a memory that knows nothing.
+/// [`Scheme::advance`] with plain sums, and with care where the short way fails.
 ///
 /// # Errors
-/// Those of [`Discretized::advance_carrying`]; `q`, `p` and `memory` are then as they were.
-#[expect(clippy::too_many_arguments, reason = "those of a step")]
+/// Those of [`Scheme::advance`]; the state and `memory` are then as they were.
 #[inline(always)]
-pub(super) fn advance<H: Discretized<E> + ?Sized, E, S: Scalar>(
+pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
     system: &H,
-    prepared: &H::Prepared,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
-    memory: &mut H::Memory<S>,
+    prepared: &T::Prepared,
+    at: At<'_, S>,
+    memory: &mut T::Memory<S>,
 ) -> Result<Effort, StepFailure> {
+    let At { t, h, q, p, dw } = at;
+    // Paths beside each other all take the step, or none of them.
+    let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
+    let short = At { t, h, q: &mut *q, p: &mut *p, dw };
+    match T::advance::<S, Plain, false>(system, prepared, short, memory, &mut Plain) {
+        Ok(effort) => Ok(effort),
+        // What is not iterated fails with care, too.
+        Err(cause) if !matches!(T::PLAN.solver, Solver::Newton) => Err(cause),
+        Err(_) => {
+            if let Some((start_q, start_p, known)) = before {
+                q.copy_from_slice(&start_q);
+                p.copy_from_slice(&start_p);
+                *memory = known;
+            }
+            with_care::<H, T, S>(system, prepared, At { t, h, q, p, dw }, memory)
+        }
+    }
+}
+
+/// From a memory that knows nothing: seldom, and out of line.
+#[inline(always)]
+fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+    system: &H,
+    prepared: &T::Prepared,
+    at: At<'_, S>,
+    memory: &mut T::Memory<S>,
+) -> Result<Effort, StepFailure> {
+    let At { t, h, q, p, dw } = at;
     let (effort, fresh) = match (Few::of(q), Few::of(p), Few::of(dw)) {
         (Some(few_q), Some(few_p), Some(dw)) => {
             let (effort, fresh, few_q, few_p) =
-                of_few::<H, E, S>(system, prepared.clone(), t, h, few_q, few_p, dw)?;
+                of_few::<H, T, S>(system, prepared.clone(), [t, h], few_q, few_p, dw)?;
             q.copy_from_slice(&few_q);
             p.copy_from_slice(&few_p);
             (effort, fresh)
         }
-        _ => careful::<H, E, S>(system, prepared, t, h, q, p, dw)?,
+        _ => careful::<H, T, S>(system, prepared, At { t, h, q, p, dw })?,
     };
     *memory = fresh;
     Ok(effort)
@@ -42,31 +66,27 @@ type Taken<S, M> = (Effort, M, Few<S>, Few<S>);
 /// By value.
 #[cold]
 #[inline(never)]
-fn of_few<H: Discretized<E> + ?Sized, E, S: Scalar>(
+fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
     system: &H,
-    prepared: H::Prepared,
-    t: f64,
-    h: f64,
+    prepared: T::Prepared,
+    [t, h]: [f64; 2],
     mut q: Few<S>,
     mut p: Few<S>,
     dw: Few<S>,
-) -> Result<Taken<S, H::Memory<S>>, StepFailure> {
-    let (effort, fresh) = careful::<H, E, S>(system, &prepared, t, h, &mut q, &mut p, &dw)?;
+) -> Result<Taken<S, T::Memory<S>>, StepFailure> {
+    let at = At { t, h, q: &mut *q, p: &mut *p, dw: &*dw };
+    let (effort, fresh) = careful::<H, T, S>(system, &prepared, at)?;
     Ok((effort, fresh, q, p))
 }
 
 #[cold]
 #[inline(never)]
-fn careful<H: Discretized<E> + ?Sized, E, S: Scalar>(
+fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
     system: &H,
-    prepared: &H::Prepared,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
-) -> Result<(Effort, H::Memory<S>), StepFailure> {
-    let (mut fresh, plain) = (Default::default(), &mut Plain);
-    let effort = system.advance_carrying::<S, Plain, true>(prepared, t, h, q, p, dw, &mut fresh, plain)?;
+    prepared: &T::Prepared,
+    at: At<'_, S>,
+) -> Result<(Effort, T::Memory<S>), StepFailure> {
+    let mut fresh = Default::default();
+    let effort = T::advance::<S, Plain, true>(system, prepared, at, &mut fresh, &mut Plain)?;
     Ok((effort, fresh))
 }

@@ -8,7 +8,7 @@ use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
 use wzvi_runtime::scalar::{Mask, Rounded, Scalar};
 use wzvi_runtime::solve::{Block, Effort, Extrapolation, newton};
 use wzvi_runtime::state::State;
-use wzvi_runtime::system::{Discretized, Hamiltonian, LagrangianGradient, Segment};
+use wzvi_runtime::system::{At, Hamiltonian, LagrangianGradient, Listed, Scheme, Segment};
 
 pub(crate) type V1 = SVector<f64, 1>;
 
@@ -83,8 +83,13 @@ impl Hamiltonian for Kubo {
     }
 }
 
-impl Discretized<Midpoint> for Kubo {
-    wzvi_runtime::__apart!(Self);
+impl Listed<Midpoint> for Kubo {
+    type Scheme = Midpoint;
+    const TEXT: &'static str = "";
+}
+
+impl Scheme<Kubo> for Midpoint {
+    wzvi_runtime::__apart!(Kubo);
 
     const PLAN: Plan = Plan {
         solver: Solver::Linear,
@@ -95,40 +100,39 @@ impl Discretized<Midpoint> for Kubo {
         conserves_energy: Knowledge::Proven,
         commuting: Knowledge::Proven,
     };
-    const EQUATIONS: &'static str = "";
     type Prepared = ();
     type Memory<S: Scalar> = ();
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
-    fn prepare(&self, h: f64) -> Result<(), ConfigError> {
-        if (self.a * h).is_finite() && self.sigma.is_finite() { Ok(()) } else { Err(ConfigError::Parameter) }
+    fn prepare(system: &Kubo, h: f64) -> Result<(), ConfigError> {
+        if (system.a * h).is_finite() && system.sigma.is_finite() {
+            Ok(())
+        } else {
+            Err(ConfigError::Parameter)
+        }
     }
-    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-        &self,
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &Kubo,
         _prepared: &(),
-        _t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { h, q, p, dw, .. }: At<'_, S>,
         _memory: &mut (),
         _carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let (q0, p0, dw) = (one(q, dimension)?, one(p, dimension)?, one(dw, increments)?);
-        let theta = (dw * self.sigma + self.a * h) * 0.5;
+        let theta = (dw * system.sigma + system.a * h) * 0.5;
         let factor = theta * 2.0 / (theta * theta + 1.0);
         let (q1, p1) = (q0 + factor * (p0 - theta * q0), p0 - factor * (q0 + theta * p0));
         finite(q1, p1)?;
         (q[0], p[0]) = (q1, p1);
         Ok(Effort::default())
     }
-    fn discrete_lagrangian(&self, s: &Segment<V1>, dw: &[f64]) -> f64 {
+    fn discrete_lagrangian(system: &Kubo, s: &Segment<V1>, dw: &[f64]) -> f64 {
         let [dw] = dw else { return f64::NAN };
         let (p, q) = (s.p[0], 0.5 * (s.q0[0] + s.q1[0]));
-        p * (s.q1[0] - s.q0[0]) - self.theta(s.h, *dw) * (p * p + q * q)
+        p * (s.q1[0] - s.q0[0]) - system.theta(s.h, *dw) * (p * p + q * q)
     }
-    fn discrete_lagrangian_gradient(&self, s: &Segment<V1>, dw: &[f64]) -> LagrangianGradient<V1> {
-        let theta = self.theta(s.h, dw[0]);
+    fn discrete_lagrangian_gradient(system: &Kubo, s: &Segment<V1>, dw: &[f64]) -> LagrangianGradient<V1> {
+        let theta = system.theta(s.h, dw[0]);
         let middle = (s.q0 + s.q1) * 0.5;
         LagrangianGradient {
             q0: -s.p - middle * theta,
@@ -136,8 +140,8 @@ impl Discretized<Midpoint> for Kubo {
             p: s.q1 - s.q0 - s.p * (2.0 * theta),
         }
     }
-    fn step_momentum(&self, before: &State<V1>, after: &State<V1>, h: f64, dw: &[f64]) -> V1 {
-        before.p - (before.q + after.q) * (0.5 * self.theta(h, dw[0]))
+    fn step_momentum(system: &Kubo, before: &State<V1>, after: &State<V1>, h: f64, dw: &[f64]) -> V1 {
+        before.p - (before.q + after.q) * (0.5 * system.theta(h, dw[0]))
     }
 }
 
@@ -182,8 +186,13 @@ fn half_step<S: Scalar>(h: f64, kick: f64, q0: S, p0: S, x: S) -> ([S; 1], [[S; 
     ([x - p0 * (0.5 * h) + sin * (0.25 * h * kick)], [[cos * (0.25 * h * kick) + 1.0]])
 }
 
-impl Discretized<Midpoint> for Pendulum {
-    wzvi_runtime::__apart!(Self);
+impl Listed<Midpoint> for Pendulum {
+    type Scheme = Midpoint;
+    const TEXT: &'static str = "";
+}
+
+impl Scheme<Pendulum> for Midpoint {
+    wzvi_runtime::__apart!(Pendulum);
 
     const PLAN: Plan = Plan {
         solver: Solver::Newton,
@@ -194,23 +203,18 @@ impl Discretized<Midpoint> for Pendulum {
         conserves_energy: Knowledge::Proven,
         commuting: Knowledge::Proven,
     };
-    const EQUATIONS: &'static str = "";
     /// `h ω²`
     type Prepared = f64;
     type Memory<S: Scalar> = Extrapolation<S, 1>;
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
-    fn prepare(&self, h: f64) -> Result<f64, ConfigError> {
-        Some(h * self.omega * self.omega).filter(|x| x.is_finite()).ok_or(ConfigError::Parameter)
+    fn prepare(system: &Pendulum, h: f64) -> Result<f64, ConfigError> {
+        Some(h * system.omega * system.omega).filter(|x| x.is_finite()).ok_or(ConfigError::Parameter)
     }
-    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-        &self,
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        _: &Pendulum,
         &kick: &f64,
-        _t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { h, q, p, dw, .. }: At<'_, S>,
         memory: &mut Extrapolation<S, 1>,
         _carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -234,20 +238,24 @@ impl Discretized<Midpoint> for Pendulum {
         (q[0], p[0]) = (q1, p1);
         Ok(effort)
     }
-    fn discrete_lagrangian(&self, s: &Segment<V1>, dw: &[f64]) -> f64 {
+    fn discrete_lagrangian(system: &Pendulum, s: &Segment<V1>, dw: &[f64]) -> f64 {
         if !dw.is_empty() {
             return f64::NAN;
         }
         let (p, q) = (s.p[0], 0.5 * (s.q0[0] + s.q1[0]));
-        p * (s.q1[0] - s.q0[0]) - s.h * self.evaluate(0, &[q], &[p], s.t)
+        p * (s.q1[0] - s.q0[0]) - s.h * system.evaluate(0, &[q], &[p], s.t)
     }
-    fn discrete_lagrangian_gradient(&self, s: &Segment<V1>, _dw: &[f64]) -> LagrangianGradient<V1> {
-        let kick = s.h * self.omega * self.omega * (0.5 * (s.q0[0] + s.q1[0])).sin();
+    fn discrete_lagrangian_gradient(
+        system: &Pendulum,
+        s: &Segment<V1>,
+        _dw: &[f64],
+    ) -> LagrangianGradient<V1> {
+        let kick = s.h * system.omega * system.omega * (0.5 * (s.q0[0] + s.q1[0])).sin();
         let half = V1::from([0.5 * kick]);
         LagrangianGradient { q0: -s.p - half, q1: s.p - half, p: s.q1 - s.q0 - s.p * s.h }
     }
-    fn step_momentum(&self, before: &State<V1>, after: &State<V1>, h: f64, _dw: &[f64]) -> V1 {
-        let kick = h * self.omega * self.omega * (0.5 * (before.q[0] + after.q[0])).sin();
+    fn step_momentum(system: &Pendulum, before: &State<V1>, after: &State<V1>, h: f64, _dw: &[f64]) -> V1 {
+        let kick = h * system.omega * system.omega * (0.5 * (before.q[0] + after.q[0])).sin();
         before.p - V1::from([0.5 * kick])
     }
 }
@@ -291,8 +299,13 @@ impl Hamiltonian for Rotors {
     }
 }
 
-impl Discretized<DeltaPlus> for Rotors {
-    wzvi_runtime::__apart!(Self);
+impl Listed<DeltaPlus> for Rotors {
+    type Scheme = DeltaPlus;
+    const TEXT: &'static str = "";
+}
+
+impl Scheme<Rotors> for DeltaPlus {
+    wzvi_runtime::__apart!(Rotors);
 
     const PLAN: Plan = Plan {
         solver: Solver::Explicit,
@@ -303,60 +316,55 @@ impl Discretized<DeltaPlus> for Rotors {
         conserves_energy: Knowledge::Refuted,
         commuting: Knowledge::Proven,
     };
-    const EQUATIONS: &'static str = "";
     type Prepared = ();
     type Memory<S: Scalar> = ();
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
-    fn prepare(&self, _h: f64) -> Result<(), ConfigError> {
+    fn prepare(_: &Rotors, _: f64) -> Result<(), ConfigError> {
         Ok(())
     }
-    fn advance_carrying<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-        &self,
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &Rotors,
         _prepared: &(),
-        _t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
+        At { h, q, p, dw, .. }: At<'_, S>,
         _memory: &mut (),
         _carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         for slice in [&*q, &*p] {
-            if slice.len() != self.count {
-                return Err(dimension(self.count, slice.len()));
+            if slice.len() != system.count {
+                return Err(dimension(system.count, slice.len()));
             }
         }
-        if dw.len() != self.count {
-            return Err(increments(self.count, dw.len()));
+        if dw.len() != system.count {
+            return Err(increments(system.count, dw.len()));
         }
         let next = |i: usize, q: &[S], p: &[S]| {
-            let p1 = p[i] + dw[i] * q[i].sin() * self.sigma;
+            let p1 = p[i] + dw[i] * q[i].sin() * system.sigma;
             (q[i] + p1 * h, p1)
         };
-        for i in 0..self.count {
+        for i in 0..system.count {
             let (q1, p1) = next(i, q, p);
             finite(q1, p1)?;
         }
-        for i in 0..self.count {
+        for i in 0..system.count {
             (q[i], p[i]) = next(i, q, p);
         }
         Ok(Effort::default())
     }
-    fn discrete_lagrangian(&self, s: &Segment<DVector<f64>>, dw: &[f64]) -> f64 {
+    fn discrete_lagrangian(system: &Rotors, s: &Segment<DVector<f64>>, dw: &[f64]) -> f64 {
         let kinetic: f64 = s.p.dot(&(&s.q1 - &s.q0)) - 0.5 * s.h * s.p.dot(&s.p);
-        kinetic - dw.iter().zip(s.q0.iter()).map(|(dw, q)| dw * self.sigma * q.cos()).sum::<f64>()
+        kinetic - dw.iter().zip(s.q0.iter()).map(|(dw, q)| dw * system.sigma * q.cos()).sum::<f64>()
     }
     fn discrete_lagrangian_gradient(
-        &self,
+        system: &Rotors,
         s: &Segment<DVector<f64>>,
         dw: &[f64],
     ) -> LagrangianGradient<DVector<f64>> {
-        let kick = DVector::from_fn(self.count, |i, _| self.sigma * dw[i] * s.q0[i].sin());
+        let kick = DVector::from_fn(system.count, |i, _| system.sigma * dw[i] * s.q0[i].sin());
         LagrangianGradient { q0: kick - &s.p, q1: s.p.clone(), p: &s.q1 - &s.q0 - &s.p * s.h }
     }
     fn step_momentum(
-        &self,
+        _: &Rotors,
         _before: &State<DVector<f64>>,
         after: &State<DVector<f64>>,
         _h: f64,

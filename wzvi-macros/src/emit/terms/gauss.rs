@@ -6,7 +6,7 @@ use quote::quote;
 use crate::model::System;
 
 /// `impl Field`
-pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
+pub(crate) fn field(model: &System, constants: &TokenStream) -> TokenStream {
     let noise = model.noise.iter().map(|noise| &noise.term);
     let terms = [&model.drift].into_iter().chain(&model.force).chain(noise);
     let reads_time =
@@ -18,7 +18,7 @@ pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
-            const IS_NYSTROM: #bool = #is_nystrom;
+            #constants
             const IN_LANES: #bool = #in_lanes;
             type Shape = __wzvi::gauss::Dynamic;
             type Noises = __wzvi::gauss::Dynamic;

@@ -1,11 +1,11 @@
-//! From elements to Rust: `Hamiltonian`, `Elements` and one `Discretized<E>` per scheme.
+//! From elements to Rust: `Hamiltonian`, `Elements` and the schemes that are solved in loops.
 
 mod bath;
 mod chunk;
 mod combine;
-mod discretized;
 mod gauss;
 mod hamiltonian;
+mod in_loops;
 mod indices;
 mod kernel;
 mod parts;
@@ -19,8 +19,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-pub(crate) use self::discretized::{emit as step, plan, scheme};
 pub(crate) use self::gauss::{field, in_place};
+pub(crate) use self::in_loops::{emit as step, plan, quadrature};
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
 use self::parts::Numbers;

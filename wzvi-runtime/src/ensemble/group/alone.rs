@@ -13,7 +13,7 @@ use crate::numbers::{Numbers, Tape};
 use crate::plan::Solver;
 use crate::retry::{Subdivision, is_curable};
 use crate::state::State;
-use crate::system::Discretized;
+use crate::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
     /// The step of those lanes that could not take it the short way.
@@ -64,7 +64,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         lane: usize,
         step: u64,
         t: f64,
-        memory: &mut H::Memory<Lanes<1>>,
+        memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         match self.single(lane, step, t, memory) {
             Err(Error::Step(error)) => self.halve_or_fail(lane, step, error, memory),
@@ -81,7 +81,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         lane: usize,
         step: u64,
         error: StepError,
-        memory: &mut H::Memory<Lanes<1>>,
+        memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         let is_tried = self.job.retry.most() > 0 && is_curable(error.cause) && self.counts[lane];
         match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
@@ -115,15 +115,15 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         lane: usize,
         step: u64,
         t: f64,
-        memory: &mut H::Memory<Lanes<1>>,
+        memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         let job = self.job;
         let (mut q, mut p, dw) =
             (alone(lane, &self.q), alone(lane, &self.p), alone(lane, self.increments.of(step)));
         let (system, prepared) = self.system_of(lane);
-        let outcome = system.advance_carrying::<Lanes<1>, Plain, false>(
-            &prepared, t, job.h, &mut q, &mut p, &dw, memory, &mut Plain,
-        );
+        let at = At { t, h: job.h, q: &mut q, p: &mut p, dw: &dw };
+        let outcome =
+            SchemeOf::<H, E>::advance::<Lanes<1>, Plain, false>(system, &prepared, at, memory, &mut Plain);
         match outcome {
             Ok(_) => {
                 for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
@@ -139,7 +139,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     }
 
     /// The system of a lane, and what is prepared of it.
-    fn system_of(&self, lane: usize) -> (&'j H, H::Prepared) {
+    fn system_of(&self, lane: usize) -> (&'j H, PreparedOf<H, E>) {
         let job = self.job;
         match self.own.get(lane) {
             Some(prepared) if P::ARE_OWN => (job.system_of(self.source_of(lane)), prepared.clone()),
@@ -154,7 +154,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         step: u64,
         dw: &[Lanes<1>],
         cause: StepFailure,
-        memory: &mut H::Memory<Lanes<1>>,
+        memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let State { q, p, t } = self.state_of(lane, t);
@@ -171,9 +171,9 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     }
 
     /// What the steps before left of one lane.
-    fn memory_of(&mut self, lane: usize) -> Result<H::Memory<Lanes<1>>, InternalError> {
+    fn memory_of(&mut self, lane: usize) -> Result<MemoryOf<H, E, Lanes<1>>, InternalError> {
         let words = Tape::split(lane, |tape| self.memory.pass(tape));
-        let mut memory = H::Memory::default();
+        let mut memory = MemoryOf::<H, E, _>::default();
         Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
         Ok(memory)
     }
@@ -186,7 +186,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     /// From now on, each lane remembers by itself.
     fn split(&mut self) -> Result<(), InternalError> {
         // With noise as well: what a step leaves may say how the next one is solved.
-        if size_of::<H::Memory<f64>>() == 0 || !self.apart.is_empty() {
+        if size_of::<MemoryOf<H, E, f64>>() == 0 || !self.apart.is_empty() {
             return Ok(());
         }
         for lane in 0..L {

@@ -80,7 +80,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         match self.steppers.get(lane) {
             Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),
             _ => {
-                debug_assert!(!H::HAS_POLYNOMIAL, "a stepper keeps it");
+                debug_assert!(!H::PROPERTIES.has_polynomial, "a stepper keeps it");
                 dense.fill_by_rates::<H, E>(job.system_of(path), nodes, job.h, &self.alone);
             }
         }

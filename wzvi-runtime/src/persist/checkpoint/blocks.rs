@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::numbers::Tape;
 use crate::persist::FileError;
 use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::system::{Discretized, PreparedOf};
 
 /// An ensemble after some of its blocks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,7 +50,7 @@ impl Described {
     /// `settings` are those that only ensembles have, `observed` what the observables are at some states.
     pub(crate) fn new<H: Discretized<E>, E>(
         system: &H,
-        prepared: &H::Prepared,
+        prepared: &PreparedOf<H, E>,
         h: f64,
         start: &State<H::Vector>,
         settings: Fields,

@@ -14,7 +14,7 @@ use crate::series::Tally;
 use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
-use crate::system::{Discretized, Gradient, Hamiltonian};
+use crate::system::{Discretized, Gradient, Hamiltonian, PreparedOf};
 
 /// Names and values.
 pub(crate) type Fields = Vec<(String, String)>;
@@ -93,7 +93,7 @@ const MOST_PARAMETERS: usize = 64;
 /// parameters and step size, and the Hamiltonians at the start.
 pub(super) fn derived<H: Discretized<E>, E>(
     system: &H,
-    prepared: &H::Prepared,
+    prepared: &PreparedOf<H, E>,
     start: &State<H::Vector>,
 ) -> Fields {
     let mut constants = Checksum::default();

@@ -1,4 +1,4 @@
-//! `impl Discretized<E>` of a system of elements: what the run time needs to know of a scheme.
+//! Steps in loops: what the run time needs to know of a scheme.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -7,13 +7,13 @@ use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
-use crate::emit::discretized::Discretized;
+use crate::emit::count;
+use crate::emit::listed::{kept_energy, listed};
 use crate::emit::plan::Plan;
-use crate::emit::{count, f64_type};
 use crate::input::{Length, Shape};
-use crate::model::{Parameter, System};
+use crate::model::System;
 
-/// `impl Discretized<E>`
+/// `impl InLoops<E>`
 pub(crate) fn emit(
     model: &System,
     facts: &Facts,
@@ -21,57 +21,28 @@ pub(crate) fn emit(
     strategy: Strategy,
     text: &str,
 ) -> TokenStream {
-    let f64 = f64_type();
-    let nan_checks: Vec<TokenStream> =
-        model.parameters.iter().map(|Parameter { tokens, .. }| quote!(#f64::is_nan(#tokens))).collect();
-    let nan_check = (!nan_checks.is_empty()).then(|| {
-        quote! {
-            if #(#nan_checks)||* {
-                return __wzvi::Err(__wzvi::ConfigError::Parameter);
-            }
-        }
-    });
-    let elements = quote!(__wzvi::elements);
     let is_explicit = strategy.unknowns == Unknowns::None;
-    let advance = match is_explicit {
-        true => quote!(#elements::advance_explicit::<_, __S, __C>),
-        false => quote!(#elements::advance::<_, __S, __C, __CAREFUL>),
-    };
-    Discretized {
-        item: &model.item,
-        embedding,
-        text,
-        items: scheme(facts, embedding, strategy, model.noise.is_empty() && !is_explicit),
-        // A start that is no guide costs iterations, not digits.
-        constants: quote! {
-            const REMEMBERS: __wzvi::bool = false;
-            const IN_LANES: __wzvi::bool = #is_explicit;
-        },
-        plan: plan(model, facts, embedding, strategy),
-        prepared: quote!(()),
-        beside: None,
-        memory: quote!(#elements::Memory<__S>),
-        compensated: quote!(#elements::CompensationVec<__S>),
-        carry: quote!(__wzvi::Plain),
-        new_memory: Some(quote!(#elements::Memory::new(self, &__SCHEME))),
-        prepare: quote! {
-            #nan_check
-            #elements::prepare(self)
-        },
-        inline: if is_explicit { quote!(#[inline(always)]) } else { TokenStream::new() },
-        advance: quote! {
-            #advance(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry)
-        },
-        advance_vectors: is_explicit.then(|| {
-            let vectors = quote!(#elements::advance_explicit_vectors);
-            quote!(#vectors(self, &__SCHEME, __t, __h, __q, __p, __dw, __memory, __carry))
-        }),
+    let quadrature = quadrature(facts, embedding, strategy, model.noise.is_empty() && !is_explicit);
+    let (plan, kept) = (plan(model, facts, embedding, strategy), kept_energy(embedding));
+    let (item, embedding) = (&model.item, embedding.path(&quote!(__wzvi)));
+    let name = &item.ident;
+    let (generics, arguments, filter) = item.generics.split_for_impl();
+    let listed =
+        listed(item, &item.generics, &embedding, &quote!(__wzvi::elements::Loops<#embedding>), &text);
+    quote! {
+        #[automatically_derived]
+        impl #generics __wzvi::elements::InLoops<#embedding> for #name #arguments #filter {
+            const PLAN: __wzvi::Plan = #plan;
+            const QUADRATURE: __wzvi::elements::Scheme = #quadrature;
+            #kept
+        }
+
+        #listed
     }
-    .emit()
 }
 
 /// What the run time needs to know of the scheme, and whether past steps start its iteration.
-pub(crate) fn scheme(
+pub(crate) fn quadrature(
     facts: &Facts,
     embedding: &Embedding,
     strategy: Strategy,
@@ -93,13 +64,13 @@ pub(crate) fn scheme(
         Unknowns::Both => quote!(Both),
     };
     quote! {
-        const __SCHEME: __wzvi::elements::Scheme = __wzvi::elements::Scheme {
+        __wzvi::elements::Scheme {
             stages: &[#(#stages),*],
             update: __wzvi::elements::MomentumUpdate::#update,
             unknowns: __wzvi::elements::Unknowns::#unknowns,
             remembers: #remembers,
             is_linear: #is_linear,
-        };
+        }
     }
 }
 

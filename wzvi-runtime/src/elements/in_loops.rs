@@ -1,0 +1,119 @@
+//! Steps of a scheme in loops: data for each system, one implementation for all.
+
+use std::marker::PhantomData;
+
+use super::explicit::{advance_explicit, advance_explicit_vectors};
+use super::{
+    CompensationVec, Memory, Scheme as Quadrature, Shared, Unknowns, discrete_lagrangian,
+    discrete_lagrangian_gradient, iterate, places, step_momentum,
+};
+use crate::carry::{Carry, Plain};
+use crate::error::{ConfigError, StepFailure};
+use crate::plan::{KeptEnergy, Plan};
+use crate::scalar::Scalar;
+use crate::solve::Effort;
+use crate::state::{State, Vector};
+use crate::system::{At, LagrangianGradient, Properties, Scheme, Segment, no_nan};
+
+/// A system whose steps by `E` are solved in loops; generated.
+pub trait InLoops<E>: Shared + Sized {
+    /// What the compiler found out.
+    const PLAN: Plan;
+    /// The quadrature.
+    const QUADRATURE: Quadrature;
+    /// The energy that is watched in runs of constant step.
+    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Hamiltonian;
+}
+
+/// Steps in loops.
+#[derive(Clone, Copy, Debug)]
+pub struct Loops<E>(PhantomData<E>);
+
+const fn is_explicit(quadrature: &Quadrature) -> bool {
+    matches!(quadrature.unknowns, Unknowns::None)
+}
+
+/// A start that is no guide costs iterations, not digits: nothing is to be forgotten.
+impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
+    const PLAN: Plan = H::PLAN;
+    const PROPERTIES: Properties = Properties {
+        kept_energy: H::KEPT_ENERGY,
+        remembers: false,
+        in_lanes: is_explicit(&H::QUADRATURE),
+        ..Properties::of(&H::PLAN, 0)
+    };
+    type Prepared = ();
+    type Memory<S: Scalar> = Memory<S>;
+    type Compensated<S: Scalar> = CompensationVec<S>;
+    type Carry<S: Scalar> = Plain;
+
+    fn memory(system: &H) -> Memory<f64> {
+        Memory::new(system, &H::QUADRATURE)
+    }
+
+    fn prepare(system: &H, _: f64) -> Result<(), ConfigError> {
+        no_nan(system)?;
+        match system.degrees() {
+            0 => Ok(()),
+            degrees => {
+                places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &H,
+        (): &(),
+        At { t, h, q, p, dw }: At<'_, S>,
+        memory: &mut Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        if const { is_explicit(&H::QUADRATURE) } {
+            advance_explicit(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry)
+        } else {
+            iterate::advance::<H, S, C, CAREFUL>(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry)
+        }
+    }
+
+    #[inline(always)]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        system: &H,
+        (): &(),
+        [t, h]: [f64; 2],
+        [q, p]: [&mut H::Vector; 2],
+        dw: &[f64],
+        memory: &mut Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        if const { is_explicit(&H::QUADRATURE) } {
+            return advance_explicit_vectors(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry);
+        }
+        let (q, p) = (q.components_mut(), p.components_mut());
+        iterate::advance::<H, f64, C, CAREFUL>(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry)
+    }
+
+    crate::__apart!(H);
+
+    fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
+        discrete_lagrangian(system, &H::QUADRATURE, segment, dw)
+    }
+
+    fn discrete_lagrangian_gradient(
+        system: &H,
+        segment: &Segment<H::Vector>,
+        dw: &[f64],
+    ) -> LagrangianGradient<H::Vector> {
+        discrete_lagrangian_gradient(system, &H::QUADRATURE, segment, dw)
+    }
+
+    fn step_momentum(
+        system: &H,
+        before: &State<H::Vector>,
+        after: &State<H::Vector>,
+        h: f64,
+        dw: &[f64],
+    ) -> H::Vector {
+        step_momentum(system, &H::QUADRATURE, [before, after], h, dw)
+    }
+}
