@@ -213,7 +213,7 @@ pub mod __private {
     pub use core::mem::drop;
     pub use core::ops::Range;
     pub use core::option::Option::{self, None, Some};
-    pub use core::primitive::{bool, f64, i128, isize, str, usize};
+    pub use core::primitive::{bool, f64, i128, isize, str, u32, usize};
     pub use core::result::Result::{self, Err, Ok};
 
     pub use crate::checks;
@@ -229,7 +229,7 @@ pub mod __private {
     pub use wzvi_runtime::lanes::Lanes;
     pub use wzvi_runtime::modified::Conservative;
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
-    pub use wzvi_runtime::plan::{KeptEnergy, Knowledge, NoiseClass, Plan, Solver};
+    pub use wzvi_runtime::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scalar::{Apart, Beside, Constant, Mask, Number, Over, Rounded, Scalar};
     pub use wzvi_runtime::solve::*;
     pub use wzvi_runtime::state::{State, Vector};

@@ -70,6 +70,7 @@ pub use crate::memory::{Iteration, Method};
 use hamiltonian::{DRIFT, FORCE, NOISE};
 
 use crate::error::StepFailure;
+use crate::plan::Facts;
 use crate::scalar::{Number, Scalar};
 use crate::system::Hamiltonian;
 
@@ -150,6 +151,9 @@ pub trait Elements: Hamiltonian {
     /// What the elements read and the compiler has not shown to be there.
     #[doc(hidden)]
     const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
+
+    /// What the compiler found out of the system.
+    const FACTS: Facts;
 
     /// The part that is the first of the first integrals.
     const INTEGRALS: usize;
@@ -272,9 +276,9 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
 
 /// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
 /// not read.
-#[expect(clippy::too_many_arguments, reason = "as `gauss::Field::slopes`")]
+#[expect(clippy::too_many_arguments, reason = "as `gauss::Field::step_slopes`")]
 #[inline(always)]
-pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &H,
     t: S,
     h: S,
@@ -310,7 +314,7 @@ pub fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
 
 /// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by coordinates, which are `state`, or by momenta, which are it.
 #[inline(always)]
-pub fn add_slopes<H: Elements, S: Scalar>(
+pub(crate) fn add_slopes<H: Elements, S: Scalar>(
     system: &H,
     flow: Flow<'_, S>,
     state: &[S],

@@ -32,13 +32,14 @@ mod wide;
 
 use crate::carry::Carry;
 use crate::dense::Slopes;
+use crate::elements::{self, Elements};
 use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
-use crate::plan::{Plan, Solver};
+use crate::plan::{Facts, Plan, Solver};
 use crate::scalar::{Constant, Over, Scalar};
 use crate::solve::Effort;
 use crate::state::State;
-use crate::system::{At, Hamiltonian, Properties, Scheme, Segment};
+use crate::system::{At, Properties, Scheme, Segment};
 
 pub use advance::Prepared;
 pub use kept::Memory;
@@ -54,9 +55,7 @@ pub struct Gauss<const S: usize>;
 pub(crate) use table::quadrature;
 
 /// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
-pub trait Field: Hamiltonian {
-    /// The plan of a mid-point step with one unknown for each degree of freedom.
-    const MIDPOINT: Plan;
+pub trait Field: Elements + Sized {
     /// Whether `F` is a constant quadratic form of `p` plus a function of `q` and `t`.
     const IS_NYSTROM: bool;
     /// Whether all stages can be evaluated at once although their times differ.
@@ -74,7 +73,7 @@ pub trait Field: Hamiltonian {
     /// Those of `L` systems beside each other; `None` where there are none.
     fn parameters_beside<const L: usize>(systems: [&Self; L]) -> Option<Self::Parameters<Lanes<L>>>;
 
-    /// [`Field::slopes`] of systems with these parameters.
+    /// [`Field::step_slopes`] of systems with these parameters.
     #[expect(clippy::too_many_arguments, reason = "as there")]
     fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
         parameters: &Self::Parameters<K>,
@@ -95,7 +94,8 @@ pub trait Field: Hamiltonian {
         clippy::too_many_arguments,
         reason = "generated code implements it, and each is one thing that slopes depend on"
     )]
-    fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+    #[inline(always)]
+    fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
         &self,
         t: S,
         h: S,
@@ -104,7 +104,9 @@ pub trait Field: Hamiltonian {
         dw: &[S],
         by_q: &mut [S],
         by_p: &mut [S],
-    );
+    ) {
+        elements::field::<_, S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
+    }
 }
 
 /// What the slopes are for lists that do not fit the system.
@@ -114,14 +116,14 @@ pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
     by_p.fill(S::from_f64(f64::NAN));
 }
 
-/// The plan of a step with so many stages, from that of the mid-point step.
-const fn plan(midpoint: Plan, stages: usize, is_nystrom: bool) -> Plan {
-    let unknowns = midpoint.unknowns.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
-    Plan { solver: Solver::Newton, unknowns, order: 2 * stages as u32, consistent: true, ..midpoint }
+/// The plan of a step with so many stages.
+const fn plan(facts: Facts, stages: usize, is_nystrom: bool) -> Plan {
+    let unknowns = facts.degrees.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
+    facts.plan(Solver::Newton, unknowns, 2 * stages as u32, true)
 }
 
 impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
-    const PLAN: Plan = plan(F::MIDPOINT, N, F::IS_NYSTROM);
+    const PLAN: Plan = plan(F::FACTS, N, F::IS_NYSTROM);
     const PROPERTIES: Properties = Properties {
         in_lanes: F::Shape::IS_FIXED,
         // That of a step with friction is one of the momentum that friction leaves alone.

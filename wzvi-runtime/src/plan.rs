@@ -54,6 +54,34 @@ pub enum KeptEnergy {
     Nearly,
 }
 
+/// Compile-time facts about a system, whatever its scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
+    /// Degrees of freedom; `usize::MAX` where only the state knows them.
+    pub degrees: usize,
+    /// How the noise enters.
+    pub noise: NoiseClass,
+    /// As [`Plan::conserves_energy`].
+    pub conserves_energy: Knowledge,
+    /// As [`Plan::commuting`].
+    pub commuting: Knowledge,
+    /// Whether there is friction or a bath.
+    pub is_damped: bool,
+}
+
+impl Facts {
+    /// The plan of a scheme of this order with such a step.
+    pub const fn plan(self, solver: Solver, unknowns: usize, order: u32, consistent: bool) -> Plan {
+        let Self { noise, conserves_energy, commuting, .. } = self;
+        Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting }
+    }
+
+    /// That of a step of order two that is made of flows.
+    pub const fn explicit(self) -> Plan {
+        self.plan(Solver::Explicit, 0, 2, true)
+    }
+}
+
 /// Compile-time facts about a scheme: what the generated step does and what the system keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {

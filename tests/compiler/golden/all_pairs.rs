@@ -58,9 +58,9 @@ pub struct Bodies {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Hamiltonian, KeptEnergy, Knowledge, Labels,
-        Listed, NoiseClass, Number, Option, Plan, Range, Result, Scalar, Sized, Solver,
-        StepFailure, Variables, bool, f64, isize, str, usize,
+        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Labels,
+        Listed, NoiseClass, Number, Option, Range, Result, Scalar, Sized, StepFailure,
+        Variables, bool, f64, isize, str, u32, usize,
         elements::{
             Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Row, Run,
             Scheme, Slopes, Stage, Sums, Unknowns,
@@ -219,6 +219,13 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
+        const FACTS: Facts = Facts {
+            degrees: usize::MAX,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let g: f64 = self.g;
@@ -416,30 +423,15 @@ const _: () = {
     }
     #[automatically_derived]
     impl InLoops<DeltaPlus> for Bodies {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 1,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const ORDER: u32 = 1;
+        const IS_CONSISTENT: bool = true;
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.0,
-                    start: 1.0,
-                    end: 0.0,
-                    parts: &[(0, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
         };
-        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
     }
     #[automatically_derived]
     impl Listed<DeltaPlus> for Bodies {

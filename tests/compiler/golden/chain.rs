@@ -55,9 +55,9 @@ pub struct Chain {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Hamiltonian, Knowledge, Listed, NoiseClass,
-        Number, Option, Plan, Result, Scalar, Sized, Solver, StepFailure, bool, f64,
-        isize, str, usize, compose::{Composes, Equations, General, ROOM},
+        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Listed,
+        NoiseClass, Number, Option, Result, Scalar, Sized, StepFailure, bool, f64, isize,
+        str, u32, usize, compose::{Composes, Equations, General, ROOM},
         elements::{
             Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
             Scheme, Slopes, Stage, Sums, Unknowns,
@@ -112,6 +112,13 @@ const _: () = {
                     ],
                 },
             ],
+        };
+        const FACTS: Facts = Facts {
+            degrees: usize::MAX,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
         };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
@@ -348,24 +355,10 @@ const _: () = {
     }
     #[automatically_derived]
     impl InLoops<Midpoint> for Chain {
-        const PLAN: Plan = Plan {
-            solver: Solver::Newton,
-            unknowns: usize::MAX,
-            order: 2,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const ORDER: u32 = 2;
+        const IS_CONSISTENT: bool = true;
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.5,
-                    start: 0.5,
-                    end: 0.5,
-                    parts: &[(0, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,
             remembers: true,

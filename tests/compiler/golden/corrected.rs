@@ -48,10 +48,10 @@ pub struct Multiplicative {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Gradient,
-        Hamiltonian, KeptEnergy, Knowledge, Lanes, Listed, NoiseClass, Number, Ok,
-        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution,
-        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
+        Hamiltonian, Knowledge, Lanes, Listed, NoiseClass, Number, Ok, Option, Over,
+        PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution, Solver,
+        State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
             Unknowns,
@@ -98,6 +98,13 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Multiplicative {
+        const FACTS: Facts = Facts {
+            degrees: 1,
+            noise: NoiseClass::Multiplicative,
+            conserves_energy: Knowledge::Refuted,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let sigma: f64 = self.sigma;
@@ -206,30 +213,14 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
-        const PLAN: Plan = Plan {
-            solver: Solver::Linear,
-            unknowns: 1,
-            order: 1,
-            noise: NoiseClass::Multiplicative,
-            consistent: true,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-        };
+        const PLAN: Plan = Self::FACTS.plan(Solver::Linear, 1, 1, true);
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.0,
-                    start: 1.0,
-                    end: 0.0,
-                    parts: &[(0, 1.0), (1, 1.0), (2, 0.5)],
-                },
-            ],
+            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::Momenta,
             remembers: false,
             is_linear: false,
         };
-        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
         type Prepared<K: Constant> = [K; 2];
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;

@@ -79,9 +79,9 @@ pub struct Perturbed {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Constant, Hamiltonian, Knowledge, Lanes, Listed, NoiseClass,
-        Number, Option, Over, Plan, Result, SVector, Scalar, Scheme, Sized, Solver, Some,
-        StepFailure, bool, f64, str, usize,
+        self as wzvi, Constant, Facts, Hamiltonian, Knowledge, Lanes, Listed, NoiseClass,
+        Number, Option, Over, Result, SVector, Scalar, Scheme, Sized, Some, StepFailure,
+        bool, f64, str, usize,
         compose::{
             Composes, Equations, Flows, Form, Nystrom, One, Parted, Parts, ROOM,
             Structure,
@@ -120,6 +120,13 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Perturbed {
+        const FACTS: Facts = Facts {
+            degrees: 1,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Refuted,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 5;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let omega: f64 = self.omega;
@@ -235,30 +242,12 @@ const _: () = {
     }
     #[automatically_derived]
     impl Parts for Perturbed {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 2,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-        };
         const FORMS: [Form; 2] = [Form::Quadratic, Form::Coordinates];
         const FIRST: usize = 3;
         type Shape = Fixed<1>;
     }
     #[automatically_derived]
     impl Field for Perturbed {
-        const MIDPOINT: Plan = Plan {
-            solver: Solver::Newton,
-            unknowns: 1,
-            order: 2,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-        };
         const IS_NYSTROM: bool = true;
         const IN_LANES: bool = true;
         type Shape = Fixed<1>;
@@ -278,7 +267,7 @@ const _: () = {
             ])
         }
         #[inline(always)]
-        fn slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+        fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
             &self,
             t: S,
             h: S,
@@ -322,17 +311,7 @@ const _: () = {
     }
     #[automatically_derived]
     impl Flows for Perturbed {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 2,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-        };
         const FORCE_READS_TIME: bool = true;
-        const IN_PLACE: bool = false;
     }
     #[automatically_derived]
     impl Listed<Verlet> for Perturbed {

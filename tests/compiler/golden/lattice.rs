@@ -57,9 +57,9 @@ pub struct Lattice<const N: usize> {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Hamiltonian, KeptEnergy, Knowledge, Labels,
-        Listed, NoiseClass, Number, Option, Ord, Plan, Result, Scalar, Sized, Solver,
-        StepFailure, Variables, bool, f64, isize, str, usize,
+        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Labels,
+        Listed, NoiseClass, Number, Option, Ord, Result, Scalar, Sized, StepFailure,
+        Variables, bool, f64, isize, str, u32, usize,
         elements::{
             Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
             Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
@@ -108,6 +108,13 @@ const _: () = {
     }
     #[automatically_derived]
     impl<const N: usize> Elements for Lattice<{ N }> {
+        const FACTS: Facts = Facts {
+            degrees: (N) * 2usize,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let k: f64 = self.k;
@@ -318,30 +325,15 @@ const _: () = {
     }
     #[automatically_derived]
     impl<const N: usize> InLoops<DeltaPlus> for Lattice<{ N }> {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 1,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const ORDER: u32 = 1;
+        const IS_CONSISTENT: bool = true;
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.0,
-                    start: 1.0,
-                    end: 0.0,
-                    parts: &[(0, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
         };
-        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
     }
     #[automatically_derived]
     impl<const N: usize> Listed<DeltaPlus> for Lattice<{ N }> {

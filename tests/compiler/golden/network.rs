@@ -52,9 +52,9 @@ pub struct Network {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Hamiltonian, KeptEnergy, Knowledge, Listed,
-        NoiseClass, None, Number, Ord, Plan, Range, Result, Scalar, Sized, Solver, Some,
-        StepFailure, bool, f64, i128, isize, str, usize,
+        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Listed,
+        NoiseClass, None, Number, Ord, Range, Result, Scalar, Sized, Some, StepFailure,
+        bool, f64, i128, isize, str, u32, usize,
         elements::{
             Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
             Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
@@ -252,6 +252,13 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
+        const FACTS: Facts = Facts {
+            degrees: usize::MAX,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let size = at.degrees() as isize;
@@ -456,30 +463,15 @@ const _: () = {
     }
     #[automatically_derived]
     impl InLoops<DeltaPlus> for Network {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 1,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const ORDER: u32 = 1;
+        const IS_CONSISTENT: bool = true;
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.0,
-                    start: 1.0,
-                    end: 0.0,
-                    parts: &[(0, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
             remembers: false,
             is_linear: false,
         };
-        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
     }
     #[automatically_derived]
     impl Listed<DeltaPlus> for Network {

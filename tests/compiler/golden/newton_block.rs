@@ -52,9 +52,9 @@ pub struct HenonHeiles;
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, ConfigError, Conservative, Constant, Err,
-        Extrapolation, Hamiltonian, Knowledge, Labels, Lanes, Listed, NoiseClass, Number,
-        Ok, Over, Plain, Plan, Result, Rounded, SVector, Scalar, Sized, Solution, Solver,
-        StepFailure, Straight, StraightLine, Variables, bool, f64, str, usize,
+        Extrapolation, Facts, Hamiltonian, Knowledge, Labels, Lanes, Listed, NoiseClass,
+        Number, Ok, Over, Plain, Plan, Result, Rounded, SVector, Scalar, Sized, Solution,
+        Solver, StepFailure, Straight, StraightLine, Variables, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM},
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
@@ -95,6 +95,13 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for HenonHeiles {
+        const FACTS: Facts = Facts {
+            degrees: 2,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let mut value = S::from_f64(0.0);
@@ -216,24 +223,9 @@ const _: () = {
         }
         #[automatically_derived]
         impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
-            const PLAN: Plan = Plan {
-                solver: Solver::Newton,
-                unknowns: 2,
-                order: 2,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
+            const PLAN: Plan = Self::FACTS.plan(Solver::Newton, 2, 2, true);
             const QUADRATURE: Scheme = Scheme {
-                stages: &[
-                    Stage {
-                        point: 0.5,
-                        start: 0.5,
-                        end: 0.5,
-                        parts: &[(0, 1.0)],
-                    },
-                ],
+                stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                 update: MomentumUpdate::Multiple(2.0),
                 unknowns: Unknowns::Momenta,
                 remembers: false,

@@ -78,10 +78,10 @@ pub struct Kubo {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Gradient,
-        Hamiltonian, KeptEnergy, Knowledge, Lanes, Listed, NoiseClass, Number, Ok,
-        Option, Over, PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution,
-        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
+        Hamiltonian, Knowledge, Lanes, Listed, NoiseClass, Number, Ok, Option, Over,
+        PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution, Solver,
+        State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         compose::{Composes, Equations, General, ROOM},
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
@@ -135,6 +135,13 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Kubo {
+        const FACTS: Facts = Facts {
+            degrees: 1,
+            noise: NoiseClass::Multiplicative,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let a: f64 = self.a;
@@ -238,24 +245,9 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<Midpoint, 1, 1> for Kubo {
-        const PLAN: Plan = Plan {
-            solver: Solver::Linear,
-            unknowns: 1,
-            order: 2,
-            noise: NoiseClass::Multiplicative,
-            consistent: true,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const PLAN: Plan = Self::FACTS.plan(Solver::Linear, 1, 2, true);
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.5,
-                    start: 0.5,
-                    end: 0.5,
-                    parts: &[(0, 1.0), (1, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,
             remembers: false,
@@ -314,30 +306,14 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 1,
-            noise: NoiseClass::Multiplicative,
-            consistent: false,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const PLAN: Plan = Self::FACTS.plan(Solver::Explicit, 0, 1, false);
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.0,
-                    start: 1.0,
-                    end: 0.0,
-                    parts: &[(0, 1.0), (1, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::Momenta,
             remembers: false,
             is_linear: false,
         };
-        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
         type Prepared<K: Constant> = [K; 2];
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;

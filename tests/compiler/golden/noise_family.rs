@@ -55,9 +55,9 @@ pub struct Bath {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, DVector, Gradient, Hamiltonian, Knowledge, Listed, NoiseClass,
-        Number, Option, Ord, Plan, Range, Result, Scalar, Sized, Solver, State,
-        StepFailure, bool, f64, i128, isize, str, usize,
+        self as wzvi, DVector, Facts, Gradient, Hamiltonian, Knowledge, Listed,
+        NoiseClass, Number, Option, Ord, Range, Result, Scalar, Sized, State,
+        StepFailure, bool, f64, i128, isize, str, u32, usize,
         compose::{Composes, Equations, General, ROOM},
         elements::{
             Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
@@ -149,6 +149,13 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
+        const FACTS: Facts = Facts {
+            degrees: usize::MAX,
+            noise: NoiseClass::Additive,
+            conserves_energy: Knowledge::Refuted,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let sigma: f64 = self.sigma;
@@ -350,24 +357,10 @@ const _: () = {
     }
     #[automatically_derived]
     impl InLoops<Midpoint> for Bath {
-        const PLAN: Plan = Plan {
-            solver: Solver::Linear,
-            unknowns: usize::MAX,
-            order: 2,
-            noise: NoiseClass::Additive,
-            consistent: true,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-        };
+        const ORDER: u32 = 2;
+        const IS_CONSISTENT: bool = true;
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.5,
-                    start: 0.5,
-                    end: 0.5,
-                    parts: &[(0, 1.0), (1, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,
             remembers: false,

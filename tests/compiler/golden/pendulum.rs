@@ -77,10 +77,10 @@ pub struct Pendulum {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Beside, Block, Carry, ConfigError, Conservative, Constant, Effort,
-        Err, Extrapolation, Hamiltonian, KeptEnergy, Knowledge, Lanes, Listed,
-        NoiseClass, Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, Rounded,
-        SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight, StraightLine,
-        bool, f64, str, usize, compose::{Composes, Equations, General, ROOM},
+        Err, Extrapolation, Facts, Hamiltonian, Knowledge, Lanes, Listed, NoiseClass,
+        Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, Rounded, SVector,
+        Scalar, Sized, Solution, Solver, StepFailure, Straight, StraightLine, bool, f64,
+        str, usize, compose::{Composes, Equations, General, ROOM},
         elements::{
             Alone, Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage,
             Sums, Unknowns, Usual,
@@ -116,6 +116,13 @@ const _: () = {
     }
     #[automatically_derived]
     impl Elements for Pendulum {
+        const FACTS: Facts = Facts {
+            degrees: 1,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let omega: f64 = self.omega;
@@ -179,30 +186,14 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<DeltaPlus, 1, 0> for Pendulum {
-        const PLAN: Plan = Plan {
-            solver: Solver::Explicit,
-            unknowns: 0,
-            order: 1,
-            noise: NoiseClass::None,
-            consistent: true,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-        };
+        const PLAN: Plan = Self::FACTS.plan(Solver::Explicit, 0, 1, true);
         const QUADRATURE: Scheme = Scheme {
-            stages: &[
-                Stage {
-                    point: 0.0,
-                    start: 1.0,
-                    end: 0.0,
-                    parts: &[(0, 1.0)],
-                },
-            ],
+            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::Momenta,
             remembers: false,
             is_linear: false,
         };
-        const KEPT_ENERGY: KeptEnergy = KeptEnergy::Point(0f64);
         type Prepared<K: Constant> = [K; 1];
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
@@ -284,24 +275,9 @@ const _: () = {
         }
         #[automatically_derived]
         impl StraightLine<Midpoint, 1, 0> for Pendulum {
-            const PLAN: Plan = Plan {
-                solver: Solver::Newton,
-                unknowns: 1,
-                order: 2,
-                noise: NoiseClass::None,
-                consistent: true,
-                conserves_energy: Knowledge::Proven,
-                commuting: Knowledge::Proven,
-            };
+            const PLAN: Plan = Self::FACTS.plan(Solver::Newton, 1, 2, true);
             const QUADRATURE: Scheme = Scheme {
-                stages: &[
-                    Stage {
-                        point: 0.5,
-                        start: 0.5,
-                        end: 0.5,
-                        parts: &[(0, 1.0)],
-                    },
-                ],
+                stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                 update: MomentumUpdate::Multiple(2.0),
                 unknowns: Unknowns::Momenta,
                 remembers: false,

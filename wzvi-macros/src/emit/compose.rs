@@ -5,40 +5,21 @@ use quote::quote;
 use syn::ItemStruct;
 
 use super::listed::listed;
-use super::plan::Plan;
 use super::system::count;
 use crate::describe::Texts;
-use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::Flows;
 use crate::embedding::Embedding;
 
-/// The plan of a step that is made of flows.
-pub(crate) fn explicit_plan(facts: &Facts) -> TokenStream {
-    Plan {
-        solver: quote!(Explicit),
-        unknowns: quote!(0),
-        order: 2,
-        noise: facts.noise,
-        consistent: true,
-        conserves_energy: &facts.conserves_energy,
-        commuting: &facts.commuting,
-    }
-    .emit()
-}
-
 /// What the run time reads of the flows that `Verlet` is made of.
-pub(crate) fn flows(item: &ItemStruct, flows: Flows, facts: &Facts, in_place: &TokenStream) -> TokenStream {
-    let plan = explicit_plan(facts);
+pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: &TokenStream) -> TokenStream {
     let name = &item.ident;
     let (generics, arguments, filter) = item.generics.split_for_impl();
-    let (reads_time, is_in_place) = (flows.force_reads_time, !in_place.is_empty());
+    let reads_time = flows.force_reads_time;
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::compose::Flows for #name #arguments #filter {
-            const PLAN: __wzvi::Plan = #plan;
             const FORCE_READS_TIME: __wzvi::bool = #reads_time;
-            const IN_PLACE: __wzvi::bool = #is_in_place;
-            #in_place
+            #in_windows
         }
     }
 }

@@ -18,8 +18,6 @@ use crate::describe::Texts;
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::is_nystrom;
 use crate::discretise::gauss::StepSlopes;
-use crate::elements::plan::{Strategy, Unknowns};
-use crate::embedding::Embedding;
 use crate::model::{StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
@@ -34,21 +32,12 @@ pub(super) fn emit(
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(system, facts);
-    // Its unknowns are those of one stage with one unknown for each degree of freedom.
-    let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
-    let midpoint = terms::plan(system, facts, &Embedding::Midpoint, strategy);
-    let constants = quote! {
-        const MIDPOINT: __wzvi::Plan = #midpoint;
-        const IS_NYSTROM: __wzvi::bool = #is_nystrom;
-    };
-    let (mut generated, in_place) = match line {
-        Some(line) => {
-            (field(&system.item, (&mut system.graph, line), is_nystrom, &constants), TokenStream::new())
-        }
-        None => (terms::field(system, &constants), terms::in_place()),
+    let (mut generated, in_windows) = match line {
+        Some(line) => (field(&system.item, (&mut system.graph, line), is_nystrom), TokenStream::new()),
+        None => (terms::field(system, is_nystrom), terms::in_windows()),
     };
     if let Some(flows) = texts.flows {
-        generated.extend(compose::flows(&system.item, flows, facts, &in_place));
+        generated.extend(compose::flows(&system.item, flows, &in_windows));
     }
     for (embedding, stages, text) in texts.staged() {
         let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
@@ -63,7 +52,6 @@ fn field(
     item: &syn::ItemStruct,
     (graph, line): (&mut Graph, &StraightLine),
     is_nystrom: bool,
-    constants: &TokenStream,
 ) -> TokenStream {
     let slopes = StepSlopes::new(graph, line, is_nystrom);
     let phase = &line.phase;
@@ -94,7 +82,7 @@ fn field(
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
-            #constants
+            const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = true;
             type Shape = __wzvi::gauss::Fixed<#degrees>;
             type Noises = __wzvi::gauss::Fixed<#noises>;
@@ -110,7 +98,7 @@ fn field(
             }
 
             #[inline(always)]
-            fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
+            fn step_slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
                 __t: __S,
                 __h: __S,

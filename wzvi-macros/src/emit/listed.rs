@@ -4,8 +4,6 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::{Generics, ItemStruct};
 
-use crate::embedding::Embedding;
-
 /// Of the struct `item`, for the type `listed` with the parameters `generics`.
 pub(crate) fn listed(
     item: &ItemStruct,
@@ -24,12 +22,4 @@ pub(crate) fn listed(
             const TEXT: &'static __wzvi::str = #text;
         }
     }
-}
-
-/// The energy that is watched, of schemes that do not keep `H` itself.
-pub(crate) fn kept_energy(embedding: &Embedding) -> Option<TokenStream> {
-    (embedding.order() == 1).then(|| {
-        let l = embedding.quadrature().0.to_f64();
-        quote!(const KEPT_ENERGY: __wzvi::KeptEnergy = __wzvi::KeptEnergy::Point(#l);)
-    })
 }

@@ -3,15 +3,14 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::listed::{kept_energy, listed};
+use super::listed::listed;
 use super::names::Names;
-use super::plan::Plan;
+use super::plan::plan;
 use super::print::f64_type;
 use super::system::{Letters, count};
 use super::terms;
 use crate::discretise::Scheme;
 use crate::discretise::facts::{Facts, NoiseClass};
-use crate::discretise::structure::Solution;
 use crate::elements::plan::{Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
@@ -72,7 +71,7 @@ pub(crate) fn emit(
     // Of what is solved in loops only the momentum between two ends, if that.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
     let quadrature = terms::quadrature(facts, &scheme.embedding, strategy, false);
-    let (plan, kept) = (plan(facts, scheme), kept_energy(&scheme.embedding));
+    let plan = plan(scheme);
     let (name, f64, usize) = (&item.ident, f64_type(), quote!(__wzvi::usize));
     let (generics, arguments, filter) = item.generics.split_for_impl();
     let embedding = scheme.embedding.path(&quote!(__wzvi));
@@ -83,7 +82,6 @@ pub(crate) fn emit(
         impl #generics __wzvi::StraightLine<#embedding, #d, #n> for #name #arguments #filter {
             const PLAN: __wzvi::Plan = #plan;
             const QUADRATURE: __wzvi::elements::Scheme = #quadrature;
-            #kept
             type Prepared<__K: __wzvi::Constant> = #prepared_type;
             type Memory<__S: __wzvi::Scalar> = #memory;
             type Carry<__S: __wzvi::Scalar> = #carry;
@@ -129,29 +127,4 @@ pub(crate) fn emit(
     let straight = quote!(__wzvi::Straight<#embedding, #d, #n>);
     let listed = listed(item, &item.generics, &embedding, &straight, &text);
     quote!(#step #listed)
-}
-
-/// `PLAN` of a step that is solved block by block.
-pub(crate) fn plan(facts: &Facts, scheme: &Scheme) -> TokenStream {
-    let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
-        Solution::Assigned | Solution::Isolated(_) => 0,
-        Solution::Linear { .. } => 1,
-        Solution::Newton { .. } => 2,
-    });
-    let solver = match hardest.max() {
-        Some(2) => quote!(Newton),
-        Some(1) => quote!(Linear),
-        _ => quote!(Explicit),
-    };
-    let unknowns = count(scheme.structure.unknowns());
-    Plan {
-        solver,
-        unknowns: quote!(#unknowns),
-        order: scheme.embedding.order(),
-        noise: facts.noise,
-        consistent: scheme.consistent,
-        conserves_energy: &facts.conserves_energy,
-        commuting: &facts.commuting,
-    }
-    .emit()
 }

@@ -129,7 +129,7 @@ where
     F: Flows + Damped,
     W: Letters,
 {
-    const PLAN: Plan = plan(with_bath(<F as Flows>::PLAN), 2);
+    const PLAN: Plan = plan(with_bath(F::FACTS.explicit()), 2);
     const PROPERTIES: Properties = Properties {
         // Windows are for lists of rates and masses.
         fills_registers_from: match is_list::<F>() && !F::PER_STATE {
@@ -180,7 +180,7 @@ where
         if !system.fits(degrees) {
             system.check(degrees)?;
         }
-        if const { F::HAS_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+        if const { F::IN_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
             && takes_windows::<F>(degrees)
             && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
@@ -212,7 +212,7 @@ where
         memory: &mut Self::Memory<f64>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::HAS_WINDOWS && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
+        if const { F::IN_WINDOWS && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
             let noises = system.noises().min(dw.len());
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
             let Memory { flows, bath } = memory;

@@ -9,7 +9,7 @@
 //! kept with the node, and taken if node, step size, and the time if the force reads it, are the same to the last bit. Reuse is not to be
 //! seen in the numbers, and checkpoints need not know of it.
 //!
-//! What a flow reads of the system is [`Field::slopes`]. Another kind of part (a kick by a modified potential, say) is a variant
+//! What a flow reads of the system is [`Field::step_slopes`]. Another kind of part (a kick by a modified potential, say) is a variant
 //! of [`Half`], an arm of `take` and a method of [`Flows`].
 
 use std::marker::PhantomData;
@@ -19,7 +19,7 @@ use super::stages::{Fits, Memory, Origin, Rooms, Stage, Stages, Take, add, advan
 use super::substeps::{Half, Substeps, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
 use crate::carry::{Carry, Plain};
-use crate::elements::{Taken, WindowPlan, Word, nothing};
+use crate::elements::{self, Flow, Taken, WindowPlan, Word, add_slopes, nothing};
 use crate::error::{ConfigError, StepFailure};
 use crate::gauss::{Field, Shape};
 use crate::lanes::Lanes;
@@ -31,17 +31,12 @@ use crate::system::{At, Hamiltonian, Properties, Scheme, Segment};
 
 /// A system with `F = T(p) + V(q, t)`; generated.
 pub trait Flows: Field {
-    /// The plan of `Verlet`.
-    const PLAN: Plan;
     /// Whether `V` reads the time.
     const FORCE_READS_TIME: bool;
-    /// Whether [`Flows::add_force`] and [`Flows::add_velocity`] add without room of their own.
-    const IN_PLACE: bool;
-
     /// Whether steps of large systems go window by window.
-    const HAS_WINDOWS: bool = false;
+    const IN_WINDOWS: bool = false;
 
-    /// All parts of a step, window by window, where there are [windows](Flows::HAS_WINDOWS).
+    /// All parts of a step, window by window, where they [go so](Flows::IN_WINDOWS).
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
@@ -55,16 +50,6 @@ pub trait Flows: Field {
         let _ = (word, q, p, plan);
         None
     }
-
-    /// `p ← p + ∂F/∂q`, only where it is [`Flows::IN_PLACE`].
-    fn add_force<S: Scalar>(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
-        let _ = (t, h, q, dw, p);
-    }
-
-    /// `q ← q + ∂F/∂p`, only where it is [`Flows::IN_PLACE`].
-    fn add_velocity<S: Scalar>(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
-        let _ = (t, h, p, dw, q);
-    }
 }
 
 /// What the flows of a step need to know in numbers `S`: of a system, or of several beside each other.
@@ -73,10 +58,10 @@ pub(crate) trait Slopes<S: Scalar> {
     type Shape: Shape;
     /// As [`Flows::FORCE_READS_TIME`].
     const FORCE_READS_TIME: bool;
-    /// As [`Flows::IN_PLACE`].
+    /// Whether [`Slopes::add_force`] and [`Slopes::add_velocity`] add without room of their own.
     const IN_PLACE: bool;
 
-    /// As [`Field::slopes`].
+    /// As [`Field::step_slopes`].
     #[expect(clippy::too_many_arguments, reason = "as there")]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
@@ -89,12 +74,12 @@ pub(crate) trait Slopes<S: Scalar> {
         by_p: &mut [S],
     );
 
-    /// As [`Flows::add_force`].
+    /// `p ← p + ∂F/∂q`, only where it is [`Slopes::IN_PLACE`].
     fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
         let _ = (t, h, q, dw, p);
     }
 
-    /// As [`Flows::add_velocity`].
+    /// `q ← q + ∂F/∂p`, likewise.
     fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
         let _ = (t, h, p, dw, q);
     }
@@ -103,7 +88,8 @@ pub(crate) trait Slopes<S: Scalar> {
 impl<F: Flows, S: Scalar> Slopes<S> for F {
     type Shape = <F as Field>::Shape;
     const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
-    const IN_PLACE: bool = <F as Flows>::IN_PLACE;
+    // Loops add to each place in turn.
+    const IN_PLACE: bool = !<<F as Field>::Shape as Shape>::IS_FIXED;
 
     #[inline(always)]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
@@ -116,17 +102,17 @@ impl<F: Flows, S: Scalar> Slopes<S> for F {
         by_q: &mut [S],
         by_p: &mut [S],
     ) {
-        Field::slopes::<S, BY_Q, BY_P>(self, S::from_f64(t), S::from_f64(h), q, p, dw, by_q, by_p);
+        Field::step_slopes::<S, BY_Q, BY_P>(self, S::from_f64(t), S::from_f64(h), q, p, dw, by_q, by_p);
     }
 
     #[inline(always)]
     fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
-        Flows::add_force(self, t, h, q, dw, p);
+        add_slopes(self, Flow { t, h, dw }, q, elements::Slopes::BY_COORDINATES, p);
     }
 
     #[inline(always)]
     fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
-        Flows::add_velocity(self, t, h, p, dw, q);
+        add_slopes(self, Flow { t, h, dw }, p, elements::Slopes::BY_MOMENTA, q);
     }
 }
 
@@ -195,7 +181,7 @@ impl<F: Field, const L: usize> Fits for FlowsBeside<F, L> {
 pub struct KickDrift<W>(PhantomData<W>);
 
 impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
-    const PLAN: Plan = plan(F::PLAN, W::ORDER);
+    const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties = Properties {
         kept_energy: kept_energy(KeptEnergy::KickDriftKick, W::ORDER),
         fills_registers_from: least_alone::<F>(),
@@ -222,7 +208,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::HAS_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+        if const { F::IN_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
             && takes_windows::<F>(q.len())
             && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {

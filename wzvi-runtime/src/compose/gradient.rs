@@ -20,7 +20,7 @@ use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check};
 use super::substeps::{Substeps, plan};
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
-use crate::gauss::Shape;
+use crate::gauss::{Field, Shape};
 use crate::plan::{KeptEnergy, Plan};
 use crate::scalar::{Dual, Scalar};
 use crate::solve::Effort;
@@ -40,7 +40,7 @@ pub trait GradientTable: Partitioned {
 pub struct GradientKicks<W, T>(PhantomData<(W, T)>);
 
 impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> {
-    const PLAN: Plan = plan(F::PLAN, W::ORDER);
+    const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared = Stages;
@@ -165,7 +165,16 @@ impl<F: Flows, S: Scalar> Kick<'_, F, S> {
         let (t, h) = (t + stage.node * h, stage.share() * h);
         let Directional { q: dual_q, p: dual_p, slopes, dw: dual_dw } = room;
         // The momenta do not matter to what is read: `V'`, and the constant `T''`.
-        system.slopes::<S, true, false>(S::from_f64(t), S::from_f64(h), q, q, dw, force, &mut []);
+        Field::step_slopes::<S, true, false>(
+            system,
+            S::from_f64(t),
+            S::from_f64(h),
+            q,
+            q,
+            dw,
+            force,
+            &mut [],
+        );
         let zero = S::from_f64(0.0);
         for (dual, &dw) in dual_dw.iter_mut().zip(dw) {
             *dual = Dual::constant(dw);
@@ -176,14 +185,14 @@ impl<F: Flows, S: Scalar> Kick<'_, F, S> {
             *dual_p = Dual { value: zero, derivative: [force] };
         }
         let [t, h] = [t, h].map(Dual::from_f64);
-        system.slopes::<Dual<1, S>, false, true>(t, h, dual_q, dual_p, dual_dw, &mut [], slopes);
+        Field::step_slopes::<Dual<1, S>, false, true>(system, t, h, dual_q, dual_p, dual_dw, &mut [], slopes);
         let mut square = zero;
         for ((dual_q, slope), &force) in dual_q.iter_mut().zip(&*slopes).zip(&*force) {
             let [along] = slope.derivative;
             dual_q.derivative = [along];
             square = square + force * along;
         }
-        system.slopes::<Dual<1, S>, true, false>(t, h, dual_q, dual_p, dual_dw, slopes, &mut []);
+        Field::step_slopes::<Dual<1, S>, true, false>(system, t, h, dual_q, dual_p, dual_dw, slopes, &mut []);
         for (change, slope) in change.iter_mut().zip(&*slopes) {
             [*change] = slope.derivative;
         }

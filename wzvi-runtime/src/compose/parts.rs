@@ -38,8 +38,6 @@ pub enum Form {
 
 /// A system in two parts with known flows; generated.
 pub trait Parts: Elements + Sized {
-    /// The plan of a step of order two.
-    const PLAN: Plan;
     /// The forms of `H_A` and `H_B`.
     const FORMS: [Form; 2];
     /// The number of `H_A` among the parts that elements are added up by; `H_B` has the next one.
@@ -132,7 +130,7 @@ fn form<F: Parts>(half: Half) -> Form {
 }
 
 impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
-    const PLAN: Plan = plan(F::PLAN, W::ORDER);
+    const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared = Prepared;

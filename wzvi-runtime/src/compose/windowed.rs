@@ -14,13 +14,13 @@ const LEAST_ALONE: usize = 256;
 
 /// From how many degrees of freedom on paths go one after the other.
 pub(crate) const fn least_alone<F: Flows>() -> usize {
-    if F::HAS_WINDOWS { LEAST_ALONE } else { usize::MAX }
+    if F::IN_WINDOWS { LEAST_ALONE } else { usize::MAX }
 }
 
 /// Whether steps of so many degrees of freedom go window by window.
 #[inline(always)]
 pub(crate) fn takes_windows<F: Flows>(degrees: usize) -> bool {
-    F::HAS_WINDOWS && degrees >= LEAST_IN_WINDOWS
+    F::IN_WINDOWS && degrees >= LEAST_IN_WINDOWS
 }
 
 /// Windows, and the increments of each part of a step.

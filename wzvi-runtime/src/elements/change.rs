@@ -194,6 +194,7 @@ impl<S: Scalar, const L: usize> Block for Kicked<'_, S, L> {
 
 #[cfg(test)]
 mod tests {
+    use crate::plan::{Facts, Knowledge, NoiseClass};
     use nalgebra::DVector;
 
     use super::super::memory::Memory;
@@ -220,6 +221,13 @@ mod tests {
     }
 
     impl Elements for Chain {
+        const FACTS: Facts = Facts {
+            degrees: usize::MAX,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+        };
         const PLACES: Places = Places { components: 1, tables: &[], nests: &[] };
         const INTEGRALS: usize = 3;
         const HAS_WINDOWS: bool = false;

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
-use crate::plan::{KeptEnergy, Plan};
+use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
@@ -17,12 +17,12 @@ use crate::system::{At, LagrangianGradient, Properties, Scheme, Segment, no_nan}
 
 /// A system whose steps by `E` are solved in loops; generated.
 pub trait InLoops<E>: Shared + Sized {
-    /// What the compiler found out.
-    const PLAN: Plan;
+    /// The order in `h` without noise.
+    const ORDER: u32;
+    /// Whether the scheme converges to the Stratonovich system.
+    const IS_CONSISTENT: bool;
     /// The quadrature.
     const QUADRATURE: Quadrature;
-    /// The energy that is watched in runs of constant step.
-    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Hamiltonian;
 }
 
 /// Steps in loops.
@@ -35,12 +35,12 @@ const fn is_explicit(quadrature: &Quadrature) -> bool {
 
 /// A start that is no guide costs iterations, not digits: nothing is to be forgotten.
 impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
-    const PLAN: Plan = H::PLAN;
+    const PLAN: Plan = H::QUADRATURE.plan(H::FACTS, H::ORDER, H::IS_CONSISTENT);
     const PROPERTIES: Properties = Properties {
-        kept_energy: H::KEPT_ENERGY,
+        kept_energy: H::QUADRATURE.kept_energy(H::ORDER),
         remembers: false,
         in_lanes: is_explicit(&H::QUADRATURE),
-        ..Properties::of(&H::PLAN, 0)
+        ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
     type Prepared = ();
     type Memory<S: Scalar> = Memory<S>;

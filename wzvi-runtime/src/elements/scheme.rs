@@ -1,5 +1,8 @@
 //! What the compiler derived of one scheme.
 
+use super::hamiltonian::DRIFT;
+use crate::plan::{Facts, KeptEnergy, Plan, Solver};
+
 /// Which unknowns are iterated on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknowns {
@@ -15,11 +18,11 @@ pub enum Unknowns {
 impl Unknowns {
     /// How many there are.
     #[inline(always)]
-    pub(super) fn count(self, degrees: usize) -> usize {
+    pub(super) const fn count(self, degrees: usize) -> usize {
         match self {
             Self::None => 0,
             Self::Momenta => degrees,
-            Self::Both => 2 * degrees,
+            Self::Both => degrees.saturating_mul(2),
         }
     }
 
@@ -44,6 +47,13 @@ pub struct Stage {
     pub end: f64,
     /// The parts that add up here, by number, with their weights.
     pub parts: &'static [(usize, f64)],
+}
+
+impl Stage {
+    /// The point, `∂Q/∂q_i` and `∂Q/∂q_{i+1}`, and the parts there.
+    pub const fn new([point, start, end]: [f64; 3], parts: &'static [(usize, f64)]) -> Self {
+        Self { point, start, end, parts }
+    }
 }
 
 /// How `p_{i+1} - p_i` follows from the solved unknowns.
@@ -85,6 +95,35 @@ impl Scheme {
             stages = rest;
         }
         Some(f64::INFINITY)
+    }
+
+    /// The energy that steps of this order keep of a linear system, by where the drift is evaluated on average.
+    pub(crate) const fn kept_energy(&self, order: u32) -> KeptEnergy {
+        if order != 1 {
+            return KeptEnergy::Hamiltonian;
+        }
+        let (mut stages, mut l) = (self.stages, 0.0);
+        while let [stage, rest @ ..] = stages {
+            let mut parts = stage.parts;
+            while let [(part, weight), others @ ..] = parts {
+                if *part == DRIFT {
+                    l += *weight * stage.point;
+                }
+                parts = others;
+            }
+            stages = rest;
+        }
+        KeptEnergy::Point(l)
+    }
+
+    /// The plan of steps in loops.
+    pub(super) const fn plan(&self, facts: Facts, order: u32, consistent: bool) -> Plan {
+        let (solver, unknowns) = match (self.unknowns, self.is_linear) {
+            (Unknowns::None, _) => (Solver::Explicit, 0),
+            (unknowns, true) => (Solver::Linear, unknowns.count(facts.degrees)),
+            (unknowns, false) => (Solver::Newton, unknowns.count(facts.degrees)),
+        };
+        facts.plan(solver, unknowns, order, consistent)
     }
 
     /// Whether no part is evaluated at two stages.

@@ -46,7 +46,7 @@ pub(super) fn value<F: Field, const N: usize>(
         let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i) * inverse[i]).collect();
         let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
         let t = segment.t + table.c[i] * segment.h;
-        system.slopes::<f64, false, true>(t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p);
+        system.step_slopes::<f64, false, true>(t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p);
         let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
         let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
         let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));

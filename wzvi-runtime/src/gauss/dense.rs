@@ -71,7 +71,7 @@ fn drift<F: Field>(system: &F, before: &State<F::Vector>, h: f64, dw: &[f64], sl
             let after = a.get(k + 1).map_or(0.0, |a| 0.5 * a / (2.0 * n + 3.0));
             *momentum = before - after;
         }
-        system.slopes::<f64, false, true>(before.t, h, q, &momenta, dw, &mut spare, &mut of_q);
+        system.step_slopes::<f64, false, true>(before.t, h, q, &momenta, dw, &mut spare, &mut of_q);
         for (d, slope) in of_q.iter().enumerate() {
             slopes.of_mut(d)[k] = *slope;
         }

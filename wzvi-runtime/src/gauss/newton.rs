@@ -126,7 +126,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let (c, b) =
             (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
         let [t, h] = [self.h * c + self.t, self.h * b].map(Dual::from_f64);
-        Field::slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
+        Field::step_slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
         if F::IS_CONFORMAL {
             let scale = stage.map_or(1.0, |stage| self.prepared.friction().scale[stage]);
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);

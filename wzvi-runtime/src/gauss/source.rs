@@ -14,7 +14,7 @@ pub(super) trait Source<S: Scalar> {
     /// The system of all lanes, if they have the same.
     fn system(&self) -> Option<&Self::Field>;
 
-    /// As [`Field::slopes`].
+    /// As [`Field::step_slopes`].
     #[expect(clippy::too_many_arguments, reason = "as there")]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
@@ -61,7 +61,7 @@ impl<F: Field, S: Scalar> Source<S> for F {
         by_q: &mut [S],
         by_p: &mut [S],
     ) {
-        Field::slopes::<S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
+        Field::step_slopes::<S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
     }
 
     #[inline(always)]

@@ -98,7 +98,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     }
 
     /// The slopes of the step Hamiltonian at the stages of a part.
-    #[expect(clippy::too_many_arguments, reason = "as `Field::slopes`")]
+    #[expect(clippy::too_many_arguments, reason = "as `Field::step_slopes`")]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(
         system: &F,
         t: Self::Part,
@@ -297,7 +297,7 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
         one: &mut One,
     ) {
         if F::IN_LANES {
-            return system.slopes::<Self, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
+            return system.step_slopes::<Self, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
         }
         let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
         for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
@@ -309,7 +309,7 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
                 *own = all[i];
             }
             own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = all[i]);
-            system.slopes::<f64, BY_Q, BY_P>(t[i], h[i], own_q, own_p, own_dw, own_by_q, own_by_p);
+            system.step_slopes::<f64, BY_Q, BY_P>(t[i], h[i], own_q, own_p, own_dw, own_by_q, own_by_p);
             if BY_Q {
                 by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| Lanes::set(all, i, *own));
             }
@@ -399,6 +399,6 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
         by_p: &mut [S],
         _one: &mut One,
     ) {
-        system.slopes::<S, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
+        system.step_slopes::<S, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
     }
 }

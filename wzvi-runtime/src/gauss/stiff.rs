@@ -148,7 +148,7 @@ fn inverse_mass<F: Field>(system: &F, degrees: usize) -> DMatrix<f64> {
     for column in 0..degrees {
         p.fill(0.0);
         p[column] = 1.0;
-        system.slopes::<f64, false, true>(0.0, 1.0, &q, &p, &dw, &mut by_q, &mut by_p);
+        system.step_slopes::<f64, false, true>(0.0, 1.0, &q, &p, &dw, &mut by_q, &mut by_p);
         (0..degrees).for_each(|row| matrix[(row, column)] = by_p[row]);
     }
     matrix

@@ -9,7 +9,7 @@ use crate::elements::{self, Elements};
 use crate::error::{ConfigError, StepFailure};
 use crate::lanes::Lanes;
 use crate::memory::StepMemory;
-use crate::plan::{KeptEnergy, Plan};
+use crate::plan::Plan;
 use crate::scalar::{Constant, Over, Scalar};
 use crate::solve::Effort;
 use crate::state::State;
@@ -20,8 +20,6 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     const PLAN: Plan;
     /// The quadrature that the discrete Lagrangian is.
     const QUADRATURE: elements::Scheme;
-    /// The energy that is watched in runs of constant step.
-    const KEPT_ENERGY: KeptEnergy = KeptEnergy::Hamiltonian;
     /// What does not change from step to step: numbers, truths and factors of matrices.
     type Prepared<K: Constant>: Clone + Debug + Send + Sync;
     /// One extrapolation for each block that is iterated on.
@@ -92,8 +90,10 @@ where
     H: StraightLine<E, D, N>,
 {
     const PLAN: Plan = H::PLAN;
-    const PROPERTIES: Properties =
-        Properties { kept_energy: H::KEPT_ENERGY, ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>()) };
+    const PROPERTIES: Properties = Properties {
+        kept_energy: H::QUADRATURE.kept_energy(H::PLAN.order),
+        ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>())
+    };
     type Prepared = H::Prepared<f64>;
     type Memory<S: Scalar> = H::Memory<S>;
     type Compensated<S: Scalar> = Compensation<S, D>;

@@ -18,7 +18,7 @@ use super::{MARK, OF_FORMULA, plain};
 /// What every path of ours starts with: the module that generated code may name.
 const ROOT: &str = "__wzvi";
 /// Types whose names do not start with a capital.
-const PRIMITIVES: [&str; 6] = ["bool", "f64", "i128", "isize", "str", "usize"];
+const PRIMITIVES: [&str; 7] = ["bool", "f64", "i128", "isize", "str", "u32", "usize"];
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
 const KEYWORDS: [&str; 53] = [
     "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do",

@@ -6,7 +6,7 @@ use quote::quote;
 use crate::model::System;
 
 /// `impl Field`
-pub(crate) fn field(model: &System, constants: &TokenStream) -> TokenStream {
+pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
     let noise = model.noise.iter().map(|noise| &noise.term);
     let terms = [&model.drift].into_iter().chain(&model.force).chain(noise);
     let reads_time =
@@ -18,7 +18,7 @@ pub(crate) fn field(model: &System, constants: &TokenStream) -> TokenStream {
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
-            #constants
+            const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = #in_lanes;
             type Shape = __wzvi::gauss::Dynamic;
             type Noises = __wzvi::gauss::Dynamic;
@@ -40,29 +40,15 @@ pub(crate) fn field(model: &System, constants: &TokenStream) -> TokenStream {
             ) {
                 match *__parameters {}
             }
-
-            #[inline(always)]
-            fn slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
-                &self,
-                __t: __S,
-                __h: __S,
-                __q: &[__S],
-                __p: &[__S],
-                __dw: &[__S],
-                __by_q: &mut [__S],
-                __by_p: &mut [__S],
-            ) {
-                __wzvi::elements::field::<_, __S, __BY_Q, __BY_P>(self, __t, __h, __q, __p, __dw, __by_q, __by_p)
-            }
         }
     }
 }
 
-/// Flows that add the slopes of elements to the state itself.
-pub(crate) fn in_place() -> TokenStream {
+/// Flows of large systems, window by window.
+pub(crate) fn in_windows() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
-        const HAS_WINDOWS: __wzvi::bool = <Self as __wzvi::elements::Elements>::HAS_WINDOWS;
+        const IN_WINDOWS: __wzvi::bool = <Self as __wzvi::elements::Elements>::HAS_WINDOWS;
 
         fn take_windows<'p, __W: __wzvi::elements::Word>(
             &self,
@@ -72,34 +58,6 @@ pub(crate) fn in_place() -> TokenStream {
             __plan: &'p mut __wzvi::elements::WindowPlan,
         ) -> __wzvi::Option<__wzvi::Result<__wzvi::elements::Taken<'p>, __wzvi::StepFailure>> {
             __wzvi::elements::take_windows(self, __word, __q, __p, __plan)
-        }
-
-        #[inline(always)]
-        fn add_force<__S: __wzvi::Scalar>(
-            &self,
-            __t: #f64,
-            __h: #f64,
-            __q: &[__S],
-            __dw: &[__S],
-            __p: &mut [__S],
-        ) {
-            let __wanted = __wzvi::elements::Slopes::BY_COORDINATES;
-            let __flow = __wzvi::elements::Flow { t: __t, h: __h, dw: __dw };
-            __wzvi::elements::add_slopes(self, __flow, __q, __wanted, __p)
-        }
-
-        #[inline(always)]
-        fn add_velocity<__S: __wzvi::Scalar>(
-            &self,
-            __t: #f64,
-            __h: #f64,
-            __p: &[__S],
-            __dw: &[__S],
-            __q: &mut [__S],
-        ) {
-            let __wanted = __wzvi::elements::Slopes::BY_MOMENTA;
-            let __flow = __wzvi::elements::Flow { t: __t, h: __h, dw: __dw };
-            __wzvi::elements::add_slopes(self, __flow, __p, __wanted, __q)
         }
     }
 }

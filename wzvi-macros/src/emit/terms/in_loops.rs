@@ -8,9 +8,7 @@ use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::emit::count;
-use crate::emit::listed::{kept_energy, listed};
-use crate::emit::plan::Plan;
-use crate::input::{Length, Shape};
+use crate::emit::listed::listed;
 use crate::model::System;
 
 /// `impl InLoops<E>`
@@ -23,7 +21,7 @@ pub(crate) fn emit(
 ) -> TokenStream {
     let is_explicit = strategy.unknowns == Unknowns::None;
     let quadrature = quadrature(facts, embedding, strategy, model.noise.is_empty() && !is_explicit);
-    let (plan, kept) = (plan(model, facts, embedding, strategy), kept_energy(embedding));
+    let (order, is_consistent) = (Literal::u32_unsuffixed(embedding.order()), facts.converges(embedding));
     let (item, embedding) = (&model.item, embedding.path(&quote!(__wzvi)));
     let name = &item.ident;
     let (generics, arguments, filter) = item.generics.split_for_impl();
@@ -32,9 +30,9 @@ pub(crate) fn emit(
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::InLoops<#embedding> for #name #arguments #filter {
-            const PLAN: __wzvi::Plan = #plan;
+            const ORDER: __wzvi::u32 = #order;
+            const IS_CONSISTENT: __wzvi::bool = #is_consistent;
             const QUADRATURE: __wzvi::elements::Scheme = #quadrature;
-            #kept
         }
 
         #listed
@@ -83,48 +81,6 @@ fn stage(stage: &Stage) -> TokenStream {
         quote!((#number, #weight))
     });
     quote! {
-        __wzvi::elements::Stage { point: #point, start: #start, end: #end, parts: &[#(#parts),*] }
+        __wzvi::elements::Stage::new([#point, #start, #end], &[#(#parts),*])
     }
-}
-
-pub(crate) fn plan(
-    model: &System,
-    facts: &Facts,
-    embedding: &Embedding,
-    Strategy { unknowns, is_linear }: Strategy,
-) -> TokenStream {
-    let solver = match unknowns {
-        Unknowns::None => quote!(Explicit),
-        _ if is_linear => quote!(Linear),
-        _ => quote!(Newton),
-    };
-    let per_degree: usize = match unknowns {
-        Unknowns::None => 0,
-        Unknowns::Momenta => 1,
-        Unknowns::Both => 2,
-    };
-    let components = usize::try_from(model.components).unwrap_or(1);
-    let unknowns = match (&model.shape, per_degree) {
-        (_, 0) => quote!(0),
-        (Shape::Real, _) => {
-            let unknowns = count(per_degree);
-            quote!(#unknowns)
-        }
-        (Shape::Array(_, Length::Literal(len)), _) => {
-            let unknowns = count(len * components * per_degree);
-            quote!(#unknowns)
-        }
-        (Shape::Array(_, Length::Named(expr)), _) => quote!((#expr) * #components * #per_degree),
-        _ => quote!(__wzvi::usize::MAX),
-    };
-    Plan {
-        solver,
-        unknowns,
-        order: embedding.order(),
-        noise: facts.noise,
-        consistent: facts.converges(embedding),
-        conserves_energy: &facts.conserves_energy,
-        commuting: &facts.commuting,
-    }
-    .emit()
 }

@@ -19,8 +19,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use self::combine::Combined;
-pub(crate) use self::gauss::{field, in_place};
-pub(crate) use self::in_loops::{emit as step, plan, quadrature};
+pub(crate) use self::gauss::{field, in_windows};
+pub(crate) use self::in_loops::{emit as step, quadrature};
 pub(crate) use self::indices::Indices;
 use self::kernel::{Context, Target};
 use self::parts::Numbers;
@@ -50,7 +50,7 @@ pub(crate) fn terms(
 ) -> TokenStream {
     let mut generated = hamiltonian::emit(model, listed);
     generated.extend(elements(model, facts, steps.iter().any(|step| needs_curvature(facts, step))));
-    generated.extend(parts::emit(model, facts, texts));
+    generated.extend(parts::emit(model, texts));
     generated.extend(bath::emit(model));
     generated
 }
@@ -328,7 +328,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool) -> TokenStre
     }
     let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
     let [value, slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| arms(model, &parts, wanted));
-    let integrals = integrals(model);
+    let (integrals, known) = (integrals(model), crate::emit::plan::facts(model, facts));
     let places = places::emit(model);
     let first_integral = count(Numbers::of(model).integrals);
     let has_force = model.force.is_some().then(|| {
@@ -360,6 +360,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool) -> TokenStre
         impl #generics __wzvi::elements::Elements for #name #arguments #filter {
             #places
 
+            const FACTS: __wzvi::Facts = #known;
             const INTEGRALS: #usize = #first_integral;
             #has_force
 

@@ -5,11 +5,9 @@ use quote::quote;
 
 use super::{Wanted, derivatives, values};
 use crate::describe::Texts;
-use crate::discretise::facts::Facts;
 use crate::discretise::facts::split::Form;
 use crate::discretise::quadrature::Part;
 use crate::elements::parts::unweighted;
-use crate::emit::compose::explicit_plan;
 use crate::emit::count;
 use crate::model::{Friction, System};
 
@@ -71,14 +69,14 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
 }
 
 /// `impl Parts`, if the user has parted the drift.
-pub(super) fn emit(model: &System, facts: &Facts, texts: &Texts) -> TokenStream {
+pub(super) fn emit(model: &System, texts: &Texts) -> TokenStream {
     let Some(forms) = texts.parts else { return TokenStream::new() };
     let forms = forms.map(|form| match form {
         Form::Coordinates => quote!(__wzvi::compose::Form::Coordinates),
         Form::Momenta => quote!(__wzvi::compose::Form::Momenta),
         Form::Quadratic => quote!(__wzvi::compose::Form::Quadratic),
     });
-    let (plan, first) = (explicit_plan(facts), count(Numbers::of(model).parts));
+    let first = count(Numbers::of(model).parts);
     let shape = match model.degrees_in_straight_lines() {
         Some(degrees) => {
             let degrees = count(degrees);
@@ -91,7 +89,6 @@ pub(super) fn emit(model: &System, facts: &Facts, texts: &Texts) -> TokenStream 
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::compose::Parts for #name #arguments #filter {
-            const PLAN: __wzvi::Plan = #plan;
             const FORMS: [__wzvi::compose::Form; 2] = [#(#forms),*];
             const FIRST: __wzvi::usize = #first;
             type Shape = #shape;
