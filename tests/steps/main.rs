@@ -13,6 +13,7 @@ mod gradient;
 mod invariants;
 mod modified;
 mod names;
+mod own;
 mod plan;
 mod reference;
 mod rest;

@@ -69,10 +69,10 @@ pub use crate::memory::{Iteration, Method};
 
 use hamiltonian::{DRIFT, FORCE, NOISE};
 
-use crate::error::StepFailure;
+use crate::error::{ConfigError, StepFailure};
 use crate::plan::Facts;
 use crate::scalar::{Number, Scalar};
-use crate::system::Hamiltonian;
+use crate::system::{Hamiltonian, no_nan};
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
@@ -426,4 +426,18 @@ pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
         return Err(StepFailure::Dimension { expected, got });
     }
     places::check(system, got)
+}
+
+/// The check that the making of a stepper does.
+///
+/// # Errors
+/// [`ConfigError::Parameter`] if a parameter is no number, [`ConfigError::Index`] if an index is out of range.
+pub(crate) fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
+    no_nan(system)?;
+    match system.degrees() {
+        0 => Ok(()),
+        degrees => {
+            places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod anew;
 pub(crate) mod by_dual_numbers;
+mod own;
 mod scheme;
 mod solution;
 mod straight;
@@ -19,6 +20,7 @@ use crate::solve::Effort;
 use crate::state::{State, Vector};
 use crate::variables::Variables;
 
+pub use own::{OneStep, Own, Scratch, StepField};
 pub use scheme::{At, CarryOf, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
 pub use solution::{Solution, array_mut, covector, gradient, increments};
 pub use straight::{Straight, StraightLine};

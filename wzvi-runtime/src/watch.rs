@@ -81,7 +81,8 @@ impl<V: Vector> Watch<V> {
     /// Of a run by this scheme from step 0, if the system keeps its energy; whether it refuses what it finds, or counts it only.
     pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_refusing: bool) -> Self {
         let keeps_energy = matches!(H::PLAN.noise, NoiseClass::None)
-            && matches!(H::PLAN.conserves_energy, Knowledge::Proven);
+            && matches!(H::PLAN.conserves_energy, Knowledge::Proven)
+            && H::PROPERTIES.is_variational;
         Self { next: if keeps_energy { 0 } else { u64::MAX }, is_refusing, ..Self::default() }
     }
 

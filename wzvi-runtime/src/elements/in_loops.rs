@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::{
     CompensationVec, Memory, Scheme as Quadrature, Shared, Unknowns, discrete_lagrangian,
-    discrete_lagrangian_gradient, iterate, places, step_momentum,
+    discrete_lagrangian_gradient, iterate, prepare, step_momentum,
 };
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::{State, Vector};
-use crate::system::{At, LagrangianGradient, Properties, Scheme, Segment, no_nan};
+use crate::system::{At, LagrangianGradient, Properties, Scheme, Segment};
 
 /// A system whose steps by `E` are solved in loops; generated.
 pub trait InLoops<E>: Shared + Sized {
@@ -52,13 +52,7 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
     }
 
     fn prepare(system: &H, _: f64) -> Result<(), ConfigError> {
-        no_nan(system)?;
-        match system.degrees() {
-            0 => Ok(()),
-            degrees => {
-                places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
-            }
-        }
+        prepare(system)
     }
 
     #[inline(always)]

@@ -66,7 +66,7 @@ impl Properties {
     }
 }
 
-/// A way to take steps of the system `H`. A scheme of one's own is a [`OneStep`](crate::own::OneStep), which is shorter.
+/// A way to take steps of the system `H`. A scheme of one's own is a [`OneStep`](super::OneStep), which is shorter.
 pub trait Scheme<H: Hamiltonian> {
     /// What the compiler found out.
     const PLAN: Plan;

@@ -1,0 +1,144 @@
+//! One-step schemes of the program: order, noise, lanes, refusals.
+
+use fixtures::bath::Oscillator;
+use fixtures::small::{DoubleWell, HenonHeiles, Kubo};
+use wzvi::embedding::{OneStep, Own};
+use wzvi::error::{ConfigError, StepFailure};
+use wzvi::prelude::*;
+use wzvi::scalar::{Dual, Scalar};
+use wzvi::system::{Scratch, StepField};
+
+/// The classical scheme of Runge and Kutta.
+struct RungeKutta4;
+
+impl OneStep for RungeKutta4 {
+    const ORDER: u32 = 4;
+    const IS_CONSISTENT: bool = true;
+
+    fn step<S: Scalar>(
+        field: &impl StepField<S>,
+        [q, p]: [&mut [S]; 2],
+        scratch: &mut Scratch<S>,
+    ) -> Result<(), StepFailure> {
+        let [dq, dp, at_q, at_p, sum_q, sum_p] = scratch.lists(q.len());
+        at_q.copy_from_slice(q);
+        at_p.copy_from_slice(p);
+        sum_q.fill(S::from_f64(0.0));
+        sum_p.fill(S::from_f64(0.0));
+        for (c, next, weight) in
+            [(0.0, 0.5, 1.0 / 6.0), (0.5, 0.5, 1.0 / 3.0), (0.5, 1.0, 1.0 / 3.0), (1.0, 0.0, 1.0 / 6.0)]
+        {
+            field.at(c, [at_q, at_p], [dq, dp]);
+            for i in 0..q.len() {
+                (sum_q[i], sum_p[i]) = (sum_q[i] + dq[i] * weight, sum_p[i] + dp[i] * weight);
+                (at_q[i], at_p[i]) = (q[i] + dq[i] * next, p[i] + dp[i] * next);
+            }
+        }
+        for i in 0..q.len() {
+            (q[i], p[i]) = (q[i] + sum_q[i], p[i] + sum_p[i]);
+        }
+        Ok(())
+    }
+}
+
+type Rk4 = Own<RungeKutta4>;
+
+/// Neighbours of a ring of any size, with a force in turn.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + q.windows(2).map(|w| 0.25 * (w[1] - w[0]).powi(4)).sum::<f64>()
+    },
+    force = |q: &[f64], p: &[f64], t| (0..q.len()).map(|i| -0.1 * t * q[i]),
+    embedding = Midpoint,
+)]
+#[derive(Clone, Debug)]
+struct Pushed;
+
+#[test]
+fn the_order_is_that_of_the_scheme() {
+    let start = State::new([0.12, 0.25], [0.3, -0.2]);
+    let exact = HenonHeiles.simulate::<Gauss<8>>(0.05).start(start).until(4.0).run().unwrap();
+    let error = |h: f64| {
+        let path = HenonHeiles.simulate::<Rk4>(h).start(start).until(4.0).run().unwrap();
+        (path.last().q - exact.last().q).norm()
+    };
+    // The next term of the error is smaller by h.
+    let order = (error(0.1) / error(0.05)).log2();
+    assert!((order - 4.0).abs() < 0.15, "{order}");
+    assert_eq!(<HenonHeiles as Discretized<Rk4>>::PLAN.order, 4);
+}
+
+#[test]
+fn increments_move_the_step_hamiltonian() {
+    // F = θ (q² + p²)/2: the first four terms of a rotation.
+    let (kubo, h, dw) = (Kubo { a: 0.7, sigma: 0.9 }, 0.05, 0.11);
+    let theta = kubo.a * h + kubo.sigma * dw;
+    let (cos, sin) = (1.0 - theta.powi(2) / 2.0 + theta.powi(4) / 24.0, theta - theta.powi(3) / 6.0);
+    let mut state = State::new([0.3], [0.8]);
+    kubo.stepper::<Rk4>(h).unwrap().step(&mut state, &[dw]).unwrap();
+    let exact = [cos * 0.3 + sin * 0.8, cos * 0.8 - sin * 0.3];
+    for (ours, exact) in [state.q[0], state.p[0]].into_iter().zip(exact) {
+        // Some twenty roundings of numbers below one.
+        assert!((ours - exact).abs() < 20.0 * f64::EPSILON, "{ours} {exact}");
+    }
+    assert_eq!(<Kubo as Discretized<Rk4>>::PLAN.strong_order(), Some(1.0));
+}
+
+#[test]
+fn paths_of_an_ensemble_have_the_bits_of_single_ones() {
+    let (start, noise) = (State::new([0.3], [0.8]), || StepNormals::seed(5));
+    let kubo = Kubo { a: 0.7, sigma: 0.9 };
+    let run = kubo.ensemble::<Rk4>(0.02).start(start).noise(noise()).paths(19).steps(40);
+    let run = run.keep_paths(1 << 20).run().unwrap();
+    for path in 0..19 {
+        let single = kubo.simulate::<Rk4>(0.02).start(start).noise(noise().path(path)).steps(40);
+        let last = *single.run().unwrap().last();
+        assert_eq!(run.paths().unwrap().at(path as usize, 1).unwrap()[..2], [last.q[0], last.p[0]], "{path}");
+    }
+}
+
+#[test]
+fn dual_numbers_differentiate_the_step() {
+    let start = [0.3, 0.8];
+    let end = |q: f64, p: f64| {
+        let mut state = State::new([q], [p]);
+        DoubleWell { sigma: 0.3 }.stepper::<Rk4>(0.1).unwrap().step(&mut state, &[0.2]).unwrap();
+        state.q[0]
+    };
+    let mut q = [Dual { value: start[0], derivative: [1.0] }];
+    let mut p = [Dual::from_f64(start[1])];
+    let (well, dw) = (DoubleWell { sigma: 0.3 }, [Dual::from_f64(0.2)]);
+    Discretized::<Rk4>::advance(&well, &(), 0.0, 0.1, &mut q, &mut p, &dw, &mut Scratch::default()).unwrap();
+    let difference = (end(start[0] + 1e-5, start[1]) - end(start[0] - 1e-5, start[1])) / 2e-5;
+    assert_eq!(q[0].value, end(start[0], start[1]));
+    // The difference has errors of h² and of rounding over h.
+    assert!((q[0].derivative[0] - difference).abs() < 1e-9, "{} {difference}", q[0].derivative[0]);
+}
+
+#[test]
+fn sizes_and_forces_are_those_of_the_state() {
+    let start = State::new(vec![0.1, 0.5, -0.4, 0.9], vec![0.0, 0.3, 0.2, -0.1]);
+    let end =
+        |h: f64| Pushed.simulate::<Rk4>(h).start(start.clone()).until(2.0).run().unwrap().last().q.clone();
+    let exact = Pushed.simulate::<Midpoint>(1e-3).start(start.clone()).until(2.0).run().unwrap();
+    // The mid-point rule is off by some h².
+    assert!((end(0.01) - &exact.last().q).norm() < 1e-6);
+    let order = ((end(0.2) - end(0.0125)).norm() / (end(0.1) - end(0.0125)).norm()).log2();
+    assert!((order - 4.0).abs() < 0.3, "{order}");
+}
+
+#[test]
+fn a_step_to_nowhere_leaves_the_state() {
+    let mut state = State::new([1e200], [0.0]);
+    let well = DoubleWell { sigma: 0.3 };
+    let error = well.stepper::<Rk4>(0.1).unwrap().step(&mut state, &[0.2]).unwrap_err();
+    assert_eq!(error.cause, StepFailure::NonFinite);
+    assert_eq!(state, State::new([1e200], [0.0]));
+}
+
+#[test]
+fn friction_is_refused() {
+    let damped = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 0.1, kt: 0.5 };
+    let error = damped.stepper::<Rk4>(0.1).unwrap_err();
+    assert!(matches!(error, ConfigError::Setting(what) if what.contains("no friction")));
+}
