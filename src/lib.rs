@@ -185,8 +185,8 @@ pub mod prelude {
     pub use wzvi_runtime::elements::Iteration;
     pub use wzvi_runtime::embedding::{
         Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
-        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Srkn6, Suzuki4, SuzukiUmeno8,
-        TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
+        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Splitting, Srkn6, Suzuki4,
+        SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
     };
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;

@@ -12,4 +12,5 @@ mod orders;
 mod principle;
 mod systems;
 mod thermostats;
+mod words;
 mod work;

@@ -2,7 +2,8 @@
 
 use crate::discretise::facts::flows::Flows;
 use crate::discretise::facts::split::Form;
-use crate::embedding::Embedding;
+use crate::embedding::{Embedding, Kind};
+use crate::symbolic::Rational;
 
 /// What `EQUATIONS` and the documentation say.
 pub(crate) struct Texts {
@@ -102,32 +103,41 @@ impl Texts {
 
 /// How a step with a bath is taken.
 fn thermostat(embedding: &Embedding, has_force: bool) -> String {
-    let relaxes = |share: &str, decay: &str| {
-        format!("  friction and noise of {share}: p <- E p + R ξ, E = {decay}, R Rᵀ = kT (M - E M Eᵀ)\n")
-    };
-    let relax = |share: &str| relaxes(share, &format!("exp(-{share} Γ M⁻¹)"));
+    let (is_shortened, is_cayley) = (*embedding == Embedding::GjI, *embedding == Embedding::Gjf);
     let slope = if has_force { "(∂V/∂q - F)" } else { "∂V/∂q" };
-    let kick = format!("  kick of h/2:  p <- p - h/2 {slope}\n");
-    let half_drift = "  drift of h/2:  q <- q + h/2 M⁻¹ p\n";
+    let relax = |time: &str| {
+        let decay = match is_cayley {
+            true => "(1 + h/2 Γ M⁻¹)⁻¹ (1 - h/2 Γ M⁻¹)".to_owned(),
+            false => format!("exp(-{time} Γ M⁻¹)"),
+        };
+        format!("  friction and noise of {time}: p <- E p + R ξ, E = {decay}, R Rᵀ = kT (M - E M Eᵀ)\n")
+    };
+    let flow = |(kind, share): (Kind, Rational)| {
+        let time = times(if is_shortened && kind != Kind::Bath { "s h" } else { "h" }, share);
+        match kind {
+            Kind::Drift => format!("  drift of {time}:  q <- q + {time} M⁻¹ p\n"),
+            Kind::Kick => format!("  kick of {time}:  p <- p - {time} {slope}\n"),
+            Kind::Bath => relax(&time),
+        }
+    };
     let step = match embedding {
-        Embedding::Baoab => format!("{kick}{half_drift}{}{half_drift}{kick}", relax("h")),
-        Embedding::Gjf => {
-            let part = relaxes("h", "(1 + h/2 Γ M⁻¹)⁻¹ (1 - h/2 Γ M⁻¹)");
-            format!("{kick}{half_drift}{part}{half_drift}{kick}")
-        }
-        Embedding::GjI => {
-            let [kick, drift] = [&kick, half_drift].map(|part| part.replace("h/2", "s h/2"));
-            let factor = "  with s = √(tanh(γh/2)/(γh/2)), γ the rate of the friction\n";
-            format!("{kick}{drift}{}{drift}{kick}{factor}", relax("h"))
-        }
-        Embedding::Obabo => {
-            let drift = "  drift of h:  q <- q + h M⁻¹ p\n";
-            format!("{0}{kick}{drift}{kick}{0}", relax("h/2"))
-        }
         Embedding::Thermostat(inner) => {
+            let inner = format!("  a step of {inner} of the system without friction and noise of the bath\n");
+            format!("{0}{inner}{0}", relax("h/2"))
+        }
+        word => word.letters().map_or(String::new(), |word| word.shares().into_iter().map(flow).collect()),
+    };
+    let factor = match is_shortened {
+        true => "  with s = √(tanh(γh/2)/(γh/2)), γ the rate of the friction\n",
+        false => "",
+    };
+    let order = match embedding {
+        Embedding::Splitting(word) => {
+            let symmetry = if word.is_symmetric() { "symmetric" } else { "not symmetric" };
             format!(
-                "{0}  a step of {inner} of the system without friction and noise of the bath\n{0}",
-                relax("h/2")
+                "  of order {}, {symmetric}; HarmonicLaw::of says what it makes of a harmonic force\n",
+                word.order(),
+                symmetric = symmetry
             )
         }
         _ => String::new(),
@@ -139,7 +149,16 @@ fn thermostat(embedding: &Embedding, has_force: bool) -> String {
             "D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right"
         }
     };
-    format!("\nStep\n{step}  driven by {driven}\n  a free particle diffuses with {diffusion}\n")
+    format!(
+        "\nStep\n{step}{factor}{order}  driven by {driven}\n  a free particle diffuses with {diffusion}\n"
+    )
+}
+
+/// `h/2`, `3 h/4`
+fn times(h: &str, share: Rational) -> String {
+    let (n, d) = (share.numerator(), share.denominator());
+    let factor = if n == 1 { String::new() } else { format!("{n} ") };
+    if d == 1 { format!("{factor}{h}") } else { format!("{factor}{h}/{d}") }
 }
 
 /// How a step of `Verlet` is taken of `T(p) + V(q, t)`.

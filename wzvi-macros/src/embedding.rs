@@ -8,6 +8,10 @@ use quote::{ToTokens, quote};
 use crate::diagnostics::internal::Promised;
 use crate::symbolic::Rational;
 
+mod word;
+
+pub(crate) use word::{Kind, Letter, MOST_LETTERS, Word};
+
 /// A scheme as the user wrote it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Embedding {
@@ -31,6 +35,8 @@ pub(crate) enum Embedding {
     Obabo,
     Gjf,
     GjI,
+    /// The same with letters of one's own; drifts add to one step, kicks too, and there is friction.
+    Splitting(Word),
     /// Half of the flow of the bath, a step of `E`, the other half; `E` is no thermostat.
     Thermostat(Box<Embedding>),
     /// `E` of the system without its bath, inside of a thermostat; users have no name for it.
@@ -59,7 +65,8 @@ impl Embedding {
             | Self::Baoab
             | Self::Obabo
             | Self::Gjf
-            | Self::GjI => (Rational::HALF, Rational::HALF),
+            | Self::GjI
+            | Self::Splitting(_) => (Rational::HALF, Rational::HALF),
             Self::DeltaMinus => (Rational::ONE, Rational::ONE),
             &Self::Lambda(n, d) => {
                 let l =
@@ -116,6 +123,7 @@ impl Embedding {
             // Two halves of another flow around it.
             Self::Thermostat(inner) => inner.order().min(2),
             Self::Isolated(inner) => inner.order(),
+            Self::Splitting(word) => word.order(),
             _ if self.quadrature().0 == Rational::HALF => 2,
             _ => 1,
         }
@@ -123,7 +131,17 @@ impl Embedding {
 
     /// Whether it takes turns of kicks, drifts and the flow of the bath.
     pub(crate) fn is_word(&self) -> bool {
-        matches!(self, Self::Baoab | Self::Obabo | Self::Gjf | Self::GjI)
+        self.letters().is_some()
+    }
+
+    /// The kicks, drifts and flows of the bath that it takes in turn.
+    pub(crate) fn letters(&self) -> Option<Word> {
+        match self {
+            Self::Baoab | Self::Gjf | Self::GjI => Some(Word::of("BAOAB")),
+            Self::Obabo => Some(Word::of("OBABO")),
+            Self::Splitting(word) => Some(word.clone()),
+            _ => None,
+        }
     }
 
     /// Whether friction is taken in by a flow of its own.
@@ -152,6 +170,7 @@ impl Embedding {
 /// What stands between the brackets of a scheme.
 enum Argument<'e> {
     Number(u32),
+    Letters(&'e Word),
     Scheme(&'e Embedding),
 }
 
@@ -170,7 +189,7 @@ impl Embedding {
 
     /// Its name and its arguments, as users write it; one that they have no name for is written as what is inside.
     fn spelling(&self) -> (&'static str, Vec<Argument<'_>>) {
-        use Argument::{Number, Scheme};
+        use Argument::{Letters, Number, Scheme};
         match self {
             Self::DeltaPlus => ("DeltaPlus", Vec::new()),
             Self::Midpoint => ("Midpoint", Vec::new()),
@@ -180,6 +199,7 @@ impl Embedding {
             Self::Obabo => ("Obabo", Vec::new()),
             Self::Gjf => ("Gjf", Vec::new()),
             Self::GjI => ("GjI", Vec::new()),
+            Self::Splitting(word) => ("Splitting", vec![Letters(word)]),
             Self::Lambda(n, d) => ("Lambda", vec![Number(*n), Number(*d)]),
             Self::Gauss(stages) => ("Gauss", vec![Number(*stages)]),
             Self::Mixed(drift, noise) => ("Mixed", vec![Scheme(drift), Scheme(noise)]),
@@ -204,6 +224,7 @@ impl Embedding {
         let name = Ident::new(name, Span::call_site());
         let arguments = arguments.iter().map(|argument| match argument {
             Argument::Number(number) => Literal::u32_unsuffixed(*number).into_token_stream(),
+            Argument::Letters(word) => word.types(wzvi),
             Argument::Scheme(scheme) => scheme.path(wzvi),
         });
         let arguments: Vec<TokenStream> = arguments.collect();
@@ -217,6 +238,7 @@ impl fmt::Display for Embedding {
         let (name, arguments) = self.spelling();
         let arguments = arguments.iter().map(|argument| match argument {
             Argument::Number(number) => number.to_string(),
+            Argument::Letters(word) => word.to_string(),
             Argument::Scheme(scheme) => scheme.to_string(),
         });
         let arguments = arguments.collect::<Vec<_>>().join(", ");

@@ -52,6 +52,7 @@ mod relaxation;
 mod splitting;
 mod thermostat;
 mod windowed;
+mod word;
 
 use std::marker::PhantomData;
 
@@ -64,10 +65,10 @@ use crate::system::Hamiltonian;
 pub use modes::Decay;
 #[doc(hidden)]
 pub use relaxation::Relaxation;
-#[doc(hidden)]
 pub use splitting::{Letters, Splitting};
 #[doc(hidden)]
 pub use thermostat::Around;
+pub use word::{A, B, HarmonicLaw, Letter, O, Part, Spelling, Word};
 
 /// Half a kick, half a drift, friction and noise, half a drift, half a kick: one force for each step, explicit, for `T(p) + V(q, t)`. The
 /// positions of a harmonic oscillator have the exact variance, its momenta too little by the factor `1 - h² ω² / 4`; otherwise the

@@ -10,8 +10,9 @@
 
 use std::marker::PhantomData;
 
-pub use crate::bath::{Baoab, GjI, Gjf, Obabo, Thermostat};
+pub use crate::bath::{Baoab, GjI, Gjf, Obabo, Splitting, Thermostat};
 pub use crate::gauss::Gauss;
+pub use crate::system::{OneStep, Own};
 
 pub use crate::compose::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, Composed, KahanLi6, KahanLi8, Partitioned, Srkn6,

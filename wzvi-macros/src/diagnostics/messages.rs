@@ -7,6 +7,7 @@ use quote::ToTokens;
 use syn::{Error, Item};
 
 use super::{at, closest, suggest};
+use crate::symbolic::Rational;
 
 /// The keys that users know.
 pub(crate) const KEYS: Listed = Listed(&[
@@ -152,6 +153,30 @@ pub(crate) fn empty_list(key: &syn::Ident, list: &TokenStream) -> Error {
     at(list, format!("this list is empty; {remedy}"))
 }
 
+pub(crate) fn unknown_letter(ty: &syn::Type) -> Error {
+    let letters =
+        "the letters of a splitting are `A` (drift), `B` (kick) and `O` (friction and noise of the bath)";
+    at(ty, format!("{letters}; `A<1, 4>` and `B<1, 4>` take a quarter of the step"))
+}
+
+pub(crate) fn long_word(word: &syn::TypeTuple, most: usize) -> Error {
+    at(word, format!("a splitting has at most {most} letters, this one {}", word.elems.len()))
+}
+
+pub(crate) fn missing_letter(word: &syn::TypeTuple, letter: &str) -> Error {
+    at(word, format!("a splitting needs drifts `A`, kicks `B` and friction `O`: there is no `{letter}`"))
+}
+
+pub(crate) fn shares_of_letters(word: &syn::TypeTuple, letter: &str, total: Option<Rational>) -> Error {
+    let total = total.map_or("something else".to_owned(), |total| total.to_string());
+    at(
+        word,
+        format!(
+            "the shares of `{letter}` add to {total}, not to 1: each kind of letter covers the step once"
+        ),
+    )
+}
+
 pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
     if is_of_ito(name) {
         return at(name, format!("there is no embedding `{name}`: {STRATONOVICH}"));
@@ -167,6 +192,7 @@ pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
         "Corrected",
         "Uncorrected",
         "Baoab",
+        "Splitting",
         "Obabo",
         "Gjf",
         "GjI",

@@ -92,6 +92,10 @@ fn thermostat(embedding: &Embedding) -> TokenStream {
             let inner = inner.path(&quote!(__wzvi));
             quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>)
         }
+        Embedding::Splitting(word) => {
+            let word = word.types(&quote!(__wzvi));
+            quote!(__wzvi::bath::Splitting<#word>)
+        }
         word => {
             let word = word.path(&quote!(__wzvi));
             quote!(__wzvi::bath::Splitting<#word>)

@@ -1,11 +1,11 @@
 //! The schemes of `embedding = ...`.
 
 use quote::ToTokens;
-use syn::{GenericArgument, PathArguments, Type};
+use syn::{GenericArgument, PathArguments, Type, TypeTuple};
 
 use crate::diagnostics::{Diagnostics, messages};
 use crate::diagnostics::{Extent, Located};
-use crate::embedding::Embedding;
+use crate::embedding::{Embedding, Kind, Letter, MOST_LETTERS, Word};
 
 /// The schemes, each once; mistakes are reported.
 pub(super) fn read_embeddings(
@@ -69,6 +69,12 @@ fn embedding(ty: &Type, inside: Inside) -> syn::Result<Embedding> {
         ("Composed", Some([GenericArgument::Type(base), _]), _) if is_whole => {
             return Err(messages::composed(ty, base));
         }
+        ("Splitting", Some([GenericArgument::Type(Type::Tuple(word))]), _) if is_whole => {
+            Embedding::Splitting(splitting(word)?)
+        }
+        ("Splitting", ..) if is_whole => {
+            return Err(messages::scheme_arguments(ty, "Splitting<(B, A, O, A, B)>"));
+        }
         ("Thermostat", Some([GenericArgument::Type(whole)]), _) if is_whole => {
             match embedding(whole, Inside::List)? {
                 inner if inner.is_thermostat() => return Err(messages::thermostat_inside(whole)),
@@ -80,6 +86,39 @@ fn embedding(ty: &Type, inside: Inside) -> syn::Result<Embedding> {
         }
         _ => return Err(messages::unknown_embedding(name)),
     })
+}
+
+/// The letters of a splitting: drifts that add to one step, kicks that do, and friction.
+fn splitting(tuple: &TypeTuple) -> syn::Result<Word> {
+    let letters = tuple.elems.iter().map(letter).collect::<syn::Result<Vec<_>>>()?;
+    let word = Word(letters);
+    if word.0.len() > MOST_LETTERS {
+        return Err(messages::long_word(tuple, MOST_LETTERS));
+    }
+    for kind in Kind::ALL {
+        match word.total(kind) {
+            Some(total) if total.is_one() => {}
+            Some(total) if total.is_zero() => return Err(messages::missing_letter(tuple, kind.letter())),
+            total => return Err(messages::shares_of_letters(tuple, kind.letter(), total)),
+        }
+    }
+    Ok(word)
+}
+
+/// `A`, `B`, `O`, and `A<1, 4>`, `B<1, 4>` with a share of the step.
+fn letter(ty: &Type) -> syn::Result<Letter> {
+    let (name, arguments) = parts(ty)?;
+    let kind = Kind::ALL.into_iter().find(|kind| name == kind.letter());
+    let kind = kind.ok_or_else(|| messages::unknown_letter(ty))?;
+    let share = match (arguments.as_deref(), kind) {
+        (None, _) => None,
+        (Some([n, d]), Kind::Drift | Kind::Kick) => match (number(n)?, number(d)?) {
+            (n, d) if n == 0 || d == 0 => return Err(messages::unknown_letter(ty)),
+            share => Some(share),
+        },
+        _ => return Err(messages::unknown_letter(ty)),
+    };
+    Ok(Letter { kind, share })
 }
 
 fn scheme(argument: &GenericArgument, inside: Inside) -> syn::Result<Embedding> {

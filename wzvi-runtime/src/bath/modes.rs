@@ -13,6 +13,16 @@ pub enum Decay {
     Cayley,
 }
 
+impl Decay {
+    /// Of a share `s λ`.
+    pub(super) fn factor(self, share: f64) -> f64 {
+        match self {
+            Self::Exponential => (-share).exp(),
+            Self::Cayley => (1.0 - 0.5 * share) / (1.0 + 0.5 * share),
+        }
+    }
+}
+
 /// Time and temperature of an O part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bath {

@@ -14,11 +14,12 @@ use super::part::Shares;
 use super::part::{self, Relaxes};
 use super::relaxation::is_list;
 use super::windowed::WithBath;
+use super::word::{A, B, O, Spelling, Word};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::carry::{Carry, Plain};
 use crate::compose::flows::{Flows, FlowsBeside, FlowsOf, Slopes};
 use crate::compose::stages::{self, Rooms, Stage, Stages, Take};
-use crate::compose::substeps::{Half, Substep, plan};
+use crate::compose::substeps::Substep;
 use crate::compose::windowed::{self, Givens, least_alone, takes_windows};
 use crate::elements::Taken;
 use crate::error::{BathError, ConfigError, StepFailure};
@@ -26,56 +27,49 @@ use crate::gauss::{Field, Shape};
 use crate::lanes::Lanes;
 use crate::memory::{StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
-use crate::plan::Plan;
+use crate::plan::{NoiseClass, Plan, Solver};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
 use crate::system::{At, Exchange, Properties, Scheme};
 
-/// A word of kicks, drifts and O parts.
-pub trait Letters: Debug {
-    /// The kicks and drifts: weights, and how far the drifts before a kick have come.
-    const FLOWS: &'static [(Half, f64, f64)];
-    /// Before which of them there is an O part; one after all has the number of them.
-    const RELAXES_BEFORE: &'static [usize];
-    /// The first of two drifts with an O part between.
-    const DRIFTS_AROUND: Option<usize> = None;
+/// A word of kicks, drifts and O parts, and how these are taken.
+pub trait Letters {
+    /// Its letters.
+    type Word: Word;
     /// What the O parts leave of the momenta.
     const DECAY: Decay = Decay::Exponential;
     /// Whether kicks and drifts are shortened.
     const IS_SHORTENED: bool = false;
+    /// The letters as steps take them.
+    const SPELLING: Spelling = Spelling::of(<Self::Word as Word>::LETTERS);
+}
+
+impl<W: Word> Letters for W {
+    type Word = W;
+}
+
+impl Letters for Baoab {
+    type Word = (B, A, O, A, B);
+}
+
+impl Letters for Obabo {
+    type Word = (O, B, A, B, O);
+}
+
+impl Letters for Gjf {
+    type Word = (B, A, O, A, B);
+    const DECAY: Decay = Decay::Cayley;
+}
+
+impl Letters for GjI {
+    type Word = (B, A, O, A, B);
+    const IS_SHORTENED: bool = true;
 }
 
 /// The O parts of a word.
 const fn shares<W: Letters>() -> Shares {
-    Shares { parts: W::RELAXES_BEFORE.len(), decay: W::DECAY }
-}
-
-/// A word with the letters of [`Baoab`].
-macro_rules! baoab {
-    ($word:ty $(, $constant:ident: $type:ty = $value:expr)?) => {
-        impl Letters for $word {
-            const FLOWS: &'static [(Half, f64, f64)] = &[
-                (Half::Second, 0.5, 0.0),
-                (Half::First, 0.5, 0.0),
-                (Half::First, 0.5, 0.5),
-                (Half::Second, 0.5, 1.0),
-            ];
-            const RELAXES_BEFORE: &'static [usize] = &[2];
-            const DRIFTS_AROUND: Option<usize> = Some(1);
-            $(const $constant: $type = $value;)?
-        }
-    };
-}
-
-baoab!(Baoab);
-baoab!(Gjf, DECAY: Decay = Decay::Cayley);
-baoab!(GjI, IS_SHORTENED: bool = true);
-
-impl Letters for Obabo {
-    const FLOWS: &'static [(Half, f64, f64)] =
-        &[(Half::Second, 0.5, 0.0), (Half::First, 1.0, 0.0), (Half::Second, 0.5, 1.0)];
-    const RELAXES_BEFORE: &'static [usize] = &[0, 3];
+    Shares { parts: W::SPELLING.relaxes_before().len(), decay: W::DECAY }
 }
 
 /// The steps of a word.
@@ -129,7 +123,12 @@ where
     F: Flows + Damped,
     W: Letters,
 {
-    const PLAN: Plan = plan(with_bath(F::FACTS.explicit()), 2);
+    const PLAN: Plan = {
+        let order = W::SPELLING.order;
+        // One noise in kicks and drifts needs what makes the order two.
+        let consistent = order == 2 || !matches!(F::FACTS.noise, NoiseClass::Multiplicative);
+        with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
+    };
     const PROPERTIES: Properties = Properties {
         // Windows are for lists of rates and masses.
         fills_registers_from: match is_list::<F>() && !F::PER_STATE {
@@ -146,7 +145,7 @@ where
     type Carry<S: Scalar> = Plain;
 
     fn increments(system: &F, degrees: usize) -> usize {
-        system.noises() + part::normals(system, degrees, W::RELAXES_BEFORE.len())
+        system.noises() + part::normals(system, degrees, W::SPELLING.relaxes_before().len())
     }
 
     fn exchanged(_: &F, memory: &Self::Memory<f64>) -> Exchange {
@@ -160,9 +159,10 @@ where
     fn prepare(system: &F, h: f64) -> Result<Self::Prepared, ConfigError> {
         stages::check(system)?;
         let relaxation = part::prepare(system, h, shares::<W>())?;
-        let substeps: Vec<Substep> = W::FLOWS.iter().map(|&(half, weight, _)| (half, weight)).collect();
+        let substeps: Vec<Substep> =
+            W::SPELLING.flows().iter().map(|&(half, weight, _)| (half, weight)).collect();
         let factor = if W::IS_SHORTENED { shortened(system, h)? } else { 1.0 };
-        let flows = W::FLOWS.iter().map(|&(half, weight, node)| (half, factor * weight, node));
+        let flows = W::SPELLING.flows().iter().map(|&(half, weight, node)| (half, factor * weight, node));
         let flows = Stages::listed(flows);
         Ok(Prepared { flows, still: Stages::of(&substeps), relaxation })
     }
@@ -196,7 +196,7 @@ where
         }
         let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
         let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
-        let mut word = Word::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
+        let mut word = Spoken::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
         let effort = stages::advance(system, &mut word, list, q, p, &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
@@ -249,9 +249,10 @@ where
         memory: &mut Self::Memory<Lanes<L>>,
     ) -> Result<Effort, StepFailure> {
         let Beside { flows: system, baths } = beside;
-        let (Stages(list), (dw, parts)) = (system.stages(), baths.parts(W::RELAXES_BEFORE.len(), dw)?);
+        let (Stages(list), (dw, parts)) =
+            (system.stages(), baths.parts(W::SPELLING.relaxes_before().len(), dw)?);
         let flows = FlowsOf { system, t, h, count: list.len() };
-        let mut word = Word::<_, _, _, W>::new(flows, parts);
+        let mut word = Spoken::<_, _, _, W>::new(flows, parts);
         stages::advance(system, &mut word, list, q, p, dw, &mut memory.flows, &mut Plain)
     }
 }
@@ -289,7 +290,7 @@ fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
     windows: &'m mut windowed::Memory,
     bath: &mut part::Memory<S>,
 ) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
-    let (degrees, parts) = (givens.q.len(), W::RELAXES_BEFORE.len());
+    let (degrees, parts) = (givens.q.len(), W::SPELLING.relaxes_before().len());
     let size = (givens.h, shares::<W>(), degrees);
     let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
         Ok(driven) => driven,
@@ -308,7 +309,7 @@ pub struct Beside<F: Field, const L: usize> {
 }
 
 /// The parts of a step.
-struct Word<'m, F, B, S, W> {
+struct Spoken<'m, F, B, S, W> {
     flows: FlowsOf<'m, F>,
     parts: B,
     heat: S,
@@ -317,7 +318,7 @@ struct Word<'m, F, B, S, W> {
     word: PhantomData<W>,
 }
 
-impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Word<'m, F, B, S, W> {
+impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Spoken<'m, F, B, S, W> {
     #[inline(always)]
     fn new(flows: FlowsOf<'m, F>, parts: B) -> Self {
         Self { flows, parts, heat: S::from_f64(0.0), is_done: false, word: PhantomData }
@@ -333,7 +334,7 @@ impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Word<'m, F, B, S, W> {
         if self.parts.are_still() {
             return Ok(());
         }
-        if let Some(part) = W::RELAXES_BEFORE.iter().position(|&before| before == index) {
+        if let Some(part) = W::SPELLING.relaxes_before().iter().position(|&before| before == index) {
             let Rooms { q, p, lost_p, .. } = rooms;
             let heat = self.parts.apply::<C>(part, q.as_ref(), p.as_mut(), lost_p.as_mut())?;
             self.heat = self.heat + heat;
@@ -342,7 +343,7 @@ impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Word<'m, F, B, S, W> {
     }
 }
 
-impl<F, B, S, W> Take<S, F::Shape> for Word<'_, F, B, S, W>
+impl<F, B, S, W> Take<S, F::Shape> for Spoken<'_, F, B, S, W>
 where
     F: Slopes<S>,
     B: Relaxes<S>,
@@ -358,7 +359,11 @@ where
         memory: &mut stages::Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
         // Lists of masses say what a drift is, unless a noise drifts too: one pass instead of three.
-        if W::DRIFTS_AROUND == Some(index) && !C::CARRIES && memory.dw.is_empty() && !self.parts.are_still() {
+        if W::SPELLING.drifts_around == Some(index)
+            && !C::CARRIES
+            && memory.dw.is_empty()
+            && !self.parts.are_still()
+        {
             let Rooms { q, p, .. } = rooms;
             let time = stage.weight * self.flows.h;
             if let Some(heat) = self.parts.apply_between_drifts(time, q.as_mut(), p.as_mut()) {
@@ -366,11 +371,11 @@ where
                 return Ok(());
             }
         }
-        if self.is_done && W::DRIFTS_AROUND.is_some_and(|first| first + 1 == index) {
+        if self.is_done && W::SPELLING.drifts_around.is_some_and(|first| first + 1 == index) {
             return Ok(());
         }
         self.relax::<C, _>(index, rooms)?;
         self.flows.take::<C>(index, stage, rooms, memory)?;
-        if index + 1 == W::FLOWS.len() { self.relax::<C, _>(index + 1, rooms) } else { Ok(()) }
+        if index + 1 == W::SPELLING.flows().len() { self.relax::<C, _>(index + 1, rooms) } else { Ok(()) }
     }
 }

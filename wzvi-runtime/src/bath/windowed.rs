@@ -41,15 +41,16 @@ impl<'m> WithBath<'m> {
         h: f64,
     ) -> Self {
         let mut word = Self { flows, relaxing, parts: [Part::Flow(0); MOST], count: 0 };
-        let relaxes_before = |flow: usize| W::RELAXES_BEFORE.iter().position(|&before| before == flow);
+        let relaxes_before =
+            |flow: usize| W::SPELLING.relaxes_before().iter().position(|&before| before == flow);
         let mut flow = 0;
-        while flow < W::FLOWS.len() {
+        while flow < W::SPELLING.flows().len() {
             if let Some(part) = relaxes_before(flow) {
                 word.push(Part::Relax(part));
             }
             // Lists of masses say what a drift is, unless a noise drifts too.
             match relaxes_before(flow + 1) {
-                Some(part) if W::DRIFTS_AROUND == Some(flow) && !flows.have_noise() => {
+                Some(part) if W::SPELLING.drifts_around == Some(flow) && !flows.have_noise() => {
                     word.push(Part::RelaxBetween(part, stages[flow].weight * h));
                     flow += 2;
                 }

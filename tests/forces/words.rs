@@ -1,0 +1,144 @@
+//! Splittings with letters of one's own.
+
+use fixtures::bath::Oscillator;
+use wzvi::bath::{A, B, HarmonicLaw, Letters, O, Word};
+use wzvi::prelude::*;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * k * q * q,
+    friction = gamma,
+    temperature = kt,
+    embedding = [
+        Baoab, Obabo, Splitting<(B, A, O, A, B)>, Splitting<(O, B, A, B, O)>, Splitting<(B, A, O, A)>,
+        Splitting<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>,
+    ],
+)]
+#[derive(Clone)]
+struct Spring {
+    k: f64,
+    gamma: f64,
+    kt: f64,
+}
+
+type Uneven = Splitting<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>;
+
+/// `k <q²>`, `<q p>`, `<p²>`, and the factors of diffusion and mobility, to 18 digits, for `m = kT = 1`, `h = 0.3`, `γ = 1.3`, `k = 2`.
+#[test]
+fn harmonic_laws_are_those_of_the_reference() {
+    fn row<W: Letters>(order: u32, exact: [f64; 5]) -> (&'static str, u32, HarmonicLaw, [f64; 5]) {
+        let law = HarmonicLaw::of::<W>(2.0_f64.sqrt() * 0.3, 1.3 * 0.3);
+        (std::any::type_name::<W>(), order, law, exact)
+    }
+    let rows = [
+        row::<(B, A, O, A, B)>(2, [1.0, 0.0, 0.955, 1.012642984794805959, 1.012642984794805959]),
+        row::<(A, B, O, B, A)>(
+            2,
+            [1.0, 0.0, 1.047120418848167539, 1.012642984794805959, 1.012642984794805959],
+        ),
+        row::<(O, B, A, B, O)>(
+            2,
+            [1.047120418848167539, 0.0, 1.0, 1.012642984794805959, 1.012642984794805959],
+        ),
+        row::<(O, A, B, A, O)>(2, [0.955, 0.0, 1.0, 1.012642984794805959, 1.012642984794805959]),
+        row::<(B, O, A, O, B)>(
+            2,
+            [
+                1.066151722282911735,
+                -0.03079558970439541,
+                1.001779049501905335,
+                1.012642984794805959,
+                0.993690502447383570,
+            ],
+        ),
+        row::<(A, O, B, O, A)>(
+            2,
+            [1.019072822272874579, 0.0, 1.046197778000825692, 1.012642984794805959, 0.993690502447383570],
+        ),
+        row::<(B, A, O, A)>(1, [1.0, 0.15, 1.0, 1.012642984794805959, 1.012642984794805959]),
+        row::<(O, B, A, B)>(1, [1.047120418848167539, 0.0, 1.0, 1.012642984794805959, 1.012642984794805959]),
+        row::<Gjf>(2, [1.0, 0.0, 0.955, 1.0, 1.0]),
+        row::<GjI>(2, [1.0, 0.0, 0.955561831093790229, 1.0, 1.0]),
+    ];
+    for (word, _, law, exact) in rows {
+        let HarmonicLaw { q, qp, p, diffusion, mobility } = law;
+        let ours = [q, qp / 2.0_f64.sqrt(), p, diffusion, mobility];
+        for (ours, exact) in ours.into_iter().zip(exact) {
+            // A system of three equations with a condition below ten.
+            assert!((ours - exact).abs() < 1e-14, "{word}: {ours} {exact}");
+        }
+    }
+    let unstable = HarmonicLaw::of::<Baoab>(2.1, 0.3);
+    assert!(unstable.q.is_nan() && unstable.p.is_nan());
+}
+
+#[test]
+fn orders_and_symmetry_are_found() {
+    assert_eq!(
+        <Spring as Discretized<Splitting<(B, A, O, A, B)>>>::PLAN,
+        <Spring as Discretized<Baoab>>::PLAN
+    );
+    assert_eq!(<Spring as Discretized<Splitting<(B, A, O, A)>>>::PLAN.order, 1);
+    assert_eq!(<Spring as Discretized<Uneven>>::PLAN.order, 2);
+    let text = <Spring as Discretized<Uneven>>::EQUATIONS;
+    for line in [
+        "Splitting<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>",
+        "  kick of h/4:  p <- p - h/4 ∂V/∂q",
+        "  of order 2, symmetric",
+    ] {
+        assert!(text.contains(line), "{line}\n{text}");
+    }
+    let text = <Spring as Discretized<Splitting<(B, A, O, A)>>>::EQUATIONS;
+    assert!(text.contains("of order 1, not symmetric"), "{text}");
+}
+
+/// The named words are words.
+#[test]
+fn words_have_the_bits_of_their_names() {
+    let spring = Spring { k: 1.3, gamma: 0.7, kt: 0.4 };
+    let start = State::new([0.3], [0.8]);
+    let seed = || StepNormals::seed(11);
+    let baoab = spring.simulate::<Baoab>(0.1).start(start).noise(seed()).steps(100).run().unwrap();
+    let word = spring.simulate::<Splitting<(B, A, O, A, B)>>(0.1).start(start).noise(seed()).steps(100);
+    assert_eq!(word.run().unwrap().states(), baoab.states());
+    let obabo = spring.simulate::<Obabo>(0.1).start(start).noise(seed()).steps(100).run().unwrap();
+    let word = spring.simulate::<Splitting<(O, B, A, B, O)>>(0.1).start(start).noise(seed()).steps(100);
+    assert_eq!(word.run().unwrap().states(), obabo.states());
+    let paths = spring.ensemble::<Uneven>(0.1).start(start).paths(9).seed(11).steps(30).keep_paths(1 << 20);
+    let paths = paths.run().unwrap();
+    for path in 0..9 {
+        let single = spring.simulate::<Uneven>(0.1).start(start).noise(seed().path(path)).steps(30);
+        let last = *single.run().unwrap().last();
+        let kept = paths.paths().unwrap().at(path as usize, 1).unwrap();
+        // Exponentials of lanes differ from those of single numbers in the last digit.
+        assert!((kept[0] - last.q[0]).abs() + (kept[1] - last.p[0]).abs() < 1e-13, "{path}");
+    }
+}
+
+/// The law of the steps is the one that is computed.
+#[test]
+fn paths_of_a_word_have_its_law() {
+    let (h, spring) = (0.6, Spring { k: 2.0, gamma: 0.9, kt: 0.4 });
+    let law = HarmonicLaw::of::<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>(
+        spring.k.sqrt() * h,
+        spring.gamma * h,
+    );
+    let run = spring.ensemble::<Uneven>(h).start(State::new([0.0], [0.0])).paths(40_000).seed(5).steps(40);
+    let run = run.observe("q", |s| s.q[0] * s.q[0]).observe("p", |s| s.p[0] * s.p[0]).run().unwrap();
+    for (name, scale, exact) in [("q", spring.k / spring.kt, law.q), ("p", 1.0 / spring.kt, law.p)] {
+        let (mean, error) = (run.mean(name).unwrap() * scale, run.standard_error(name).unwrap() * scale);
+        // Forty steps are thirteen decay times of the energy; four standard errors.
+        assert!((mean - exact).abs() < 4.0 * error, "{name}: {mean} ± {error}, {exact}");
+    }
+    // It is not the Gibbs measure: the test sees the difference.
+    assert!((law.p - 1.0).abs() > 0.02 || (law.q - 1.0).abs() > 0.02, "{law:?}");
+}
+
+/// What the O parts need is read by their number, wherever they stand.
+#[test]
+fn a_system_with_a_word_is_one_with_friction() {
+    assert_eq!(<(O, B, A, B, O) as Word>::LETTERS.len(), 5);
+    let spring = Spring { k: 1.0, gamma: 0.5, kt: 0.2 };
+    assert_eq!(Discretized::<Uneven>::increments(&spring, 1), 2);
+    let oscillator = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 0.5, kt: 0.2 };
+    assert_eq!(Discretized::<Baoab>::increments(&oscillator, 1), 1);
+}
