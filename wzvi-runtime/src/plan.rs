@@ -41,7 +41,7 @@ pub enum Knowledge {
     Unknown,
 }
 
-/// What of the energy the steps of a scheme keep of a linear system, to the last digit: [`Discretized::KEPT_ENERGY`](crate::system::Discretized::KEPT_ENERGY).
+/// What of the energy the steps of a scheme keep of a linear system, to the last digit: [`Properties::kept_energy`](crate::system::Properties::kept_energy).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeptEnergy {
     /// `H`

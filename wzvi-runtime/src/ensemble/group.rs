@@ -51,7 +51,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     own: Vec<PreparedOf<H, E>>,
     /// The same beside each other, where systems go so.
     beside: Option<<SchemeOf<H, E> as Scheme<H>>::Beside<L>>,
-    /// Where steps are no matter of lanes ([`Discretized::IN_LANES`]), or systems of paths are not, or somebody looks inside steps of which
+    /// Where steps are no matter of lanes ([`Properties::in_lanes`](crate::system::Properties::in_lanes)), or systems of paths are not, or somebody looks inside steps of which
     /// lanes keep less than a stepper: one for each.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
