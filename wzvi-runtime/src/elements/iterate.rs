@@ -62,6 +62,9 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 ) -> Result<Effort, StepFailure> {
     // What the steps before left belongs to another size, and stays if this one fails.
     let mut anew = None;
+    if memory.is_new() {
+        memory.fit(system, scheme, q.len())?;
+    }
     let fitting = if memory.fits(system, q.len()) {
         &mut *memory
     } else {
@@ -98,7 +101,11 @@ fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         let effort = step.careful(memory)?;
         let mut lists = memory.work.lists(scheme, degrees);
         step.finish(&mut lists);
+        for degree in (0..degrees).filter(|&degree| memory.blocks.holds(degree)) {
+            (lists.u[degree], lists.by_p[degree]) = (S::from_f64(0.0), S::from_f64(0.0));
+        }
         lists.store(q, p, carry)?;
+        // With noise, too: a part of a step that is followed starts where the one before ended.
         memory.record(scheme, degrees);
         (effort, Solution::Newton { may_contract: false })
     } else {
@@ -110,7 +117,9 @@ fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         } else {
             step.finish(&mut scratch.lists);
             scratch.lists.store(q, p, carry)?;
-            memory.record(scheme, degrees);
+            if scheme.remembers {
+                memory.record(scheme, degrees);
+            }
         }
         (Effort::fast(solved.iterations), solved.solution)
     };
@@ -152,12 +161,13 @@ impl<S: Scalar> Memory<S> {
     /// Takes the unknowns of a step that succeeded.
     #[inline(always)]
     fn record(&mut self, scheme: &Scheme, degrees: usize) {
-        if scheme.remembers {
-            let Lists { x, .. } = self.work.lists(scheme, degrees);
-            self.past.rotate_right(1);
-            self.past[0][..x.len()].copy_from_slice(x);
-            self.known = (self.known + 1).min(3);
+        let Lists { x, .. } = self.work.lists(scheme, degrees);
+        if self.past[0].len() != x.len() {
+            self.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));
         }
+        self.past.rotate_right(1);
+        self.past[0].copy_from_slice(x);
+        self.known = (self.known + 1).min(3);
     }
 }
 
