@@ -216,10 +216,15 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         let (pinned, known) = (scratch.iteration, scratch.known);
         scratch.kept.begin();
-        let mut first = self.iterate(scratch, known, pinned);
+        let takes_one = self.takes_one_correction(scratch);
+        let attempt = |scratch: &mut Scratch<'_, S>| match takes_one {
+            true => self.correct_once(scratch),
+            false => self.iterate(scratch, known, pinned),
+        };
+        let mut first = attempt(scratch);
         if first.is_err() && self.may_have_been_unusual(scratch) {
             scratch.is_exact = true;
-            first = self.iterate(scratch, known, pinned);
+            first = attempt(scratch);
         }
         match first {
             // A start that misleads is given up for zero, and what was tried for Newton's method from there.
@@ -231,6 +236,29 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
                 solved
             }
             first => first,
+        }
+    }
+
+    /// Whether the equations are linear and none has an unknown of another: one correction leaves nothing but rounding.
+    #[inline(always)]
+    fn takes_one_correction(self, scratch: &Scratch<'_, S>) -> bool {
+        let is_linear = self.scheme.is_linear && scratch.iteration == Iteration::Automatic;
+        is_linear && scratch.inverses().is_some()
+    }
+
+    /// That correction, from zero.
+    #[inline(always)]
+    fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        self.start(scratch, 0);
+        if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
+            let Scratch { lists, diagonal, linear: Some(linear), kept, .. } = scratch.lend() else {
+                return Err(StepFailure::NonFinite);
+            };
+            self.renew(&lists, diagonal, linear, kept, Iteration::Automatic)?;
+        }
+        match self.sweep(scratch, true).relative {
+            relative if relative.is_nan() => Err(StepFailure::NonFinite),
+            _ => Ok(Solved { iterations: 1, solution: Solution::Newton { may_contract: false } }),
         }
     }
 
@@ -328,7 +356,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
             self.refresh(&mut scratch.lists);
             relative
         } else {
-            let swept = self.sweep(scratch);
+            let swept = self.sweep(scratch, false);
             change = swept.change;
             swept.relative
         };

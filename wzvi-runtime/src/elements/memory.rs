@@ -229,6 +229,14 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
+impl<S: Scalar> Scratch<'_, S> {
+    /// The inverse of the Jacobian, if that is a diagonal matrix.
+    #[inline(always)]
+    pub(super) fn inverses(&self) -> Option<&[S]> {
+        if let Some(Linear::Band(band)) = &*self.linear { band.inverses() } else { None }
+    }
+}
+
 impl<S> Scratch<'_, S> {
     /// As [`Lists::lend`].
     #[inline(always)]

@@ -145,6 +145,9 @@ impl<S: Scalar> Banded<S> {
 
     /// `b` becomes `A⁻¹ b`, after [`Banded::factor`].
     pub fn solve(&mut self, b: &mut [S]) {
+        if let Some(inverses) = self.inverses() {
+            return b.iter_mut().zip(inverses).for_each(|(b, &inverse)| *b = *b * inverse);
+        }
         match self.half {
             1 => self.solve_in(1, b),
             2 => self.solve_in(2, b),
