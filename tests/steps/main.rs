@@ -14,6 +14,7 @@ mod invariants;
 mod modified;
 mod names;
 mod plan;
+mod quadrature;
 mod reference;
 mod rest;
 mod symplectic;

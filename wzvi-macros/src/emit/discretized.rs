@@ -78,10 +78,16 @@ impl Discretized<'_> {
             }
         });
         // Other schemes keep what the trait says.
-        let kept = (embedding.order() == 1).then(|| {
-            let l = embedding.quadrature().0.to_f64();
-            quote!(const KEPT_ENERGY: __wzvi::KeptEnergy = __wzvi::KeptEnergy::Point(#l);)
-        });
+        let kept = match &embedding.points()[0] {
+            points if !points.is_single() => Some(quote!(Nearly)),
+            points if embedding.order() == 1 => {
+                let l = points.mean().to_f64();
+                Some(quote!(Point(#l)))
+            }
+            _ => None,
+        };
+        let kept =
+            kept.map(|kept| quote!(const KEPT_ENERGY: __wzvi::KeptEnergy = __wzvi::KeptEnergy::#kept;));
         let beside = match &self.beside {
             Some(beside) => beside.emit(),
             None => quote!(__wzvi::apart!(Self);),
