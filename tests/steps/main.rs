@@ -15,6 +15,7 @@ mod modified;
 mod names;
 mod own;
 mod plan;
+mod quadrature;
 mod reference;
 mod rest;
 mod symplectic;

@@ -15,32 +15,42 @@ const SYMPLECTIC: f64 = 1e-12;
 const GRADIENT: f64 = 1e-12;
 const STEP: f64 = 1e-11;
 
-/// What defines a scheme: `l` of the drift, `l` of the noise, and whether the counter-term is there.
+/// What defines a scheme: points `l` with their weights, of the drift and of the noise, and whether the counter-term is there.
 trait Scheme {
-    const L: [f64; 2];
+    const POINTS: [&'static [(f64, f64)]; 2];
     const IS_CORRECTED: bool = false;
 }
 
+/// Quadratures of this program.
+struct Trapezoidal;
+struct Third;
+
 impl Scheme for DeltaPlus {
-    const L: [f64; 2] = [0.0; 2];
+    const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.0, 1.0)]; 2];
 }
 impl Scheme for Midpoint {
-    const L: [f64; 2] = [0.5; 2];
+    const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.5, 1.0)]; 2];
 }
 impl Scheme for DeltaMinus {
-    const L: [f64; 2] = [1.0; 2];
+    const POINTS: [&'static [(f64, f64)]; 2] = [&[(1.0, 1.0)]; 2];
+}
+impl Scheme for Trapezoidal {
+    const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.0, 0.5), (1.0, 0.5)]; 2];
+}
+impl Scheme for Third {
+    const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.0, 0.25), (1.0 / 3.0, 0.75)]; 2];
 }
 impl<const N: u32, const D: u32> Scheme for Lambda<N, D> {
-    const L: [f64; 2] = [N as f64 / D as f64; 2];
+    const POINTS: [&'static [(f64, f64)]; 2] = [&[(N as f64 / D as f64, 1.0)]; 2];
 }
 impl<A: Scheme, B: Scheme> Scheme for Mixed<A, B> {
-    const L: [f64; 2] = [A::L[0], B::L[1]];
+    const POINTS: [&'static [(f64, f64)]; 2] = [A::POINTS[0], B::POINTS[1]];
 }
 impl<E: Scheme> Scheme for Uncorrected<E> {
-    const L: [f64; 2] = E::L;
+    const POINTS: [&'static [(f64, f64)]; 2] = E::POINTS;
 }
 impl<E: Scheme> Scheme for Corrected<E> {
-    const L: [f64; 2] = E::L;
+    const POINTS: [&'static [(f64, f64)]; 2] = E::POINTS;
     const IS_CORRECTED: bool = true;
 }
 
@@ -141,7 +151,7 @@ struct Term<const N: usize> {
 /// The equations of MATH section 2 for one step.
 struct Equations<'a, const N: usize> {
     of: Derivatives<'a, N>,
-    l: [f64; 2],
+    points: [&'static [(f64, f64)]; 2],
     is_corrected: bool,
     t: f64,
     h: f64,
@@ -156,33 +166,42 @@ impl<const N: usize> Equations<'_, N> {
             |l: f64| -> [f64; N] { from_fn(|i| if i < d { (1.0 - l) * z[i] + l * x[i] } else { x[i] }) };
         let mut terms = Vec::new();
         for term in 0..=self.dw.len() {
-            let (l, c) = if term == 0 { (self.l[0], self.h) } else { (self.l[1], self.dw[term - 1]) };
-            let (gradient, slopes) = (self.of)(term, point(l), self.t + l * self.h);
-            let slopes = slopes.map(|row| row.map(|x| c * x));
-            terms.push(Term { l, gradient: gradient.map(|x| c * x), slopes });
+            let (points, c) = match term {
+                0 => (self.points[0], self.h),
+                _ => (self.points[1], self.dw[term - 1]),
+            };
+            for &(l, share) in points {
+                let (gradient, slopes) = (self.of)(term, point(l), self.t + l * self.h);
+                let slopes = slopes.map(|row| row.map(|x| share * c * x));
+                terms.push(Term { l, gradient: gradient.map(|x| share * c * x), slopes });
+            }
         }
-        if self.is_corrected && self.l[1] != 0.5 {
-            let z = point(self.l[1]);
+        let defect = 0.5 - self.points[1].iter().map(|(l, share)| l * share).sum::<f64>();
+        for &(l, share) in self.points[1] {
+            if !self.is_corrected || defect == 0.0 {
+                continue;
+            }
+            let (z, weight) = (point(l), share * defect);
             // By differences: the slopes only steer the iteration.
             let columns: [[f64; N]; N] = from_fn(|j| {
                 let [ahead, behind] = [1e-5, -1e-5]
-                    .map(|e| self.counter_term(from_fn(|i| z[i] + if i == j { e } else { 0.0 })));
+                    .map(|e| self.counter_term(l, weight, from_fn(|i| z[i] + if i == j { e } else { 0.0 })));
                 from_fn(|i| (ahead[i] - behind[i]) / 2e-5)
             });
             let slopes = from_fn(|i| from_fn(|j| columns[j][i]));
-            terms.push(Term { l: self.l[1], gradient: self.counter_term(z), slopes });
+            terms.push(Term { l, gradient: self.counter_term(l, weight, z), slopes });
         }
         terms
     }
 
-    /// `∇ Σ_jk (1/2 - l) ΔW_j ΔW_k ∂q H_j · ∂p H_k`
-    fn counter_term(&self, z: [f64; N]) -> [f64; N] {
-        let (d, l) = (N / 2, self.l[1]);
+    /// `∇ Σ_jk w ΔW_j ΔW_k ∂q H_j · ∂p H_k` at a point `l`, with its share `w` of `1/2 - Σ w l`.
+    fn counter_term(&self, l: f64, weight: f64, z: [f64; N]) -> [f64; N] {
+        let d = N / 2;
         let parts: Vec<_> = (1..=self.dw.len()).map(|term| (self.of)(term, z, self.t + l * self.h)).collect();
         let mut total = [0.0; N];
         for (j, (first, first_slopes)) in parts.iter().enumerate() {
             for (k, (second, second_slopes)) in parts.iter().enumerate() {
-                let c = (0.5 - l) * self.dw[j] * self.dw[k];
+                let c = weight * self.dw[j] * self.dw[k];
                 for (i, total) in total.iter_mut().enumerate() {
                     for a in 0..d {
                         *total += c * first_slopes[a][i] * second[d + a];
@@ -281,7 +300,8 @@ fn check_scheme<E: Scheme, const N: usize, H: Discretized<E>>(
         // The residual comes from the values of the Hamiltonians alone; the slopes only steer the iteration (and enter
         // the counter-term; `check_gradient` has verified them).
         let of = |term, z, t| (gradient(system, term, z, t), hessian(system, term, z, t).1);
-        let equations = Equations { of: &of, l: E::L, is_corrected: E::IS_CORRECTED, t, h, dw: &dw };
+        let is_corrected = E::IS_CORRECTED;
+        let equations = Equations { of: &of, points: E::POINTS, is_corrected, t, h, dw: &dw };
         let expected = equations.solve(z).unwrap();
         for i in 0..N {
             assert!(
@@ -323,6 +343,8 @@ macro_rules! with_every_scheme {
                 Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, Midpoint, Uncorrected<Lambda<1, 4>>,
                 Uncorrected<Lambda<2, 3>>, Mixed<DeltaPlus, Midpoint>, Uncorrected<Mixed<Midpoint, DeltaMinus>>,
                 Corrected<DeltaPlus>, Corrected<Lambda<2, 3>>, Corrected<Mixed<DeltaMinus, Lambda<1, 4>>>,
+                Trapezoidal = [(0, 1/2), (1, 1/2)], Corrected<Third> = [(0, 0.25), (1/3, 0.75)],
+                Uncorrected<Mixed<Trapezoidal, Third>>,
             ],
         )]
         struct $name {
@@ -336,7 +358,8 @@ macro_rules! with_every_scheme {
             [
                 Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, Midpoint, Uncorrected<Lambda<1, 4>>,
                 Uncorrected<Lambda<2, 3>>, Mixed<DeltaPlus, Midpoint>, Uncorrected<Mixed<Midpoint, DeltaMinus>>,
-                Corrected<DeltaPlus>, Corrected<Lambda<2, 3>>, Corrected<Mixed<DeltaMinus, Lambda<1, 4>>>
+                Corrected<DeltaPlus>, Corrected<Lambda<2, 3>>, Corrected<Mixed<DeltaMinus, Lambda<1, 4>>>,
+                Trapezoidal, Corrected<Third>, Uncorrected<Mixed<Trapezoidal, Third>>
             ]
         );
     };

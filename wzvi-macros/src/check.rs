@@ -26,7 +26,7 @@ fn check_consistency(
     diagnostics: &mut Diagnostics,
 ) {
     for embedding in embeddings {
-        let noise_l = embedding.value.quadrature().1;
+        let [_, noise_l] = embedding.value.means();
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
                 let defect = facts.defect(graph, noise_l);

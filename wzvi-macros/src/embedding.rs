@@ -8,8 +8,10 @@ use quote::{ToTokens, quote};
 use crate::diagnostics::internal::Promised;
 use crate::symbolic::Rational;
 
+mod points;
 mod word;
 
+pub(crate) use points::{Declared, Points};
 pub(crate) use word::{Kind, Letter, MOST_LETTERS, Word};
 
 /// A scheme as the user wrote it.
@@ -20,6 +22,8 @@ pub(crate) enum Embedding {
     DeltaMinus,
     /// `Lambda<N, D>` with `0 <= N <= D` and `D > 0`, which the parser checks.
     Lambda(u32, u32),
+    /// A type of the program, with the points that the attribute gives it.
+    Declared(Declared),
     /// `Mixed<Drift, Noise>`; neither is itself mixed or wrapped, which the parser checks.
     Mixed(Box<Embedding>, Box<Embedding>),
     /// `Gauss<S>` with `1 <= S <= 16`, which the parser checks.
@@ -55,10 +59,11 @@ pub(crate) enum Correction {
 }
 
 impl Embedding {
-    /// The quadrature points `(l_drift, l_noise)`, on average over the step.
-    pub(crate) fn quadrature(&self) -> (Rational, Rational) {
+    /// The quadrature points of the drift and of every noise; on average over the step where it takes several turns.
+    pub(crate) fn points(&self) -> [Points; 2] {
+        let single = |l| [Points::one(l), Points::one(l)];
         match self {
-            Self::DeltaPlus => (Rational::ZERO, Rational::ZERO),
+            Self::DeltaPlus => single(Rational::ZERO),
             Self::Midpoint
             | Self::Verlet
             | Self::Gauss(_)
@@ -66,22 +71,29 @@ impl Embedding {
             | Self::Obabo
             | Self::Gjf
             | Self::GjI
-            | Self::Splitting(_) => (Rational::HALF, Rational::HALF),
-            Self::DeltaMinus => (Rational::ONE, Rational::ONE),
-            &Self::Lambda(n, d) => {
-                let l =
-                    Rational::new(n.into(), d.into()).promised("quadrature points are fractions of 32 bits");
-                (l, l)
+            | Self::Splitting(_) => single(Rational::HALF),
+            Self::DeltaMinus => single(Rational::ONE),
+            &Self::Lambda(n, d) => single(
+                Rational::new(n.into(), d.into()).promised("quadrature points are fractions of 32 bits"),
+            ),
+            Self::Declared(Declared { points, .. }) => [points.clone(), points.clone()],
+            Self::Mixed(drift, noise) => {
+                let ([of_drift, _], [_, of_noise]) = (drift.points(), noise.points());
+                [of_drift, of_noise]
             }
-            Self::Mixed(drift, noise) => (drift.quadrature().0, noise.quadrature().1),
             Self::Corrected(inner)
             | Self::Uncorrected(inner)
             | Self::Thermostat(inner)
-            | Self::Isolated(inner) => inner.quadrature(),
+            | Self::Isolated(inner) => inner.points(),
         }
     }
 
-    /// The schemes with one quadrature point that a step is made of, one after the other; none where it has several at
+    /// The means of the points of the drift and of the noises.
+    pub(crate) fn means(&self) -> [Rational; 2] {
+        self.points().map(|points| points.mean())
+    }
+
+    /// The schemes with one `P` that a step is made of, one after the other; none where it has several at
     /// once, or other parts between.
     pub(crate) fn parts(&self) -> Vec<Self> {
         let uncorrected = |half: Self| Self::Uncorrected(Box::new(half));
@@ -106,12 +118,15 @@ impl Embedding {
         }
     }
 
-    /// Whether it is one quadrature point for all terms.
-    pub(crate) fn is_one_point(&self) -> bool {
-        matches!(self, Self::DeltaPlus | Self::Midpoint | Self::DeltaMinus | Self::Lambda(..))
+    /// Whether it is one list of quadrature points for all terms.
+    pub(crate) fn is_quadrature(&self) -> bool {
+        matches!(
+            self,
+            Self::DeltaPlus | Self::Midpoint | Self::DeltaMinus | Self::Lambda(..) | Self::Declared(_)
+        )
     }
 
-    /// Whether the step backwards undoes the step forwards.
+    /// Whether the step backwards undoes the step forwards, of schemes of the library that are composed.
     pub(crate) fn is_symmetric(&self) -> bool {
         matches!(self, Self::Midpoint | Self::Verlet | Self::Gauss(_))
     }
@@ -124,7 +139,7 @@ impl Embedding {
             Self::Thermostat(inner) => inner.order().min(2),
             Self::Isolated(inner) => inner.order(),
             Self::Splitting(word) => word.order(),
-            _ if self.quadrature().0 == Rational::HALF => 2,
+            _ if self.means()[0] == Rational::HALF => 2,
             _ => 1,
         }
     }
@@ -188,9 +203,9 @@ impl Embedding {
     ];
 
     /// Its name and its arguments, as users write it; one that they have no name for is written as what is inside.
-    fn spelling(&self) -> (&'static str, Vec<Argument<'_>>) {
+    fn spelling(&self) -> (String, Vec<Argument<'_>>) {
         use Argument::{Letters, Number, Scheme};
-        match self {
+        let (name, arguments) = match self {
             Self::DeltaPlus => ("DeltaPlus", Vec::new()),
             Self::Midpoint => ("Midpoint", Vec::new()),
             Self::DeltaMinus => ("DeltaMinus", Vec::new()),
@@ -206,22 +221,28 @@ impl Embedding {
             Self::Corrected(inner) => ("Corrected", vec![Scheme(inner)]),
             Self::Uncorrected(inner) => ("Uncorrected", vec![Scheme(inner)]),
             Self::Thermostat(inner) => ("Thermostat", vec![Scheme(inner)]),
-            Self::Isolated(inner) => inner.spelling(),
-        }
+            Self::Declared(declared) => return (declared.name(), Vec::new()),
+            Self::Isolated(inner) => return inner.spelling(),
+        };
+        (name.to_owned(), arguments)
     }
 
-    pub(crate) fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> String {
         self.spelling().0
     }
 
     /// The scheme as a type of the facade or of what stands for it, by its path.
     pub(crate) fn path(&self, wzvi: &impl ToTokens) -> TokenStream {
-        if let Self::Isolated(inner) = self {
-            let inner = inner.path(wzvi);
-            return quote!(#wzvi::bath::Isolated<#inner>);
+        match self {
+            Self::Isolated(inner) => {
+                let inner = inner.path(wzvi);
+                return quote!(#wzvi::bath::Isolated<#inner>);
+            }
+            Self::Declared(Declared { path, .. }) => return path.to_token_stream(),
+            _ => {}
         }
         let (name, arguments) = self.spelling();
-        let name = Ident::new(name, Span::call_site());
+        let name = Ident::new(&name, Span::call_site());
         let arguments = arguments.iter().map(|argument| match argument {
             Argument::Number(number) => Literal::u32_unsuffixed(*number).into_token_stream(),
             Argument::Letters(word) => word.types(wzvi),
@@ -242,6 +263,6 @@ impl fmt::Display for Embedding {
             Argument::Scheme(scheme) => scheme.to_string(),
         });
         let arguments = arguments.collect::<Vec<_>>().join(", ");
-        if arguments.is_empty() { f.write_str(name) } else { write!(f, "{name}<{arguments}>") }
+        if arguments.is_empty() { f.write_str(&name) } else { write!(f, "{name}<{arguments}>") }
     }
 }

@@ -13,6 +13,11 @@
 //! A stiff force that is far from its balance swings many times along `λ`, and no reasonable number of parts resolves that. Then the
 //! solution from zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the
 //! next one has not, and the step is reported as doubtful.
+//!
+//! Equations may fall into blocks that have no unknown in common, as those of sites that nothing couples. Then each half of the blocks is solved by
+//! itself, and so on while there is a doubt, so that only blocks that are hard by themselves are followed, each with parts of its own.
+
+use std::ops::Range;
 
 use crate::carry::Carry;
 use crate::error::StepFailure;
@@ -47,6 +52,8 @@ pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) p: H::Vector,
     pub(crate) dw: List<'a, f64>,
     pub(crate) carry: C,
+    /// The blocks of equations to solve, by their numbers; all of them if it says nothing.
+    pub(crate) blocks: Option<Range<usize>>,
 }
 
 /// A step that was taken after all.
@@ -58,8 +65,17 @@ pub(crate) struct Continued<V, M, C> {
     pub(crate) effort: Effort,
 }
 
+impl<V, C> Continued<V, (), C> {
+    /// With what it left for the next.
+    fn leaving<M>(self, memory: M) -> Continued<V, M, C> {
+        let Self { q, p, memory: (), carry, effort } = self;
+        Continued { q, p, memory, carry, effort }
+    }
+}
+
 pub(crate) type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, MemoryOf<H, E, f64>, C>;
 type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
+type Solved<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFailure>;
 
 /// Takes a step that failed for `cause`.
 ///
@@ -76,17 +92,7 @@ pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
     if cause.is_of_arguments() || !are_finite(lists) {
         return Err(cause);
     }
-    match hard.solve_whole() {
-        Ok(found) if found.effort.is_certain() => Ok(found),
-        found => match hard.follow() {
-            Ok(end) => Ok(end),
-            Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
-            Err(End { reached, is_fold: false }) => match found? {
-                found if found.effort.is_elsewhere() => Err(StepFailure::NoSolution { reached }),
-                found => Ok(Continued { effort: Effort { doubtful: true, ..found.effort }, ..found }),
-            },
-        },
-    }
+    hard.solve_blocks()
 }
 
 fn are_finite(lists: [&[f64]; 4]) -> bool {
@@ -101,12 +107,60 @@ pub(crate) struct End {
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
+    /// All of the blocks at once if that leaves no doubt, else each half of them by itself, and a single one along the step.
+    fn solve_blocks(&self) -> Outcome<H, E, C> {
+        let mut memory = self.memory();
+        let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
+        match (found, self.blocks.clone().unwrap_or(0..memory.blocks())) {
+            (Ok(found), _) if found.effort.is_certain() => Ok(found.leaving(memory)),
+            (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
+            (found, _) => match self.follow() {
+                Ok(end) => Ok(end),
+                Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
+                Err(End { reached, is_fold: false }) => match found? {
+                    found if found.effort.is_elsewhere() => Err(StepFailure::NoSolution { reached }),
+                    found => {
+                        let effort = Effort { doubtful: true, ..found.effort };
+                        Ok(Continued { effort, ..found }.leaving(memory))
+                    }
+                },
+            },
+        }
+    }
+
+    /// Each half of the blocks: as none reads another, the second half starts where the first one ends.
+    fn solve_halves(&self, blocks: Range<usize>) -> Outcome<H, E, C> {
+        let middle = blocks.start + blocks.len() / 2;
+        let part = |blocks, q: &H::Vector, p: &H::Vector, carry: &C| Hard {
+            prepared: self.prepared.clone(),
+            dw: List::of(&self.dw),
+            q: q.clone(),
+            p: p.clone(),
+            carry: carry.clone(),
+            blocks: Some(blocks),
+            ..*self
+        };
+        let first = part(blocks.start..middle, &self.q, &self.p, &self.carry).solve_blocks()?;
+        let second = part(middle..blocks.end, &first.q, &first.p, &first.carry).solve_blocks()?;
+        // What one half leaves is no guide for the other.
+        Ok(Continued { memory: Default::default(), effort: first.effort + second.effort, ..second })
+    }
+
+    /// A memory that remembers nothing, for steps of the blocks.
+    fn memory(&self) -> MemoryOf<H, E, f64> {
+        let mut memory = MemoryOf::<H, E, f64>::default();
+        if let Some(blocks) = &self.blocks {
+            memory.restrict(blocks.clone());
+        }
+        memory
+    }
+
     /// The whole step with care, from zero.
     ///
     /// # Errors
     /// Those of [`Scheme::advance`].
-    pub(crate) fn solve_whole(&self) -> Outcome<H, E, C> {
-        self.solve(&self.prepared, self.h, &self.dw, Default::default())
+    pub(crate) fn solve_whole(&self) -> Solved<H, C> {
+        self.solve(&self.prepared, self.h, &self.dw, &mut self.memory())
     }
 
     /// The step of size `h`, started from what `memory` holds.
@@ -115,13 +169,13 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         prepared: &PreparedOf<H, E>,
         h: f64,
         dw: &[f64],
-        mut memory: MemoryOf<H, E, f64>,
-    ) -> Outcome<H, E, C> {
+        memory: &mut MemoryOf<H, E, f64>,
+    ) -> Solved<H, C> {
         let (mut q, mut p, mut carry) = (self.q.clone(), self.p.clone(), self.carry.clone());
         let at = At { t: self.t, h, q: q.components_mut(), p: p.components_mut(), dw };
         let effort =
-            SchemeOf::<H, E>::advance::<f64, C, true>(self.system, prepared, at, &mut memory, &mut carry)?;
-        Ok(Continued { q, p, memory, carry, effort })
+            SchemeOf::<H, E>::advance::<f64, C, true>(self.system, prepared, at, memory, &mut carry)?;
+        Ok(Continued { q, p, memory: (), carry, effort })
     }
 
     /// The solution that continues the state, or where it ends.
@@ -136,7 +190,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             }
         };
         let mut at = [self.q.clone(), self.p.clone()];
-        let mut memory = MemoryOf::<H, E, f64>::default();
+        let mut memory = self.memory();
         let mut kink = Kink::of(&at);
         let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
         while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
@@ -148,7 +202,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             }
             let h = fraction * self.h;
             let Ok(prepared) = SchemeOf::<H, E>::prepare(self.system, h) else { break };
-            let tried = self.solve(&prepared, h, dw, memory.clone());
+            let mut left = memory.clone();
+            let tried = self.solve(&prepared, h, dw, &mut left);
             let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());
             iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);
             let is_same =
@@ -158,10 +213,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     if fraction == 1.0 {
                         // Whoever takes it has no doubt. Parts of a step are no guide for the next, but the step itself may be.
                         step.effort = Effort { doubtful: false, is_far: false, iterations, ..step.effort };
-                        step.memory.hold();
-                        return Ok(step);
+                        left.hold();
+                        return Ok(step.leaving(left));
                     }
-                    (at, memory) = ([step.q, step.p], step.memory);
+                    (at, memory) = ([step.q, step.p], left);
                     memory.hold();
                     (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
                     kink.forget();

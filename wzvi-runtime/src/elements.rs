@@ -26,6 +26,7 @@
 
 mod bath;
 mod beside;
+mod blocks;
 mod careful;
 mod change;
 mod explicit;

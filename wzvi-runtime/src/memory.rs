@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use crate::numbers::Numbers;
 
@@ -73,6 +74,14 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
 
     /// On how many threads a step may run, where it is that of a large system; on the caller's unless this is called.
     fn share(&mut self, _threads: Threads) {}
+
+    /// How many blocks of equations the last careful step found that have no unknown in common; 1 where it was not asked for.
+    fn blocks(&self) -> usize {
+        1
+    }
+
+    /// Careful steps solve these blocks only, and leave the degrees of freedom of others as they are.
+    fn restrict(&mut self, _blocks: Range<usize>) {}
 
     /// How linear equations are solved, where that depends on the size of the system.
     fn method(&self) -> Option<Method> {

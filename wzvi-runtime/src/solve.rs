@@ -20,6 +20,7 @@ pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use extrapolation::Extrapolation;
 pub use factors::FactorsByLane;
+pub(crate) use graph::Apart;
 pub use graph::reverse_cuthill_mckee;
 pub use krylov::{Krylov, Operator};
 pub use lanes::LaneByLane;

@@ -390,6 +390,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             p: state.p.clone(),
             dw: List::of(dw),
             carry: self.carry.clone(),
+            blocks: None,
         };
         // Care takes Newton's method, which a pinned fixed point excludes.
         let is_iterated = pinned != Iteration::FixedPoint;

@@ -24,6 +24,24 @@ pub(crate) const KEYS: Listed = Listed(&[
 ]);
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
                        `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
+/// Names that are no types of the program.
+pub(crate) const SCHEME_NAMES: [&str; 15] = [
+    "DeltaPlus",
+    "Midpoint",
+    "DeltaMinus",
+    "Lambda",
+    "Mixed",
+    "Verlet",
+    "Gauss",
+    "Corrected",
+    "Uncorrected",
+    "Baoab",
+    "Obabo",
+    "Gjf",
+    "GjI",
+    "Splitting",
+    "Thermostat",
+];
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -74,6 +92,18 @@ messages! {
         `Lambda<N, D>`";
     lambda_range(found) = "`Lambda<N, D>` is the quadrature point N/D: it needs 0 <= N <= D and D > 0";
     lambda_literal(found) = "the arguments of `Lambda<N, D>` are integer literals, as in `Lambda<1, 3>`";
+    points_of_other(found) = "quadrature points belong to a type of your program that is not listed yet: \
+        `Trapezoidal = [(0, 1/2), (1, 1/2)]` with `struct Trapezoidal;`";
+    points_twice(found) = "this type has quadrature points already; give them once";
+    not_points(found) = "expected quadrature points with their weights, such as `[(0, 1/2), (1, 1/2)]`";
+    too_many_points(found) = "a step has at most 16 quadrature points";
+    point_number(found) = "expected a number that is known exactly: an integer, a fraction such as `1/3`, or a \
+        decimal, of not more than 15 digits";
+    point_outside(found) = "a quadrature point is from 0, where the step starts, to 1, where it ends";
+    point_again(found) = "this point is listed already; add up the weights";
+    point_without_weight(found) = "a point of weight 0 does nothing; leave it out";
+    weights_of_points(found, sum: &impl Display) = "the weights of quadrature points add up to 1, and these to {sum}";
+    inexact_points(found) = "these fractions are too long: their sums and products have to be fractions of numbers below 2^53";
     momenta_disagree(momenta, q: &impl Display, p: &impl Display) = "the momenta are `{p}`, but the \
         coordinates are `{q}`; both need the same shape";
     field_named_like_variable(variable) = "the struct has a field `{variable}`, too: in this closure the \
@@ -181,24 +211,7 @@ pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
     if is_of_ito(name) {
         return at(name, format!("there is no embedding `{name}`: {STRATONOVICH}"));
     }
-    let names = [
-        "DeltaPlus",
-        "Midpoint",
-        "DeltaMinus",
-        "Lambda",
-        "Mixed",
-        "Verlet",
-        "Gauss",
-        "Corrected",
-        "Uncorrected",
-        "Baoab",
-        "Splitting",
-        "Obabo",
-        "Gjf",
-        "GjI",
-        "Thermostat",
-    ];
-    let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), names));
+    let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), SCHEME_NAMES));
     at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
 }
 

@@ -9,7 +9,7 @@ use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::modified;
 use crate::discretise::structure::{Block, Solution, Unknown};
-use crate::embedding::Embedding;
+use crate::embedding::{Embedding, Points};
 use crate::model::StraightLine;
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -146,7 +146,8 @@ fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
 /// What is known of the system and the scheme.
 pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding, text: &mut String) {
     line(text, format_args!("\nFacts"));
-    let noise_l = embedding.quadrature().1;
+    quadrature(embedding, text);
+    let [_, noise_l] = embedding.means();
     let has_noise = facts.noise != NoiseClass::None;
     if has_noise {
         let defect = facts.defect(graph, noise_l);
@@ -190,6 +191,30 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         let value = facts.space.display(graph, &invariant.value, Rational::ONE);
         let name = if invariant.name.is_empty() { String::new() } else { format!("{} = ", invariant.name) };
         line(text, format_args!("  first integral {name}{value}: {keeps}"));
+    }
+}
+
+/// The points that the user gave, and what is known of them.
+fn quadrature(embedding: &Embedding, text: &mut String) {
+    let [drift, noise] = embedding.points();
+    let mut say = |points: &Points, role: &str| {
+        if points.is_single() {
+            return;
+        }
+        let list: Vec<String> = points.iter().map(|(l, weight)| format!("({l}, {weight})")).collect();
+        let symmetry = if points.are_symmetric() { ", symmetric" } else { "" };
+        let (list, mean) = (list.join(", "), points.mean());
+        line(text, format_args!("  quadrature points and weights{role}: {list}; Σ w l = {mean}{symmetry}"));
+    };
+    if drift == noise {
+        say(&drift, "");
+    } else {
+        say(&drift, " of the drift");
+        say(&noise, " of the noises");
+    }
+    if !drift.is_single() {
+        let condition = if embedding.order() == 1 { "is not" } else { "is" };
+        line(text, format_args!("  order {}, as Σ w l of the drift {condition} 1/2", embedding.order()));
     }
 }
 

@@ -234,7 +234,7 @@ impl Facts {
         }
     }
 
-    /// Whether noises at quadrature point `l` give the Stratonovich limit: `D` is constant.
+    /// Whether noises at a quadrature point `l`, or at several with this mean, give the Stratonovich limit: `D` is constant.
     pub(crate) fn is_consistent(&self, l: Rational) -> bool {
         l == Rational::HALF
             || matches!(
@@ -250,7 +250,7 @@ impl Facts {
 
     /// Whether the limit of the scheme is the Stratonovich system.
     pub(crate) fn converges(&self, embedding: &Embedding) -> bool {
-        embedding.correction() == Correction::Corrected || self.is_consistent(embedding.quadrature().1)
+        embedding.correction() == Correction::Corrected || self.is_consistent(embedding.means()[1])
     }
 
     /// Whether the counter-term changes a scheme whose noises are at `l`. It may also where `D` is constant: its mixed

@@ -197,7 +197,7 @@ fn forces(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, stage: 
     let StraightLine { phase, noise, force, noise_forces, .. } = line;
     let placement = stage.placement(graph, phase, &symbols.momentum, scale);
     let mut terms: Vec<Vec<Expr>> = Vec::new();
-    for (part, _) in &stage.at.parts {
+    for &(part, share) in &stage.at.parts {
         let driven: Vec<(Symbol, &Vec<Expr>)> = match part {
             Part::Force => force.iter().map(|force| (symbols.h, force)).collect(),
             Part::Noise => symbols.dw[noise.len()..].iter().copied().zip(noise_forces.iter()).collect(),
@@ -206,7 +206,8 @@ fn forces(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, stage: 
         for (increment, force) in driven {
             let increment = graph.symbol(increment);
             let factors: Vec<Expr> = scale.into_iter().chain([increment]).collect();
-            let weight = graph.product(&factors);
+            let product = graph.product(&factors);
+            let weight = graph.scale(product, share);
             let placed = graph.substitute(force, &placement);
             terms.push(placed.into_iter().map(|component| graph.multiply(weight, component)).collect());
         }

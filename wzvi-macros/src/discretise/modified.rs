@@ -4,6 +4,7 @@
 //! ```text
 //! H~ = H + h a H_p · H_q + h² (b H_pp(H_q, H_q) + c H_qq(H_p, H_p) + d H_pq(H_q, H_p))
 //! one quadrature point l:  a = l - 1/2,  b = c = 1/12 - l (1 - l)/2,  d = 1/3 - l (1 - l)
+//! several, with mean l:    c + Σ w (l_s - l)²/2 in the place of c, as h H has that h³ H_qq(H_p, H_p) more
 //! Verlet:                  a = 0,  b = -1/24,  c = d = 1/12
 //! ```
 //!
@@ -33,10 +34,12 @@ impl Terms {
         if embedding.stages().is_some() {
             return None;
         }
-        let l = embedding.quadrature().0;
+        let [points, _] = embedding.points();
+        let l = points.mean();
         let product = l.multiply(Rational::ONE.add(l.negate())?)?.negate();
         let alike = fraction(1, 12)?.add(product.multiply(Rational::HALF)?)?;
-        let second = [alike, alike, Rational::THIRD.add(product)?];
+        let spread = points.spread().multiply(Rational::HALF)?;
+        let second = [alike, alike.add(spread)?, Rational::THIRD.add(product)?];
         Some(Self { first: l.add(Rational::HALF.negate())?, second })
     }
 }
@@ -66,7 +69,8 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
         let by_p = space.contract(graph, (&together, p), (drift, q), Increments::Each)?;
         let by_q = space.contract(graph, (&together, q), (drift, p), Increments::Each)?;
         let edge = (FIRST, &together, !first.is_zero());
-        for (name, value, is_there) in [edge, (SECOND[0], &by_p, true), (SECOND[1], &by_q, true)] {
+        let [of_p, of_q, _] = second.map(|factor| !factor.is_zero());
+        for (name, value, is_there) in [edge, (SECOND[0], &by_p, of_p), (SECOND[1], &by_q, of_q)] {
             if is_there {
                 let value = space.display(graph, value, Rational::ONE);
                 text.push_str(&format!("    {name} = {value}\n"));
@@ -76,8 +80,11 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
     Some(text)
 }
 
-/// Adds `factor term` to a sum.
+/// Adds `factor term` to a sum, if there is one.
 fn signed(sum: &mut String, factor: Rational, term: &str) {
+    if factor.is_zero() {
+        return;
+    }
     let size = if factor.is_negative() { factor.negate() } else { factor };
     let sign = match (sum.is_empty(), factor.is_negative()) {
         (true, false) => "",

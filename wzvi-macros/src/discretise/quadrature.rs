@@ -6,15 +6,17 @@
 //! Q_s = q_i + l u,   ∂Q_s/∂q_i = 1 - l,   ∂Q_s/∂q_{i+1} = l,   T_s = t_i + l h
 //! ```
 //!
-//! The parts `F_m` of the step Hamiltonian have one rule for their increments each. A force is no part of `L_d`, but does virtual work at its stage:
+//! The parts `F_m` of the step Hamiltonian have one rule for their increments each, and are at one point or [several](crate::embedding::Points). A force is no part of `L_d`, but does virtual work at its stage:
 //! by the principle of Lagrange and d'Alembert `∂F/∂q - f` takes the place of `∂F/∂q` (J. E. Marsden, M. West, "Discrete mechanics and
 //! variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment form of
-//! the counter-term, at the quadrature point of the noise.
+//! the counter-term, at the quadrature points of the noise.
 
 use super::facts::{Facts, NoiseClass};
 use crate::diagnostics::internal::Promised;
 use crate::embedding::{Correction, Embedding};
 use crate::symbolic::Rational;
+
+const EXACT: &str = "what follows from quadrature points was looked at where they were read";
 
 /// A part of the step Hamiltonian.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -60,34 +62,40 @@ pub(crate) struct Quadrature {
 
 impl Quadrature {
     pub(crate) fn new(facts: &Facts, embedding: &Embedding) -> Self {
-        let (drift_l, noise_l) = embedding.quadrature();
-        let corrects = embedding.correction() == Correction::Corrected && facts.counter_term_acts(noise_l);
+        let ([drift, noise], [_, mean]) = (embedding.points(), embedding.means());
+        let corrects = embedding.correction() == Correction::Corrected && facts.counter_term_acts(mean);
+        let mut of_drift = vec![(Part::Drift, Rational::ONE)];
+        if facts.has_force {
+            of_drift.push((Part::Force, Rational::ONE));
+        }
         let mut of_noise = Vec::new();
         if facts.noise != NoiseClass::None {
             of_noise.push((Part::Noise, Rational::ONE));
         }
         if corrects {
-            let weight =
-                Rational::HALF.add(noise_l.negate()).promised("quadrature points are fractions of 32 bits");
-            of_noise.push((Part::CounterTerm, weight));
+            of_noise.push((Part::CounterTerm, Rational::HALF.add(mean.negate()).promised(EXACT)));
         }
-        let mut of_drift = vec![(Part::Drift, Rational::ONE)];
-        if facts.has_force {
-            of_drift.push((Part::Force, Rational::ONE));
-        }
-        let mut stages = vec![Stage { l: drift_l, parts: of_drift }];
-        match stages.iter_mut().find(|stage| stage.l == noise_l) {
-            Some(stage) => stage.parts.extend(of_noise),
-            None if of_noise.is_empty() => {}
-            None => stages.push(Stage { l: noise_l, parts: of_noise }),
+        let mut stages: Vec<Stage> = Vec::new();
+        for (points, parts) in [(drift, of_drift), (noise, of_noise)] {
+            if parts.is_empty() {
+                continue;
+            }
+            for (l, share) in points.iter() {
+                let weighted =
+                    parts.iter().map(|&(part, weight)| (part, weight.multiply(share).promised(EXACT)));
+                match stages.iter_mut().find(|stage| stage.l == l) {
+                    Some(stage) => stage.parts.extend(weighted),
+                    None => stages.push(Stage { l, parts: weighted.collect() }),
+                }
+            }
         }
         Self { stages }
     }
 
-    /// What a part is weighted by, if it is in.
-    pub(crate) fn weight_of(&self, part: Part) -> Option<Rational> {
-        let mut parts = self.stages.iter().flat_map(|stage| &stage.parts);
-        parts.find(|(known, _)| *known == part).map(|&(_, weight)| weight)
+    /// What a part is weighted by, wherever it is in.
+    pub(crate) fn weights_of(&self, part: Part) -> impl Iterator<Item = Rational> {
+        let parts = self.stages.iter().flat_map(|stage| &stage.parts);
+        parts.filter(move |(known, _)| *known == part).map(|&(_, weight)| weight)
     }
 
     /// Whether `P` follows from the momenta at both ends, and nothing has to be solved: `v` is a multiple of their difference, or zero.

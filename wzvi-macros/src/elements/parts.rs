@@ -33,7 +33,7 @@ pub(crate) fn parts(system: &System, facts: &Facts) -> Vec<PartElements> {
         (Part::Force, force, parted_force),
     ];
     let used = sums.into_iter().filter_map(|(part, values, elements)| {
-        let weights: Vec<_> = schemes.iter().filter_map(|scheme| scheme.weight_of(part)).collect();
+        let weights: Vec<_> = schemes.iter().flat_map(|scheme| scheme.weights_of(part)).collect();
         let is_weighted = weights.iter().any(|weight| !weight.is_one());
         (!weights.is_empty()).then_some(PartElements { part, values, elements, is_weighted })
     });

@@ -65,7 +65,7 @@ impl Step {
 impl Strategy {
     fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
         let unknowns = unknowns(system, facts, embedding);
-        let corrects = || Quadrature::new(facts, embedding).weight_of(Part::CounterTerm).is_some();
+        let corrects = || Quadrature::new(facts, embedding).weights_of(Part::CounterTerm).next().is_some();
         let is_linear = unknowns != Unknowns::None && !corrects() && has_constant_curvature(system);
         Self { unknowns, is_linear }
     }

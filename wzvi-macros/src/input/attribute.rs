@@ -237,11 +237,11 @@ impl Entry {
     }
 
     fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<(Located<Embedding>, syn::Type)> {
-        let Some(types) = diagnostics.accept(self.parse(type_list)) else { return Vec::new() };
-        if types.is_empty() {
+        let Some(schemes) = diagnostics.accept(self.parse(scheme_list)) else { return Vec::new() };
+        if schemes.is_empty() {
             diagnostics.report(messages::empty_list(&self.key, &self.value));
         }
-        embeddings::read_embeddings(&types, diagnostics)
+        embeddings::read_embeddings(schemes, diagnostics)
     }
 }
 
@@ -351,13 +351,13 @@ fn emission(input: ParseStream<'_>) -> syn::Result<Emission> {
     }
 }
 
-fn type_list(input: ParseStream<'_>) -> syn::Result<Vec<syn::Type>> {
+fn scheme_list(input: ParseStream<'_>) -> syn::Result<Vec<embeddings::Scheme>> {
     if !input.peek(token::Bracket) {
         return Ok(vec![input.parse()?]);
     }
     let content;
     syn::bracketed!(content in input);
-    Ok(Punctuated::<syn::Type, Token![,]>::parse_terminated(&content)?.into_iter().collect())
+    Ok(Punctuated::<embeddings::Scheme, Token![,]>::parse_terminated(&content)?.into_iter().collect())
 }
 
 /// Splits at `, key =`, which no value contains at its top level.

@@ -1,27 +1,76 @@
 //! The schemes of `embedding = ...`.
 
 use quote::ToTokens;
-use syn::{GenericArgument, PathArguments, Type, TypeTuple};
+use syn::parse::{Parse, ParseStream};
+use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
 
+use super::points::read_points;
 use crate::diagnostics::{Diagnostics, messages};
 use crate::diagnostics::{Extent, Located};
-use crate::embedding::{Embedding, Kind, Letter, MOST_LETTERS, Word};
+use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word};
+
+/// `Midpoint`, or `Trapezoidal = [(0, 1/2), (1, 1/2)]`.
+pub(super) struct Scheme {
+    ty: Type,
+    points: Option<Expr>,
+}
+
+impl Parse for Scheme {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let ty = input.parse()?;
+        let is_given = input.parse::<Option<Token![=]>>()?.is_some();
+        Ok(Self { ty, points: if is_given { Some(input.parse()?) } else { None } })
+    }
+}
 
 /// The schemes, each once; mistakes are reported.
 pub(super) fn read_embeddings(
-    types: &[Type],
+    schemes: Vec<Scheme>,
     diagnostics: &mut Diagnostics,
 ) -> Vec<(Located<Embedding>, Type)> {
+    let mut declared: Vec<Declared> = Vec::new();
+    let mut mistaken: Vec<Path> = Vec::new();
+    for Scheme { ty, points } in &schemes {
+        let Some(points) = points else { continue };
+        let path = diagnostics.accept(of_program(ty));
+        match (diagnostics.accept(read_points(points)), path) {
+            (_, Some(path)) if declared.iter().any(|known| known.path == path) => {
+                diagnostics.report(messages::points_twice(ty));
+            }
+            (Some(points), Some(path)) => declared.push(Declared { path, points }),
+            (None, path) => mistaken.extend(path),
+            (_, None) => {}
+        }
+    }
     let mut embeddings: Vec<(Located<Embedding>, Type)> = Vec::new();
-    for ty in types {
-        let Some(value) = diagnostics.accept(embedding(ty, Inside::List)) else { continue };
+    for Scheme { ty, points } in schemes {
+        // What is wrong with its points has been said.
+        let inner = of_program(&ty).ok();
+        if inner.is_some_and(|path| mistaken.contains(&path))
+            || (points.is_some() && of_program(&ty).is_err())
+        {
+            continue;
+        }
+        let Some(value) = diagnostics.accept(embedding(&ty, Inside::List, &declared)) else { continue };
         if embeddings.iter().any(|(known, _)| known.value == value) {
-            diagnostics.report(messages::duplicate_embedding(ty, &value));
+            diagnostics.report(messages::duplicate_embedding(&ty, &value));
         } else {
-            embeddings.push((Located { value, extent: Extent::of(ty) }, ty.clone()));
+            embeddings.push((Located { value, extent: Extent::of(&ty) }, ty));
         }
     }
     embeddings
+}
+
+/// The type of the program that stands in `Rule` or `Corrected<Rule>`.
+fn of_program(ty: &Type) -> syn::Result<Path> {
+    let (name, arguments) = parts(ty)?;
+    match (name.to_string().as_str(), arguments.as_deref(), ty) {
+        ("Corrected" | "Uncorrected" | "Thermostat", Some([GenericArgument::Type(inner)]), _) => {
+            of_program(inner)
+        }
+        (name, None, Type::Path(path)) if !messages::SCHEME_NAMES.contains(&name) => Ok(path.path.clone()),
+        _ => Err(messages::points_of_other(ty)),
+    }
 }
 
 /// What a scheme stands inside of.
@@ -34,17 +83,22 @@ enum Inside {
     Mixed,
 }
 
-/// What stands inside of a wrapper is a scheme with one quadrature point for each term.
-fn embedding(ty: &Type, inside: Inside) -> syn::Result<Embedding> {
+/// What stands inside of a wrapper is a scheme with quadrature points for each term.
+fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {
+    if let Type::Path(path) = ty
+        && let Some(known) = declared.iter().find(|known| known.path == path.path)
+    {
+        return Ok(Embedding::Declared(known.clone()));
+    }
     let (name, arguments) = parts(ty)?;
     let text = name.to_string();
     let is_whole = inside == Inside::List;
     let plain = Embedding::PLAIN.into_iter().find(|plain| plain.name() == text);
-    let plain = plain.filter(|plain| is_whole || plain.is_one_point());
-    let inner = |argument, inside| scheme(argument, inside).map(Box::new);
+    let plain = plain.filter(|plain| is_whole || plain.is_quadrature());
+    let inner = |argument, inside| scheme(argument, inside, declared).map(Box::new);
     Ok(match (text.as_str(), arguments.as_deref(), plain) {
         (_, None, Some(plain)) => plain,
-        (_, Some(_), Some(plain)) => return Err(messages::scheme_arguments(ty, plain.name())),
+        (_, Some(_), Some(plain)) => return Err(messages::scheme_arguments(ty, &plain.name())),
         ("Lambda", Some([n, d]), _) => match (number(n)?, number(d)?) {
             (n, d) if d == 0 || n > d => return Err(messages::lambda_range(ty)),
             (n, d) => Embedding::Lambda(n, d),
@@ -76,7 +130,7 @@ fn embedding(ty: &Type, inside: Inside) -> syn::Result<Embedding> {
             return Err(messages::scheme_arguments(ty, "Splitting<(B, A, O, A, B)>"));
         }
         ("Thermostat", Some([GenericArgument::Type(whole)]), _) if is_whole => {
-            match embedding(whole, Inside::List)? {
+            match embedding(whole, Inside::List, declared)? {
                 inner if inner.is_thermostat() => return Err(messages::thermostat_inside(whole)),
                 inner => Embedding::Thermostat(Box::new(inner)),
             }
@@ -121,9 +175,9 @@ fn letter(ty: &Type) -> syn::Result<Letter> {
     Ok(Letter { kind, share })
 }
 
-fn scheme(argument: &GenericArgument, inside: Inside) -> syn::Result<Embedding> {
+fn scheme(argument: &GenericArgument, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {
     match argument {
-        GenericArgument::Type(ty) => embedding(ty, inside),
+        GenericArgument::Type(ty) => embedding(ty, inside, declared),
         _ => Err(messages::not_a_scheme(argument)),
     }
 }

@@ -7,6 +7,7 @@ mod groups;
 mod library;
 mod nesting;
 mod phase_space;
+mod points;
 mod system;
 
 pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, read_attribute};

@@ -1,5 +1,6 @@
 //! The equations of a sweep for the steps where the short way fails: what [`damped`] asks of them.
 
+use super::blocks::Blocks;
 use super::linear::Linear;
 use super::memory::{Lists, Scratch};
 use super::rounding::Rounding;
@@ -17,15 +18,24 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
         memory.kept.lose();
+        let mut blocks = std::mem::take(&mut memory.blocks);
+        blocks.find(self.system, self.scheme, self.degrees());
+        let effort = self.careful_of(memory, &blocks);
+        memory.blocks = blocks;
+        effort
+    }
+
+    /// The same of some blocks.
+    fn careful_of(self, memory: &mut Memory<S>, blocks: &Blocks) -> Result<Effort, StepFailure> {
+        let known = memory.known;
         let mut scratch = memory.scratch(self.scheme, self.degrees());
-        let known = scratch.known;
         scratch.guess(known);
         let Scratch { mut lists, diagonal, linear, rounding, .. } = scratch;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         let start = lists.x.to_vec();
         let lists = &mut lists;
         let mut room = Room::of(&start);
-        let mut sweep = Sweep { step: self, lists, diagonal, linear, rounding };
+        let mut sweep = Sweep { step: self, blocks, lists, diagonal, linear, rounding };
         let effort = damped(&mut sweep, &mut room, &start)?;
         lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
@@ -36,10 +46,22 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 /// The equations of a step with their scratch.
 struct Sweep<'a, 's, H, S> {
     step: Step<'s, H, S>,
+    blocks: &'a Blocks,
     lists: &'a mut Lists<'s, S>,
     diagonal: &'a mut [S],
     linear: &'a mut Linear<S>,
     rounding: &'a mut Option<Box<Rounding>>,
+}
+
+impl<H: Elements, S: Scalar> Sweep<'_, '_, H, S> {
+    /// Zero for the unknowns of other blocks.
+    fn hold(&self, numbers: &mut [S]) {
+        for (unknown, number) in numbers.iter_mut().enumerate() {
+            if self.blocks.holds_unknown(self.step.scheme.unknowns, unknown) {
+                *number = S::from_f64(0.0);
+            }
+        }
+    }
 }
 
 impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
@@ -50,26 +72,36 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
         self.lists.x.copy_from_slice(x);
         self.step.residual(self.lists);
         into.copy_from_slice(self.lists.correction);
+        self.hold(into);
     }
 
     fn factor(&mut self) -> Result<(), StepFailure> {
-        self.step.factor(self.lists, self.diagonal, self.linear, true)
+        let (blocks, unknowns) = (self.blocks, self.step.scheme.unknowns);
+        let are_held = |unknown| blocks.holds_unknown(unknowns, unknown);
+        self.step.factor(self.lists, self.diagonal, self.linear, true, are_held)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
         self.lists.correction.copy_from_slice(r);
         self.step.correct(self.lists, self.diagonal, self.linear, TOLERANCE)?;
         r.copy_from_slice(self.lists.correction);
+        self.hold(r);
         Ok(())
     }
 
     fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
-        let rounding = self.step.round(x, self.rounding);
-        move |k| rounding[k].is_below(1.0)
+        let (rounding, blocks, unknowns) =
+            (self.step.round(x, self.rounding), self.blocks, self.step.scheme.unknowns);
+        move |k| rounding[k].is_below(1.0) || blocks.holds_unknown(unknowns, k)
     }
 
     /// Not known where the matrix is not.
     fn is_reversed(&self) -> bool {
-        self.linear.is_reversed()
+        match &*self.linear {
+            Linear::Band(band) => {
+                self.blocks.is_any_reversed(self.step.scheme.unknowns, |unknown| band.reverses(unknown))
+            }
+            Linear::Krylov(_) => self.linear.is_reversed(),
+        }
     }
 }

@@ -330,7 +330,7 @@ mod tests {
                 step.start(&mut scratch, 0);
                 let mut sweeps = 0;
                 loop {
-                    step.sweep(&mut scratch);
+                    step.sweep(&mut scratch, false);
                     sweeps += 1;
                     if step.changes_nothing(&scratch.lists) {
                         break;

@@ -62,6 +62,9 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 ) -> Result<Effort, StepFailure> {
     // What the steps before left belongs to another size, and stays if this one fails.
     let mut anew = None;
+    if memory.is_new() {
+        memory.fit(system, scheme, q.len())?;
+    }
     let fitting = if memory.fits(system, q.len()) {
         &mut *memory
     } else {
@@ -98,7 +101,11 @@ fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         let effort = step.careful(memory)?;
         let mut lists = memory.work.lists(scheme, degrees);
         step.finish(&mut lists);
+        for degree in (0..degrees).filter(|&degree| memory.blocks.holds(degree)) {
+            (lists.u[degree], lists.by_p[degree]) = (S::from_f64(0.0), S::from_f64(0.0));
+        }
         lists.store(q, p, carry)?;
+        // With noise, too: a part of a step that is followed starts where the one before ended.
         memory.record(scheme, degrees);
         (effort, Solution::Newton { may_contract: false })
     } else {
@@ -110,7 +117,9 @@ fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         } else {
             step.finish(&mut scratch.lists);
             scratch.lists.store(q, p, carry)?;
-            memory.record(scheme, degrees);
+            if scheme.remembers {
+                memory.record(scheme, degrees);
+            }
         }
         (Effort::fast(solved.iterations), solved.solution)
     };
@@ -152,12 +161,13 @@ impl<S: Scalar> Memory<S> {
     /// Takes the unknowns of a step that succeeded.
     #[inline(always)]
     fn record(&mut self, scheme: &Scheme, degrees: usize) {
-        if scheme.remembers {
-            let Lists { x, .. } = self.work.lists(scheme, degrees);
-            self.past.rotate_right(1);
-            self.past[0][..x.len()].copy_from_slice(x);
-            self.known = (self.known + 1).min(3);
+        let Lists { x, .. } = self.work.lists(scheme, degrees);
+        if self.past[0].len() != x.len() {
+            self.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));
         }
+        self.past.rotate_right(1);
+        self.past[0].copy_from_slice(x);
+        self.known = (self.known + 1).min(3);
     }
 }
 
@@ -206,10 +216,15 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         let (pinned, known) = (scratch.iteration, scratch.known);
         scratch.kept.begin();
-        let mut first = self.iterate(scratch, known, pinned);
+        let takes_one = self.takes_one_correction(scratch);
+        let attempt = |scratch: &mut Scratch<'_, S>| match takes_one {
+            true => self.correct_once(scratch),
+            false => self.iterate(scratch, known, pinned),
+        };
+        let mut first = attempt(scratch);
         if first.is_err() && self.may_have_been_unusual(scratch) {
             scratch.is_exact = true;
-            first = self.iterate(scratch, known, pinned);
+            first = attempt(scratch);
         }
         match first {
             // A start that misleads is given up for zero, and what was tried for Newton's method from there.
@@ -221,6 +236,29 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
                 solved
             }
             first => first,
+        }
+    }
+
+    /// Whether the equations are linear and none has an unknown of another: one correction leaves nothing but rounding.
+    #[inline(always)]
+    fn takes_one_correction(self, scratch: &Scratch<'_, S>) -> bool {
+        let is_linear = self.scheme.is_linear && scratch.iteration == Iteration::Automatic;
+        is_linear && scratch.inverses().is_some()
+    }
+
+    /// That correction, from zero.
+    #[inline(always)]
+    fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        self.start(scratch, 0);
+        if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
+            let Scratch { lists, diagonal, linear: Some(linear), kept, .. } = scratch.lend() else {
+                return Err(StepFailure::NonFinite);
+            };
+            self.renew(&lists, diagonal, linear, kept, Iteration::Automatic)?;
+        }
+        match self.sweep(scratch, true).relative {
+            relative if relative.is_nan() => Err(StepFailure::NonFinite),
+            _ => Ok(Solved { iterations: 1, solution: Solution::Newton { may_contract: false } }),
         }
     }
 
@@ -318,7 +356,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
             self.refresh(&mut scratch.lists);
             relative
         } else {
-            let swept = self.sweep(scratch);
+            let swept = self.sweep(scratch, false);
             change = swept.change;
             swept.relative
         };

@@ -28,6 +28,21 @@ impl<S: Scalar> Entries<S> for Sparse<S> {
     }
 }
 
+/// Rows of a matrix; others stay those of the identity.
+struct Rows<'a, M, F> {
+    matrix: &'a mut M,
+    are_held: F,
+}
+
+impl<S, M: Entries<S>, F: Fn(usize) -> bool> Entries<S> for Rows<'_, M, F> {
+    #[inline(always)]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        if !(self.are_held)(row) {
+            self.matrix.add(row, column, value);
+        }
+    }
+}
+
 /// `y += A x`
 struct Product<'a, S> {
     x: &'a [S],
@@ -78,7 +93,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors of the Jacobian at the current stages; of a wide one with `all` entries where these are few.
+    /// Factors of the Jacobian at the current stages, without the rows that `are_held`; of a wide one with `all` entries where these are few.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
@@ -88,18 +103,19 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         diagonal: &mut [S],
         linear: &mut Linear<S>,
         all: bool,
+        are_held: impl Fn(usize) -> bool,
     ) -> Result<(), StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         match linear {
             Linear::Band(band) => {
                 band.reset();
-                self.entries(lists, diagonal, band);
+                self.entries(lists, diagonal, &mut Rows { matrix: band, are_held });
                 band.factor()
             }
             Linear::Krylov(wide) => {
                 let factors = wide.room(self.system, self.scheme, self.degrees(), all);
                 factors.reset();
-                self.entries(lists, diagonal, factors);
+                self.entries(lists, diagonal, &mut Rows { matrix: &mut *factors, are_held });
                 factors.factor();
                 Ok(())
             }

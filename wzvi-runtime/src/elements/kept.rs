@@ -239,7 +239,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         step.residual(lists);
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
-        let made = step.factor(lists, diagonal, linear, anchor.all);
+        let made = step.factor(lists, diagonal, linear, anchor.all, |_| false);
         kept.anchor = anchor;
         if made.is_ok() {
             kept.made = Made::AtAnchor;
@@ -262,7 +262,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
         let all = kept.wants_all();
-        self.factor(lists, diagonal, linear, all)?;
+        self.factor(lists, diagonal, linear, all, |_| false)?;
         if !self.scheme.is_linear && linear.is_reversed() {
             // Beyond a fold, as far as this matrix tells: with care.
             return Err(astray(0, f64::INFINITY));

@@ -1,5 +1,8 @@
 //! What a stepper of a system of elements allocates, once.
 
+use std::ops::Range;
+
+use super::blocks::Blocks;
 use super::kept::Kept;
 use super::linear::Linear;
 use super::preference::Preference;
@@ -28,6 +31,8 @@ pub struct Memory<S> {
     pub(super) linear: Option<Linear<S>>,
     pub(super) kept: Kept<S>,
     pub(super) rounding: Option<Box<Rounding>>,
+    /// What a careful step solves.
+    pub(super) blocks: Blocks,
     /// How a large system is stepped that solves nothing.
     pub(super) plan: WindowPlan,
     /// How the fixed point of a large system goes.
@@ -202,7 +207,7 @@ pub(super) struct Scratch<'a, S> {
 }
 
 impl<S: Scalar> Memory<S> {
-    /// For the scheme and the degrees of freedom that it was made for.
+    /// For the scheme and the degrees of freedom that it was made for; with past steps where they start the iteration.
     #[inline(always)]
     pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
@@ -211,7 +216,7 @@ impl<S: Scalar> Memory<S> {
             lists: work.lists(scheme, degrees),
             diagonal,
             past,
-            known: *known,
+            known: if scheme.remembers { *known } else { 0 },
             iteration: *iteration,
             preference: *preference,
             linear,
@@ -221,6 +226,14 @@ impl<S: Scalar> Memory<S> {
             threads: plan.threads(),
             is_exact: false,
         }
+    }
+}
+
+impl<S: Scalar> Scratch<'_, S> {
+    /// The inverse of the Jacobian, if that is a diagonal matrix.
+    #[inline(always)]
+    pub(super) fn inverses(&self) -> Option<&[S]> {
+        if let Some(Linear::Band(band)) = &*self.linear { band.inverses() } else { None }
     }
 }
 
@@ -261,6 +274,7 @@ impl<S> Default for Memory<S> {
             linear: None,
             kept: Kept::default(),
             rounding: None,
+            blocks: Blocks::default(),
             plan: WindowPlan::default(),
             sweeps: None,
         }
@@ -282,6 +296,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
             linear: _,
             kept: _,
             rounding: _,
+            blocks: _,
             plan: _,
             sweeps: _,
         } = self;
@@ -301,8 +316,8 @@ impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
         let past = if self.known == 0 { Default::default() } else { self.past.clone() };
         let (iteration, known, preference) = (self.iteration, self.known, self.preference);
-        let (kept, plan) = (self.kept.clone(), self.plan.alike());
-        Self { iteration, past, known, preference, kept, plan, ..Self::default() }
+        let (kept, plan, blocks) = (self.kept.clone(), self.plan.alike(), self.blocks.alike());
+        Self { iteration, past, known, preference, kept, plan, blocks, ..Self::default() }
     }
 
     /// Keeps what is allocated.
@@ -363,9 +378,20 @@ impl<S: Scalar> StepMemory for Memory<S> {
         } else {
             self.kept.clone_from(&left.kept);
         }
+        if self.remembered == 0 {
+            self.known = 0;
+        }
         if self.known == 0 && self.past[0].len() != self.remembered {
             self.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
         }
+    }
+
+    fn blocks(&self) -> usize {
+        self.blocks.count()
+    }
+
+    fn restrict(&mut self, blocks: Range<usize>) {
+        self.blocks.restrict(blocks);
     }
 
     fn method(&self) -> Option<Method> {
@@ -390,6 +416,11 @@ impl<S: Scalar> Memory<S> {
             memory.allocate(system, scheme, degrees);
         }
         memory
+    }
+
+    /// Whether nothing was allocated or remembered yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.degrees == 0 && self.known == 0
     }
 
     /// Whether there is room for a state of so many degrees of freedom, which was checked then.
@@ -424,12 +455,13 @@ impl<S: Scalar> Memory<S> {
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
         (self.rounding, self.plan, self.sweeps) = (None, self.plan.alike(), None);
+        self.blocks = self.blocks.alike();
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };
         self.remembered = remembered;
         // A copy comes with its past.
-        if self.past[0].len() != remembered {
+        if self.known == 0 || self.past[0].len() != unknowns {
             let past = || vec![S::from_f64(0.0); remembered];
             self.past = [past(), past(), past()];
             self.known = 0;

@@ -97,23 +97,24 @@ impl Scheme {
         Some(f64::INFINITY)
     }
 
-    /// The energy that steps of this order keep of a linear system, by where the drift is evaluated on average.
+    /// The energy that steps of this order keep of a linear system, by where the drift is evaluated.
     pub(crate) const fn kept_energy(&self, order: u32) -> KeptEnergy {
-        if order != 1 {
-            return KeptEnergy::Hamiltonian;
-        }
-        let (mut stages, mut l) = (self.stages, 0.0);
+        let (mut stages, mut point, mut count) = (self.stages, 0.5, 0);
         while let [stage, rest @ ..] = stages {
             let mut parts = stage.parts;
-            while let [(part, weight), others @ ..] = parts {
+            while let [(part, _), others @ ..] = parts {
                 if *part == DRIFT {
-                    l += *weight * stage.point;
+                    (point, count) = (stage.point, count + 1);
                 }
                 parts = others;
             }
             stages = rest;
         }
-        KeptEnergy::Point(l)
+        match (count, order) {
+            (2.., _) => KeptEnergy::Nearly,
+            (_, 1) => KeptEnergy::Point(point),
+            _ => KeptEnergy::Hamiltonian,
+        }
     }
 
     /// The plan of steps in loops.

@@ -122,18 +122,32 @@ impl<S: Scalar> Banded<S> {
         Ok(())
     }
 
-    /// Whether the determinant is negative, after [`Banded::factor`].
+    /// Whether the determinant is negative, after [`Banded::factor`]; of a diagonal matrix, whether any entry is.
     pub fn is_reversed(&self) -> bool {
-        let width = 3 * self.half + 1;
-        let zero = S::from_f64(0.0);
-        let pivots = self.rows.iter().skip(self.half).step_by(width).take(self.exchanges.len());
-        let negative = pivots.filter(|pivot| pivot.less(zero).all()).count();
-        let swapped = self.exchanges.iter().enumerate().filter(|&(k, &with)| k != with).count();
-        (negative + swapped) % 2 == 1
+        let mut unknowns = 0..self.exchanges.len();
+        match self.half {
+            0 => unknowns.any(|unknown| self.reverses(unknown)),
+            _ => unknowns.fold(false, |is_reversed, unknown| is_reversed ^ self.reverses(unknown)),
+        }
+    }
+
+    /// Whether the pivot of an unknown changes the sign of the determinant, after [`Banded::factor`].
+    pub fn reverses(&self, unknown: usize) -> bool {
+        let at = self.position.get(unknown).copied().unwrap_or(unknown);
+        let is_negative = self.rows[at * (3 * self.half + 1) + self.half].less(S::from_f64(0.0)).all();
+        is_negative ^ (self.exchanges[at] != at)
+    }
+
+    /// The inverse of a diagonal matrix, after [`Banded::factor`].
+    pub fn inverses(&self) -> Option<&[S]> {
+        (self.half == 0 && self.position.is_empty()).then_some(&self.rows)
     }
 
     /// `b` becomes `A⁻¹ b`, after [`Banded::factor`].
     pub fn solve(&mut self, b: &mut [S]) {
+        if let Some(inverses) = self.inverses() {
+            return b.iter_mut().zip(inverses).for_each(|(b, &inverse)| *b = *b * inverse);
+        }
         match self.half {
             1 => self.solve_in(1, b),
             2 => self.solve_in(2, b),

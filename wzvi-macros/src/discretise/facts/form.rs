@@ -2,7 +2,7 @@
 
 use super::state_of;
 use crate::discretise::sums::Sum;
-use crate::embedding::Embedding;
+use crate::embedding::{Embedding, Points};
 use crate::model::Element;
 use crate::symbolic::{Graph, Rational};
 
@@ -11,7 +11,7 @@ use crate::symbolic::{Graph, Rational};
 pub(crate) struct Form {
     /// Quadratic in (q, p): a first integral is kept exactly by `Midpoint`.
     quadratic: bool,
-    /// `pᵀA q` plus linear terms: kept exactly by every embedding with one quadrature point and by compositions of them.
+    /// `pᵀA q` plus linear terms: kept exactly by every embedding with one `P`, and by compositions of them.
     bilinear: bool,
 }
 
@@ -24,9 +24,9 @@ impl Form {
 
     /// Whether the step keeps a first integral of this form to rounding.
     pub(crate) fn is_kept(self, embedding: &Embedding, has_noise: bool) -> bool {
-        let (drift, noise) = embedding.quadrature();
-        let has_midpoint = drift == Rational::HALF && *embedding != Embedding::Verlet;
-        self.quadratic && has_midpoint && (noise == Rational::HALF || !has_noise)
+        let ([drift, noise], midpoint) = (embedding.points(), Points::one(Rational::HALF));
+        let has_midpoint = drift == midpoint && *embedding != Embedding::Verlet;
+        self.quadratic && has_midpoint && (noise == midpoint || !has_noise)
             || self.bilinear && (drift == noise || !has_noise)
     }
 }

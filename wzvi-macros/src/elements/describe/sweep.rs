@@ -33,17 +33,18 @@ pub(super) fn sweep(
     for stage in &stages {
         let at = point(&q, stage.l);
         for (part, weight) in &stage.parts {
+            let (sign, size) = match weight.is_negative() {
+                true => ("+", weight.negate()),
+                false => ("-", *weight),
+            };
+            let share = if size.is_one() { String::new() } else { format!("{size} ") };
             let _ = match part {
-                Part::Drift => write!(text, " - h H0(P, {at})"),
+                Part::Drift => write!(text, " {sign} {share}h H0(P, {at})"),
                 Part::Noise if sum_of(Part::Noise, false).is_empty() => Ok(()),
-                Part::Noise => write!(text, " - Σ_k ΔW[k] H_k(P, {at})"),
+                Part::Noise => write!(text, " {sign} {share}Σ_k ΔW[k] H_k(P, {at})"),
                 // Forces do work, and have no part in it.
                 Part::Force => Ok(()),
                 Part::CounterTerm => {
-                    let (sign, size) = match weight.is_negative() {
-                        true => ("+", weight.negate()),
-                        false => ("-", *weight),
-                    };
                     let product = format!("(Σ_j ΔW[j] ∂H_j/∂{q}) · (Σ_k ΔW[k] ∂H_k/∂{p})");
                     write!(text, "\n        {sign} {size} {product} at (P, {at})")
                 }

@@ -7,6 +7,8 @@
 //! v' = v - (v + start Σ ∂V/∂q (Q)),   P' = p + v',   u' = Σ ∂T/∂p (P'),   Q' = q + c u'
 //! ```
 //!
+//! Where the Jacobian `I - φ'` is diagonal an iteration of Newton's method is the same with each correction divided by its entry.
+//!
 //! Every loop is over neighbours and without branches, so that it becomes vector code. Each number is computed as in one pass over
 //! all placements ([`Step::residual`]), no operation is fused and no sum is parted, so that bits depend neither on windows nor on
 //! instructions.
@@ -23,6 +25,7 @@ use super::LEAST_IN_WINDOWS;
 use super::layout::{Recorder, Strip, Windows};
 use super::sums::Window;
 use crate::elements::change::{Change, Seen};
+use crate::elements::linear::Linear;
 use crate::elements::memory::{Lists, Scratch};
 use crate::elements::passes::{Largest, in_blocks, subtract};
 use crate::elements::step::Step;
@@ -89,17 +92,20 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         self.refresh(&mut scratch.lists);
     }
 
-    /// `x ← φ(x)`, with the new `u` and `P` from those of before.
+    /// `x ← φ(x)`, or Newton's iteration with a diagonal Jacobian that was factored, with the new `u` and `P` from those of before.
     #[inline(always)]
-    pub(in crate::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>) -> Swept {
+    pub(in crate::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Swept {
         if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
-            && let Some(swept) = self.sweep_in_vectors(scratch)
+            && let Some(swept) = self.sweep_in_vectors(scratch, is_newton)
         {
             return swept;
         }
-        let lists = &mut scratch.lists;
+        let Scratch { lists, linear, .. } = scratch;
         self.residual_as::<S::OfElements<H::Exact>>(lists);
+        if is_newton && let Some(Linear::Band(band)) = linear {
+            band.solve(lists.correction);
+        }
         let relative = subtract(self.scheme.unknowns, lists.x, lists.correction);
         if self.scheme.unknowns == Unknowns::Momenta {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
@@ -152,18 +158,23 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
 
     /// [`Step::sweep`]; `None` if it is not for these.
     #[inline(never)]
-    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>) -> Option<Swept> {
+    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Option<Swept> {
         let (step, sweeps) = (self.plain()?, scratch.sweeps.as_deref_mut()?);
         if !std::mem::replace(&mut sweeps.is_ready, false) {
             return None;
         }
-        scratch.lists.stages.turn();
-        std::mem::swap(&mut scratch.lists.u, &mut scratch.lists.by_p);
-        let mut lists = scratch.lists.plain()?;
+        let Scratch { lists, linear, .. } = scratch;
+        let inverses = match linear {
+            Some(Linear::Band(band)) if is_newton => S::plain(band.inverses()?)?,
+            _ => &[],
+        };
+        lists.stages.turn();
+        std::mem::swap(&mut lists.u, &mut lists.by_p);
+        let mut lists = lists.plain()?;
         let Sweeps { windows, portions, instructions, .. } = &mut *sweeps;
         let (part, now, before) = lists.parted();
         let found = on_threads(portions, part, |portion, part| {
-            Sweep { step, windows, portion, part, now, before }.run_in(*instructions)
+            Sweep { step, windows, portion, part, now, before, inverses }.run_in(*instructions)
         });
         (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
         let relative = match found.change {
@@ -298,6 +309,8 @@ struct Sweep<'a, 's, H> {
     now: &'a [f64],
     /// `u` of the iteration before.
     before: &'a [f64],
+    /// The inverse of a diagonal Jacobian, of all places; none for the fixed point.
+    inverses: &'a [f64],
 }
 
 impl<H: Shared> Sweep<'_, '_, H> {
@@ -312,7 +325,7 @@ impl<H: Shared> Kernel for Sweep<'_, '_, H> {
 
     #[inline(always)]
     fn run<const L: usize, const HALF: usize>(self) -> Found {
-        let Self { step, windows, portion, part, now, before } = self;
+        let Self { step, windows, portion, part, now, before, inverses } = self;
         let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
         let factor = match step.scheme.update {
             MomentumUpdate::Multiple(factor) => factor,
@@ -327,7 +340,8 @@ impl<H: Shared> Kernel for Sweep<'_, '_, H> {
             let forces = step.window::<H::Usual, _>(strip, now, Slopes::BY_COORDINATES, &mut portion.sums);
             let (x, correction) = (&mut part.x[own.clone()], &mut part.correction[own.clone()]);
             let momentum = &mut part.momentum[own.clone()];
-            let mut kick = Kick { forces, weight, p, x, correction, momentum, size, corrected };
+            let inverses = inverses.get(places.clone()).unwrap_or_default();
+            let mut kick = Kick { forces, weight, inverses, p, x, correction, momentum, size, corrected };
             in_blocks::<HALF>(places.len(), &mut kick);
             (size, corrected) = (kick.size, kick.corrected);
             let momenta = part.momenta(step.degrees());

@@ -161,7 +161,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let dw = first_lane(dw);
         let (system, prepared) = self.system_of(lane);
         let h = job.h;
-        let hard = Hard { system, prepared, t, h, q, p, dw: List::of(&dw), carry: Plain };
+        let dw = List::of(&dw);
+        let hard = Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None };
         let solved = solve_by_continuation(hard, cause);
         let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
         self.put(lane, &solved.q, &solved.p);

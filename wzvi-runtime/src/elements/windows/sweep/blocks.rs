@@ -116,10 +116,11 @@ impl Block for Guess<'_> {
     }
 }
 
-/// `v ← v - (v + start F)` and `P`.
+/// `v ← v - J⁻¹ (v + start F)` and `P`, with a diagonal `J`, or none.
 pub(super) struct Kick<'a, const L: usize> {
     pub(super) forces: &'a [f64],
     pub(super) weight: f64,
+    pub(super) inverses: &'a [f64],
     pub(super) p: &'a [f64],
     pub(super) x: &'a mut [f64],
     pub(super) correction: &'a mut [f64],
@@ -136,6 +137,12 @@ impl<const L: usize> Block for Kick<'_, L> {
         let mut correction = [0.0; N];
         for i in 0..N {
             correction[i] = x[i] + forces[i] * self.weight;
+        }
+        if !self.inverses.is_empty() {
+            let inverses = load::<_, N>(self.inverses, first);
+            for i in 0..N {
+                correction[i] *= inverses[i];
+            }
         }
         for i in 0..N {
             x[i] -= correction[i];
