@@ -105,9 +105,10 @@ fn distances(kt: f64) -> Result<Vec<(f64, f64)>, wzvi::Error> {
     let path = run.record_every(50).run()?;
     let mut counts = vec![0.0; 200];
     for state in path.states().iter().skip(200) {
+        let [q, _] = state.points::<3>();
         for i in 0..ATOMS {
             for j in 0..i {
-                let square: f64 = (0..3).map(|k| (state.q[3 * i + k] - state.q[3 * j + k]).powi(2)).sum();
+                let square: f64 = (0..3).map(|k| (q[i][k] - q[j][k]).powi(2)).sum();
                 if let Some(count) = counts.get_mut((square.sqrt() / 0.02) as usize) {
                     *count += 1.0;
                 }

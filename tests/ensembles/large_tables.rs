@@ -26,6 +26,11 @@ fn files_of_kept_paths_take_the_memory_of_a_part() {
     // 300 000 rows of three numbers are 7.2 MB, and 150 000 names twice are 10 MB and more; a part of 32 768 rows has below 4 MB, doubled as its
     // vectors grow, and its encoded pages.
     assert!(csv.bytes_max < 8 << 20, "{}", csv.bytes_max);
+    let file = folder.join("all.json");
+    let json = measure(|| statistics.write_json(&file).expect("a file"));
+    println!("json {} bytes", json.bytes_max);
+    assert!(json.bytes_max < 8 << 20, "{}", json.bytes_max);
+    let all: serde_json::Value = serde_json::from_slice(&std::fs::read(file).expect("a file")).expect("json");
     #[cfg(feature = "columnar")]
     {
         let parquet = measure(|| statistics.write_parquet(&folder).expect("files"));
@@ -33,9 +38,14 @@ fn files_of_kept_paths_take_the_memory_of_a_part() {
         assert!(parquet.bytes_max < 12 << 20, "{}", parquet.bytes_max);
     }
     // The same rows as the tables in memory.
-    let tables = statistics.tables();
+    let mut tables = Vec::new();
+    let whole = measure(|| tables = statistics.tables());
+    println!("tables in memory {} bytes", whole.bytes_max);
     for name in ["paths", "path_passages"] {
         let table = tables.iter().find(|table| table.name() == name).expect("a table");
+        for (column, _) in table.columns() {
+            assert_eq!(all[name][column].as_array().expect("a list").len(), table.rows(), "{column}");
+        }
         let mut text = Vec::new();
         table.write_csv(&mut text).expect("bytes");
         assert!(

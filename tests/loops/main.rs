@@ -10,4 +10,5 @@ mod scenes;
 mod seam;
 mod sweeps;
 mod tables;
+mod units;
 mod windows;

@@ -177,3 +177,68 @@ fn a_chain_has_the_same_bits_in_all_units() {
         assert_eq!(run(0, 0, 0), run(a, e, tau), "{a} {e} {tau}");
     }
 }
+
+/// In lanes beside each other, each with units of its own.
+#[test]
+fn lanes_have_the_same_bits_in_all_units() {
+    fn run<E>(units: &[[i32; 3]], tau: i32, h: f64, starts: &[[f64; 4]]) -> Vec<Option<[u64; 4]>>
+    where
+        Coupled: Discretized<E> + Hamiltonian<Vector = SVector<f64, 2>>,
+    {
+        let systems: Vec<Coupled> = units
+            .iter()
+            .map(|&[a, b, e]| Coupled {
+                ux: power(-a),
+                uy: power(-b),
+                upx: power(a - e),
+                upy: power(b - e),
+                energy: power(e - tau),
+            })
+            .collect();
+        let states = units.iter().zip(starts).map(|(&[a, b, e], [x, y, px, py])| {
+            State::new([x * power(a), y * power(b)], [px * power(e - a), py * power(e - b)])
+        });
+        let states: Vec<_> = states.collect();
+        let ends = std::sync::Mutex::new(vec![None; units.len()]);
+        let ensemble = wzvi::ensemble::Ensemble::<Coupled, E>::new(&systems[0], h * power(tau)).steps(4);
+        let see = |path: u64, state: &State<SVector<f64, 2>>| {
+            let [a, b, e] = units[path as usize];
+            let bits = [
+                state.q[0] * power(-a),
+                state.q[1] * power(-b),
+                state.p[0] * power(a - e),
+                state.p[1] * power(b - e),
+            ];
+            if state.t != 0.0 {
+                ends.lock().unwrap()[path as usize] = Some(bits.map(f64::to_bits));
+            }
+        };
+        // Moved, so that paths have theirs; one of them prepares the run.
+        let list =
+            systems.iter().map(|&Coupled { ux, uy, upx, upy, energy }| Coupled { ux, uy, upx, upy, energy });
+        let run = ensemble.systems_from(list).starts_from(states).allow_losses(1.0).inspect(see);
+        match run.run_in::<8>() {
+            Ok(_) | Err(wzvi::Error::Step(_)) => {}
+            Err(error) => panic!("{error}"),
+        }
+        ends.into_inner().unwrap()
+    }
+    let mut random = Random(29);
+    for _ in 0..20 {
+        let units: Vec<[i32; 3]> = (0..8).map(|_| std::array::from_fn(|_| random.exponent(100.0))).collect();
+        let tau = random.exponent(100.0);
+        let starts: Vec<[f64; 4]> = (0..8).map(|_| std::array::from_fn(|_| 2.0 * random.next())).collect();
+        let h = 0.5 + 0.49 * random.next();
+        let ones = [[0; 3]; 8];
+        assert_eq!(
+            run::<Midpoint>(&ones, 0, h, &starts),
+            run::<Midpoint>(&units, tau, h, &starts),
+            "{units:?} {tau}"
+        );
+        assert_eq!(
+            run::<Gauss<2>>(&ones, 0, h, &starts),
+            run::<Gauss<2>>(&units, tau, h, &starts),
+            "{units:?} {tau}"
+        );
+    }
+}

@@ -40,6 +40,9 @@ const SHRINKING: f64 = 0.6;
 /// Parts in a row that do, where the curve has a kink.
 const KINK: u32 = 4;
 
+/// More numbers of a state than are followed along a first step that the short way has taken: a large system pays for it with matrices.
+const MOST_CHECKED: usize = 64;
+
 /// A step to take: its data, and what the steps before left.
 ///
 /// By value, as is what comes back: the caller keeps its own in registers.
@@ -155,15 +158,36 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         memory
     }
 
-    /// The whole step with care, from zero.
+    /// The solution that continues the state of a first step, where that is another than the one at these ends, which the short way has found: that had
+    /// nothing to go by. `room` is for what the steps of a check leave.
     ///
     /// # Errors
-    /// Those of [`Scheme::advance`].
-    pub(crate) fn solve_whole(&self) -> Solved<H, C> {
-        self.solve(&self.prepared, self.h, &self.dw, &mut self.memory())
+    /// [`StepFailure::NoSolution`] where it ends.
+    pub(crate) fn check(
+        &self,
+        [q, p]: [&H::Vector; 2],
+        room: &mut MemoryOf<H, E, f64>,
+    ) -> Result<Option<Taken<H, E, C>>, StepFailure> {
+        // With noise every step starts from zero, the first as all others.
+        if 2 * self.q.components().len() > MOST_CHECKED || !self.dw.is_empty() {
+            return Ok(None);
+        }
+        room.forget();
+        let found = self.solve(&self.prepared, self.h, &self.dw, room);
+        if found.is_ok_and(|found| found.effort.is_certain()) {
+            return Ok(None);
+        }
+        match self.follow() {
+            Ok(end) => {
+                let is_same = is_near(&self.q, [q, &end.q]) && is_near(&self.p, [p, &end.p]);
+                Ok(if is_same { None } else { Some(end) })
+            }
+            Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
+            Err(End { is_fold: false, .. }) => Ok(None),
+        }
     }
 
-    /// The step of size `h`, started from what `memory` holds.
+    /// The step of size `h` with care, started from what `memory` holds.
     fn solve(
         &self,
         prepared: &PreparedOf<H, E>,
@@ -235,6 +259,16 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         }
         Err(End { reached, is_fold: false })
     }
+}
+
+/// Whether two ways from a place lead to the same one. What solves the same equations differs by their rounding, far below a millionth of the way; two
+/// solutions come as near as the square root of that only where they meet.
+fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
+    let ends = a.components().iter().zip(b.components());
+    start.components().iter().zip(ends).all(|(start, (a, b))| {
+        let (way, rounding) = (a - start, f64::EPSILON * (a.abs() + b.abs() + start.abs()));
+        (a - b).abs() <= 1e-6 * way.abs() + 64.0 * rounding
+    })
 }
 
 /// How far parts from one place went that left a doubt, each half as long as the one before.

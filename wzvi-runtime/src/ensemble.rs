@@ -75,7 +75,7 @@ use crate::execution::Execution;
 use crate::increments::Noise;
 use crate::interrupt::Interrupt;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
-use crate::options::{Observables, OwnObservable, options};
+use crate::options::{Observables, OwnObservable, elsewhere, options};
 pub use crate::persist::FileError;
 pub use crate::persist::table::{Column, Table};
 use crate::recording::Request;
@@ -120,6 +120,7 @@ struct Setup<'a, H: Hamiltonian> {
     execution: Execution<'a>,
     keeping: Keeping,
     retry: Retry,
+    is_watched: bool,
     control: Control,
 }
 
@@ -170,6 +171,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             execution: Execution::default(),
             keeping: Keeping::default(),
             retry: Retry::never(),
+            is_watched: true,
             control: Control::default(),
         };
         Self { setup, types: PhantomData }
@@ -195,7 +197,7 @@ impl<'a, H: Discretized<E>, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
 }
 
 impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
-    options!(start, end, exact, record, observe, temperatures, section, execution, instructions);
+    options!(start, end, exact, record, observe, temperatures, section, watch, execution, instructions);
 
     /// Observes a function of the system of each path, too.
     fn observe_own(
@@ -206,9 +208,8 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     where
         H: Sync,
     {
-        let (system, own, index) = (self.setup.system, Arc::new(observable), self.setup.observables.len());
-        self.setup.own.push((index, own.clone()));
-        self.observe(name, move |state| own(system, state))
+        self.setup.own.push((self.setup.observables.len(), Arc::new(observable)));
+        self.observe(name, elsewhere)
     }
 
     /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
@@ -289,8 +290,8 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for, and not with
     /// a noise that has no increments between the nodes.
     ///
-    /// Where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) its path ends. The energy of
-    /// paths is not watched, as that of a single run is: a path that starts again would have been counted twice.
+    /// Where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) its path ends, and so does one
+    /// whose energy has changed for good: it does not start again in shorter steps, as a single run does, because it has been counted.
     pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved, P> {
         self.setup.retry = retry;
         self.marked()

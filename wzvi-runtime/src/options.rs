@@ -37,6 +37,12 @@ impl<V> fmt::Debug for Observables<'_, V> {
     }
 }
 
+/// In the place of an observable that is no function of the state alone: whoever looks at a path puts its value there.
+#[cfg(feature = "ensemble")]
+pub(crate) fn elsewhere<V>(_: &State<V>) -> f64 {
+    f64::NAN
+}
+
 impl<'a, V> Observables<'a, V> {
     pub(crate) fn push(&mut self, name: String, f: impl Fn(&State<V>) -> f64 + Send + Sync + 'a) {
         self.0.push((name, Arc::new(f)));
@@ -177,6 +183,14 @@ macro_rules! options {
                     crate::series::configurational_of(system, state, i)
                 });
             }
+            self
+        }
+    };
+    (@ watch) => {
+        /// Goes on where the energy has changed and stays so ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), which no
+        /// other run does of a system that keeps its energy: for whoever looks at the energy himself.
+        pub fn unwatched(mut self) -> Self {
+            self.setup.is_watched = false;
             self
         }
     };

@@ -315,9 +315,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_
             return stepper.take_step(state, interval, noise, dw);
         };
         let (system, h) = (stepper.system(), stepper.step_size());
-        watch.begin::<H, E>(system, h, state);
+        let room = watch.begin::<H, E>(system, h, state);
         let info = stepper.take_step(state, interval, noise, dw)?;
-        watch.end::<H, E>(system, h, state, interval.step)?;
+        watch.end::<H, E>(room, system, h, state, interval.step)?;
         Ok(info)
     }
 }
@@ -397,9 +397,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Subdivision<'_, H, E, C> {
         noise: &mut Option<N>,
         dw: &mut [f64],
     ) -> Result<StepInfo, Error> {
-        self.watch.begin::<H, E>(self.system, self.h, state);
+        let room = self.watch.begin::<H, E>(self.system, self.h, state);
         let info = self.whole(state, interval, noise, dw)?;
-        self.watch.end::<H, E>(self.system, self.h, state, interval.step)?;
+        self.watch.end::<H, E>(room, self.system, self.h, state, interval.step)?;
         Ok(info)
     }
 }

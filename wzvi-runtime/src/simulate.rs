@@ -121,7 +121,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
 }
 
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
-    options!(start, end, exact, record, observe, temperatures, section);
+    options!(start, end, exact, record, observe, temperatures, section, watch);
 
     /// Observes a function of the system, too.
     fn observe_own(
@@ -151,14 +151,6 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved> {
         self.setup.retry = retry;
         Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
-    }
-
-    /// Goes on where the energy has changed and stays so ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), which every
-    /// other run does not of a system that keeps its energy: for whoever looks at the energy himself. What was suspected is counted
-    /// ([`Iterations::suspected`](crate::trajectory::Iterations::suspected)).
-    pub fn unwatched(mut self) -> Self {
-        self.setup.is_watched = false;
-        self
     }
 
     /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on

@@ -156,6 +156,26 @@ impl<V: Vector> State<V> {
         Self { q: q.into_vector(), p: p.into_vector(), t: 0.0 }
     }
 
+    /// Coordinates and momenta by point, as a closure with `q: [[f64; 3]; N]` reads them: for observables and sections. There are no points if the number of
+    /// degrees of freedom is no multiple of `D`.
+    ///
+    /// ```
+    /// use wzvi_runtime::nalgebra::SVector;
+    /// use wzvi_runtime::state::State;
+    ///
+    /// let state: State<SVector<f64, 4>> = State::new([[1.0, 2.0], [3.0, 4.0]], [[0.0; 2], [5.0, 6.0]]);
+    /// let [q, p] = state.points::<2>();
+    /// assert_eq!((q[1][0], p[1][0]), (3.0, 5.0));
+    /// assert_eq!(state.points::<3>(), [&[]; 2]);
+    /// ```
+    pub fn points<const D: usize>(&self) -> [&[[f64; D]]; 2] {
+        const { assert!(D > 0, "points have components") };
+        [&self.q, &self.p].map(|vector| match vector.components().as_chunks() {
+            (points, []) => points,
+            _ => &[],
+        })
+    }
+
     /// The words of it.
     #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::numbers::Tape) {

@@ -40,6 +40,8 @@ pub struct StepInfo {
 /// A prepared integrator: everything that depends on the system and the step size only is computed once.
 ///
 /// Its steps allocate nothing. Time is `t_0 + n h` for `n` consecutive steps of one state, never accumulated.
+///
+/// Nobody looks at the energy of its steps, as that of runs is ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`] with that at the start.
 #[derive(Debug)]
 pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     system: &'a H,

@@ -1,7 +1,7 @@
 //! Whether a run of constant step still has the energy that it began with.
 //!
 //! A step that is far too long for the orbit is solved as well as any other, and its state is wrong. What shows it is the energy. Both ends of one
-//! step in eight of a deterministic run of constant step,
+//! step in eight of a deterministic run of constant step, and of the paths of an ensemble of few steps until one is off ([`Watch::among_others`]),
 //!
 //! ```text
 //! E_h = H                                   Midpoint, Gauss and their compositions (`KeptEnergy::Hamiltonian`)
@@ -34,18 +34,29 @@ use crate::system::{Discretized, Hamiltonian};
 const STRIDE: u64 = 8;
 /// Looks that an energy has to be off for: 64 steps.
 const SPAN: usize = 8;
+/// The steps that they span.
+const TAIL: u64 = STRIDE * SPAN as u64;
 /// How far the energy may be off, in units of the mean of `p · dq/dt`. Resolved motions of all kinds stay below 0.031, and those that are wrong
 /// leave the constant energy by a multiple of their kinetic energy.
 const HARMFUL: f64 = 0.1;
 /// What the halves of one divided step may disagree by, in the same units: as many divided steps as a look spans, one after the other and all off to the
 /// same side, are then not what is called harmful.
-pub(crate) const AGREEMENT: f64 = HARMFUL / (STRIDE * SPAN as u64) as f64;
+pub(crate) const AGREEMENT: f64 = HARMFUL / TAIL as f64;
+
+/// Whether the energy of a run of this scheme is what is watched.
+pub(crate) const fn keeps_energy<H: Discretized<E>, E>() -> bool {
+    matches!(H::PLAN.noise, NoiseClass::None)
+        && matches!(H::PLAN.conserves_energy, Knowledge::Proven)
+        && H::PROPERTIES.is_variational
+}
 
 /// The energy of a run so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch<V> {
     /// The step to look at; the largest number if nothing is watched.
     next: u64,
+    /// The steps of a path of an ensemble, which is looked at rarely as long as its energy is right.
+    steps: Option<u64>,
     is_refusing: bool,
     looks: u64,
     suspected: u64,
@@ -56,12 +67,13 @@ pub(crate) struct Watch<V> {
     /// By how much the energy is off before the step that is looked at, and, the less of both its ends, was at the last looks.
     off: f64,
     recent: [f64; SPAN],
-    /// Made by the first look.
+    /// Made by the first look, and away in each.
     room: Option<Box<Room<V>>>,
 }
 
+/// What a look needs, and where its step began.
 #[derive(Clone, Debug)]
-struct Room<V> {
+pub(crate) struct Room<V> {
     before: State<V>,
     slopes: [V; 2],
     dual: [Vec<Dual<1>>; 4],
@@ -72,18 +84,36 @@ impl<V> Default for Watch<V> {
     fn default() -> Self {
         let recent = [0.0; SPAN];
         let (band, motion, room) = ([0.0; 2], 0.0, None);
-        let (next, is_refusing, looks, suspected, off) = (u64::MAX, false, 0, 0, 0.0);
-        Self { next, is_refusing, looks, suspected, band, motion, off, recent, room }
+        let (next, steps, is_refusing, looks, suspected, off) = (u64::MAX, None, false, 0, 0, 0.0);
+        Self { next, steps, is_refusing, looks, suspected, band, motion, off, recent, room }
     }
 }
 
 impl<V: Vector> Watch<V> {
     /// Of a run by this scheme from step 0, if the system keeps its energy; whether it refuses what it finds, or counts it only.
     pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_refusing: bool) -> Self {
-        let keeps_energy = matches!(H::PLAN.noise, NoiseClass::None)
-            && matches!(H::PLAN.conserves_energy, Knowledge::Proven)
-            && H::PROPERTIES.is_variational;
-        Self { next: if keeps_energy { 0 } else { u64::MAX }, is_refusing, ..Self::default() }
+        Self { next: if keeps_energy::<H, E>() { 0 } else { u64::MAX }, is_refusing, ..Self::default() }
+    }
+
+    /// Of a path of so many steps that is one of many, which refuses what it finds: it looks at the start, at steps eight times as far each, and where 64 steps are
+    /// left. From one that is off on it looks as any other, until one is not. So a path pays for four looks in its first
+    /// thousand steps and one more for eight times as many, and what has gone wrong 64 steps before its end is found.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
+        let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
+        Self { next, steps: Some(steps), is_refusing: true, ..Self::default() }
+    }
+
+    /// The same, of the next path.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn restart<H: Discretized<E, Vector = V>, E>(&mut self, steps: u64) {
+        *self = Self { room: self.room.take(), ..Self::among_others::<H, E>(steps) };
+    }
+
+    /// The step to look at.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn next(&self) -> u64 {
+        self.next
     }
 
     /// Whether this step is looked at.
@@ -102,16 +132,22 @@ impl<V: Vector> Watch<V> {
         (self.looks > 0).then(|| self.motion / self.looks as f64)
     }
 
-    /// Before a step of size `h` that is looked at.
+    /// Before a step of size `h` that is looked at: what [`Watch::end`] takes after it.
     #[inline(never)]
-    pub(crate) fn begin<H: Discretized<E, Vector = V>, E>(&mut self, system: &H, h: f64, state: &State<V>) {
-        let room = self.room.get_or_insert_with(|| Box::new(Room::of(state)));
+    pub(crate) fn begin<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        system: &H,
+        h: f64,
+        state: &State<V>,
+    ) -> Box<Room<V>> {
+        let mut room = self.room.take().unwrap_or_else(|| Box::new(Room::of(state)));
         copy_state(&mut room.before, state);
         let energy = room.kept_energy::<H, E>(system, state, h);
         if self.looks == 0 {
             self.band = [energy; 2];
         }
         self.off = self.distance::<H, E>(energy);
+        room
     }
 
     /// After that step, which led to this state.
@@ -121,20 +157,21 @@ impl<V: Vector> Watch<V> {
     #[inline(never)]
     pub(crate) fn end<H: Discretized<E, Vector = V>, E>(
         &mut self,
+        mut room: Box<Room<V>>,
         system: &H,
         h: f64,
         state: &mut State<V>,
         step: u64,
     ) -> Result<(), StepError> {
-        let Some(room) = &mut self.room else { return Ok(()) };
         let motion = (0.5 / h * moved(&room.before, state)).abs();
         // A stiff direction that alternates may excite every other node only.
         let energy = room.kept_energy::<H, E>(system, state, h);
         let off = self.off.min(self.distance::<H, E>(energy));
-        let judged = self.judge(system, state, off, motion);
-        if let (Err(_), Some(room)) = (&judged, &self.room) {
+        let judged = self.judge::<H, E>(system, state, off, motion);
+        if judged.is_err() {
             copy_state(state, &room.before);
         }
+        self.room = Some(room);
         judged.map_err(|cause| StepError { step, t: state.t, h, cause })
     }
 
@@ -154,7 +191,7 @@ impl<V: Vector> Watch<V> {
         }
     }
 
-    fn judge<H: Hamiltonian<Vector = V>>(
+    fn judge<H: Discretized<E, Vector = V>, E>(
         &mut self,
         system: &H,
         state: &State<V>,
@@ -166,12 +203,13 @@ impl<V: Vector> Watch<V> {
         }
         self.looks += 1;
         self.motion += motion;
-        let group = self.next / STRIDE + 1;
-        self.next = STRIDE * group + 5 * group % STRIDE;
         let scale = self.motion / self.looks as f64;
         let harmful = HARMFUL * scale;
         // Both energies have terms of the same size.
-        if !(error > harmful && error > harmful + 2.0 * rounding_of_energy(system, state)) {
+        let is_off = error > harmful && error > harmful + 2.0 * rounding_of_energy(system, state);
+        let is_learning = matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.looks < SPAN as u64;
+        self.next = self.after(self.next, is_off || is_learning);
+        if !is_off {
             return Ok(());
         }
         self.suspected += 1;
@@ -182,10 +220,22 @@ impl<V: Vector> Watch<V> {
         Ok(())
     }
 
+    /// The step to look at after this one.
+    fn after(&self, step: u64, is_soon: bool) -> u64 {
+        let group = step / STRIDE + 1;
+        let soon = STRIDE * group + 5 * group % STRIDE;
+        match self.steps.map(|steps| steps.saturating_sub(TAIL)) {
+            Some(last) if !is_soon && step < last => last.min(TAIL.max(step.saturating_mul(8))),
+            Some(_) if !is_soon => u64::MAX,
+            _ => soon,
+        }
+    }
+
     /// What a checkpoint keeps.
     #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::numbers::Tape) {
-        let Self { next, is_refusing: _, looks, suspected, band, motion, off: _, recent, room: _ } = self;
+        let Self { next, steps: _, is_refusing: _, looks, suspected, band, motion, off: _, recent, room: _ } =
+            self;
         [next, looks, suspected].into_iter().for_each(|word| tape.word(word));
         tape.number(motion);
         tape.numbers(band);

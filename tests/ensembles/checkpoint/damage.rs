@@ -85,8 +85,8 @@ fn files_of_others() {
     assert_eq!(error, CheckpointError::Kind { path: file.clone(), kind: "an ensemble" }.into());
 
     let good = fs::read(&file).unwrap();
-    let other = String::from_utf8(good.clone()).unwrap().replacen("wzvi-ensemble 2 ", "wzvi-ensemble 3 ", 1);
-    let version = CheckpointError::Version { path: file.clone(), found: "3".into(), expected: 2 };
+    let other = String::from_utf8(good.clone()).unwrap().replacen("wzvi-ensemble 3 ", "wzvi-ensemble 2 ", 1);
+    let version = CheckpointError::Version { path: file.clone(), found: "2".into(), expected: 3 };
     assert_eq!(error_of(&file, &good, other.as_bytes()), version);
 }
 

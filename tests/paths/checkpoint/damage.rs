@@ -143,12 +143,12 @@ fn files_of_another_version() {
     let run = folder!("version").join("run");
     go_on(&run, 30).unwrap();
     let good = fs::read(&run).unwrap();
-    for version in ["0", "1", "10"] {
+    for version in ["0", "1", "2", "10"] {
         let text = String::from_utf8(good.clone()).unwrap();
-        let other = text.replacen("wzvi-checkpoint 2 ", &format!("wzvi-checkpoint {version} "), 1);
+        let other = text.replacen("wzvi-checkpoint 3 ", &format!("wzvi-checkpoint {version} "), 1);
         let error = error_of(&run, &good, other.as_bytes());
         let found = version.to_owned();
-        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 2 });
+        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 3 });
         assert!(error.to_string().contains(&format!("version {version} of the format")), "{error}");
     }
 }
@@ -194,7 +194,7 @@ fn process_numbers_that_repeat() {
     let folder = folder!("repeated");
     let run = folder.join("run");
     let number = std::process::id();
-    let good = "wzvi-checkpoint 2 ";
+    let good = "wzvi-checkpoint 3 ";
     for name in [format!("run.{number}.part"), format!("{PREFIX}{number}.part"), "run.part".to_owned()] {
         fs::write(folder.join(name), good).unwrap();
     }

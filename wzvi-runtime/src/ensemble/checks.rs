@@ -13,7 +13,7 @@ use super::{Ensemble, Extras};
 use crate::error::{ConfigError, Error, UnknownName};
 use crate::increments::Interval;
 use crate::noise::StepNormals;
-use crate::options::Observables;
+use crate::options::{Observables, elsewhere};
 use crate::span::Grid;
 use crate::state::{State, Vector};
 use crate::system::Discretized;
@@ -104,26 +104,22 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         }
         let recorded = setup.recorded.checked(0, &grid)?;
         let recorded = recorded.all(&grid, MOST_NODES)?;
-        let is_standard = setup.observables.is_empty();
-        let mut observables =
-            if is_standard { standard(system, start.q.components().len()) } else { setup.observables };
-        // The last one of those that nobody asked for.
-        let energy = observables.len().saturating_sub(1);
+        let (mut observables, mut own) = (setup.observables, setup.own);
+        if observables.is_empty() {
+            observables = coordinates(start.q.components().len());
+            own.push((
+                observables.len(),
+                Arc::new(|system: &H, state: &State<H::Vector>| system.energy(state)),
+            ));
+            observables.push("energy".into(), elsewhere);
+        }
         let own_work = setup.wanted.has_work.then(|| observables.len());
         if own_work.is_some() {
             let is_between = recorded.iter().any(|recorded| recorded.is_inside);
             check_work::<H, E>(setup.retry.most() > 0 || grid.shorter.is_some() || is_between)?;
-            // No functions of the state: whoever looks at a path puts them there.
-            WORK.into_iter().for_each(|name| observables.push(name.into(), |_| f64::NAN));
+            WORK.into_iter().for_each(|name| observables.push(name.into(), elsewhere));
         }
         let (names, observables) = observables.checked("observables")?;
-        let mut own = setup.own;
-        if is_standard {
-            own.push((energy, Arc::new(|system: &H, state: &State<H::Vector>| system.energy(state))));
-        }
-        if systems.is_empty() {
-            own.clear();
-        }
         let (event_names, events) = setup.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
@@ -161,6 +157,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             recorded,
             source,
             retry: setup.retry,
+            is_watched: setup.is_watched,
             observables,
             events,
             sections: setup.sections,
@@ -249,10 +246,9 @@ pub(super) fn unknown(name: String, names: &[String]) -> ConfigError {
     ConfigError::Setting(UnknownName { kind: "observable", name, known: names.to_vec() }.to_string())
 }
 
-/// What is observed if nothing is asked for.
-fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Observables<'_, H::Vector> {
-    let component =
-        |i: usize| move |vector: &H::Vector| vector.components().get(i).copied().unwrap_or(f64::NAN);
+/// Coordinates and momenta, which are observed beside the energy if nothing is asked for.
+fn coordinates<'a, V: Vector>(degrees: usize) -> Observables<'a, V> {
+    let component = |i: usize| move |vector: &V| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all = Observables::default();
     for i in 0..degrees {
         let q = component(i);
@@ -262,6 +258,5 @@ fn standard<H: Discretized<E> + Sync, E>(system: &H, degrees: usize) -> Observab
         let p = component(i);
         all.push(format!("p{i}"), move |state| p(&state.p));
     }
-    all.push("energy".into(), |state| system.energy(state));
     all
 }

@@ -2,14 +2,18 @@
 
 mod alone;
 mod inside;
+mod watched;
 
 use std::marker::PhantomData;
+
+use alone::checks_anew;
 
 use super::increments::LaneIncrements;
 use super::job::Job;
 use super::starts::Systems;
 use super::statistics::PathFailure;
 use crate::carry::Plain;
+use crate::continuation::Hard;
 use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::lanes::Lanes;
@@ -20,6 +24,7 @@ use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::steps::Advance;
 use crate::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
+use crate::watch::{Room, Watch, keeps_energy};
 
 /// No step was halved.
 const NEVER: (u64, u32) = (u64::MAX, 0);
@@ -56,8 +61,18 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
     subdivision: Option<Subdivision<'j, H, E, Plain>>,
-    /// The last step of each lane that was halved, and how often.
+    /// The last step of each lane that was halved, and how often; and the step that some lanes begin anew: the first, or one after that.
     halved: [(u64, u32); L],
+    anew: u64,
+    /// Where that one began, by lane.
+    starts: Vec<State<H::Vector>>,
+    /// What checks it, and its memory.
+    checked: Option<(Hard<'j, H, E, Plain>, MemoryOf<H, E, f64>)>,
+    /// The energy of each lane, and the next step at which one is looked at; none where nothing is watched.
+    watches: Vec<Watch<H::Vector>>,
+    next_look: u64,
+    /// Of lanes that are looked at in this step.
+    looked: Vec<(usize, Box<Room<H::Vector>>)>,
     /// Whether anything is looked for between nodes.
     looks_between: bool,
     /// Whether the last step, which is shorter, has been taken: by steppers.
@@ -89,6 +104,12 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             steppers: Vec::new(),
             subdivision: None,
             halved: [NEVER; L],
+            anew: 0,
+            starts: Vec::new(),
+            checked: None,
+            watches: Vec::new(),
+            next_look: u64::MAX,
+            looked: Vec::new(),
             looks_between: job.looks_between(),
             is_over: false,
             systems: PhantomData,
@@ -112,7 +133,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         }
         (self.failed, self.any_failed) = ([false; L], false);
         let was_over = std::mem::take(&mut self.is_over);
-        self.halved = [NEVER; L];
+        (self.halved, self.anew) = ([NEVER; L], 0);
         self.memory.forget();
         self.apart.clear();
         self.increments.begin(path);
@@ -136,6 +157,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         for stepper in &mut self.steppers {
             stepper.set_exchanged(Exchange::default());
         }
+        self.watch_from_start();
         Ok(())
     }
 
@@ -235,6 +257,25 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// If the run cannot go on; a path that fails ends alone.
     #[inline(always)]
     pub(super) fn step(&mut self, step: u64) -> Result<(), Error> {
+        if const { keeps_energy::<H, E>() } && step == self.next_look {
+            self.begin_look(step);
+        }
+        let is_anew = const { checks_anew::<H, E>() } && step == self.anew && !self.is_stepped();
+        if const { checks_anew::<H, E>() } && is_anew {
+            self.keep_starts(step);
+        }
+        self.take_step(step)?;
+        if const { checks_anew::<H, E>() } && is_anew {
+            self.check_starts(step)?;
+        }
+        if const { keeps_energy::<H, E>() } && !self.looked.is_empty() {
+            self.end_look(step);
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn take_step(&mut self, step: u64) -> Result<(), Error> {
         let job = self.job;
         if self.is_stepped() {
             return self.by_steppers(step);

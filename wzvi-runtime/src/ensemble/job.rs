@@ -26,7 +26,7 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) starts: Option<ByPath<'a, State<H::Vector>>>,
     /// Those of all paths, if each has its own; else none.
     pub(super) systems: Vec<H>,
-    /// The observables that read a path's own system, by number, if each has its own.
+    /// The observables that read the system of a path, by number.
     pub(super) own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
     /// The first of the observables `work`, `shadow work` and `heat` of a path.
     pub(super) own_work: Option<usize>,
@@ -38,6 +38,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) recorded: Vec<Recorded>,
     pub(super) source: Source<'a>,
     pub(super) retry: Retry,
+    /// Whether a path ends whose energy has changed.
+    pub(super) is_watched: bool,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
     pub(super) events: Vec<Observable<'a, H::Vector>>,
     pub(super) sections: Sections<'a, H::Vector>,
@@ -79,6 +81,16 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
     /// The system of a path.
     pub(super) fn system_of(&self, path: u64) -> &H {
         usize::try_from(path).ok().and_then(|path| self.systems.get(path)).unwrap_or(self.system)
+    }
+
+    /// The observables of a path in this state, but for its work.
+    pub(super) fn observe(&self, path: u64, state: &State<H::Vector>, values: &mut [f64]) {
+        for (value, observable) in values.iter_mut().zip(&self.observables) {
+            *value = observable(state);
+        }
+        for (index, observable) in &self.own {
+            values[*index] = observable(self.system_of(path), state);
+        }
     }
 
     /// The start of a path.

@@ -7,7 +7,6 @@ use super::statistics::{Statistics, Wanted};
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
 use crate::error::{ConfigError, Error, FileError};
 use crate::increments::{Identity, Noise};
-use crate::options::Observable;
 use crate::state::{State, Vector};
 use crate::step::Stepper;
 use crate::steps::{Account, Monitor, Single, TakeStep, take_steps};
@@ -102,6 +101,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
         ("paths are kept", keeps_paths.to_string()),
         ("covariances", has_covariances.to_string()),
         ("the halvings allowed", job.retry.most().to_string()),
+        ("energies are watched", job.is_watched.to_string()),
     ];
     let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
     settings.extend(starts(job)?);
@@ -147,8 +147,7 @@ fn systems<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Option<(String, String)
 /// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run
 /// visits itself. `p` and `p²` are the same at rest, but not a step later.
 fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error> {
-    let mut values =
-        Values { functions: job.observables.iter().chain(&job.events).cloned().collect(), seen: Vec::new() };
+    let mut values = Values { job, seen: Vec::new() };
     let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.processes()]);
     values.see(&state);
     let (start, h, steps) = (state.t, job.h, job.grid.whole().min(COMPARED_STEPS));
@@ -164,25 +163,34 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error
 }
 
 /// The values of functions at all nodes.
-struct Values<'a, V> {
-    functions: Vec<Observable<'a, V>>,
+struct Values<'j, 'a, H: Discretized<E>, E> {
+    job: &'j Job<'a, H, E>,
     seen: Vec<f64>,
 }
 
-impl<V> Values<'_, V> {
-    fn see(&mut self, state: &State<V>) {
-        self.seen.extend(self.functions.iter().map(|function| function(state)));
+impl<H: Discretized<E>, E> Values<'_, '_, H, E> {
+    fn see(&mut self, state: &State<H::Vector>) {
+        let first = self.seen.len();
+        self.seen.resize(first + self.job.observables.len(), 0.0);
+        self.job.observe(0, state, &mut self.seen[first..]);
+        self.seen.extend(self.job.events.iter().map(|event| event(state)));
     }
 }
 
-impl<T: TakeStep<V>, V, N: Noise, A: Account> Monitor<Single<'_, T, V, N, A>> for Values<'_, V> {
+impl<H, E, T, N, A> Monitor<Single<'_, T, H::Vector, N, A>> for Values<'_, '_, H, E>
+where
+    H: Discretized<E>,
+    T: TakeStep<H::Vector>,
+    N: Noise,
+    A: Account,
+{
     type Error = Error;
 
-    fn next(&self, _path: &Single<'_, T, V, N, A>, node: u64) -> u64 {
+    fn next(&self, _path: &Single<'_, T, H::Vector, N, A>, node: u64) -> u64 {
         node + 1
     }
 
-    fn look(&mut self, path: &mut Single<'_, T, V, N, A>, _node: u64) -> Result<(), Error> {
+    fn look(&mut self, path: &mut Single<'_, T, H::Vector, N, A>, _node: u64) -> Result<(), Error> {
         self.see(path.state);
         Ok(())
     }

@@ -383,6 +383,8 @@ where
             recorded: Vec::new(),
             source: Source::Normals(normals),
             retry: Retry::never(),
+            // There is noise.
+            is_watched: false,
             observables: Vec::new(),
             events: Vec::new(),
             sections: Sections::default(),

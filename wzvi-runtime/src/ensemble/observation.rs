@@ -223,12 +223,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             if let Some(see) = &job.inspector {
                 see(path, state);
             }
-            for (value, observable) in self.values.iter_mut().zip(&job.observables) {
-                *value = observable(state);
-            }
-            for (index, observable) in &job.own {
-                self.values[*index] = observable(job.system_of(path), state);
-            }
+            job.observe(path, state, &mut self.values);
             if let Some(first) = job.own_work {
                 let own = group.work_of(lane, node)?;
                 self.values[first..first + own.len()].copy_from_slice(&own);

@@ -37,9 +37,9 @@ impl Statistics {
     /// [`FileError`] if it cannot be written.
     pub fn write_json(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
         file::replace_in_folder(path.as_ref(), |file| {
-            for (i, table) in self.tables().iter().enumerate() {
-                write!(file, "{}{}:", if i == 0 { "{" } else { "," }, escaped(table.name()))?;
-                table.write_json(file)?;
+            for i in 0..self.in_parts().len() {
+                write!(file, "{}", if i == 0 { "{" } else { "," })?;
+                write_json(|| self.in_parts().into_iter().nth(i).into_iter().flatten(), file)?;
             }
             writeln!(file, "}}")
         })
@@ -371,6 +371,22 @@ impl Statistics {
             table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
         })
     }
+}
+
+/// `"table":{"column":[entries], ...}` of a table whose parts are made anew for each column: one after the other is in memory.
+fn write_json<P: Iterator<Item = Table>>(parts: impl Fn() -> P, to: &mut impl Write) -> io::Result<()> {
+    let Some(first) = parts().next() else { return Ok(()) };
+    write!(to, "{}:{{", escaped(first.name()))?;
+    for (i, (name, _)) in first.columns().iter().enumerate() {
+        write!(to, "{}{}:[", if i == 0 { "" } else { "," }, escaped(name))?;
+        let mut is_first = true;
+        for part in parts() {
+            part.write_json_entries(i, is_first, to)?;
+            is_first = false;
+        }
+        write!(to, "]")?;
+    }
+    write!(to, "}}")
 }
 
 /// Names of columns beside those that are known.

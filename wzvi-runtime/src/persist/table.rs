@@ -122,19 +122,21 @@ impl Table {
         bytes
     }
 
-    /// `{"column":[entries], ...}`; numbers come back to the last bit, but JSON has `null` for those that are none or
-    /// infinite.
+    /// The entries of a column with commas between them, and before the first one unless it is that of the whole table; numbers come back to the last
+    /// bit, but JSON has `null` for those that are none or infinite.
     #[cfg(feature = "ensemble")]
-    pub(crate) fn write_json(&self, to: &mut impl Write) -> io::Result<()> {
-        for (i, (name, column)) in self.columns.iter().enumerate() {
-            write!(to, "{}{}:[", if i == 0 { "{" } else { "," }, escaped(name))?;
-            for row in 0..column.len() {
-                to.write_all(if row == 0 { b"" } else { b"," })?;
-                column.write_json(row, to)?;
-            }
-            write!(to, "]")?;
+    pub(crate) fn write_json_entries(
+        &self,
+        column: usize,
+        is_first: bool,
+        to: &mut impl Write,
+    ) -> io::Result<()> {
+        let Some((_, column)) = self.columns.get(column) else { return Ok(()) };
+        for row in 0..column.len() {
+            to.write_all(if is_first && row == 0 { b"" } else { b"," })?;
+            column.write_json(row, to)?;
         }
-        write!(to, "}}")
+        Ok(())
     }
 
     /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has `null` for those that are

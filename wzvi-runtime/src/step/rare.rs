@@ -4,10 +4,9 @@
 //! address.
 
 use crate::carry::Carry;
-use crate::continuation::{Continued, End, Hard, Taken, solve_by_continuation};
+use crate::continuation::{Continued, Hard, Taken, solve_by_continuation};
 use crate::error::StepFailure;
 use crate::memory::StepMemory;
-use crate::state::Vector;
 use crate::system::{Discretized, MemoryOf, Scheme, SchemeOf};
 
 /// Why a step is none of the usual ones.
@@ -67,7 +66,11 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
                     &mut carry,
                 );
                 match short {
-                    Ok(effort) => match checked(&hard, is_iterated, &q, &p) {
+                    Ok(effort) => match if is_iterated {
+                        hard.check([&q, &p], &mut Default::default())
+                    } else {
+                        Ok(None)
+                    } {
                         Ok(None) => {
                             let taken = Continued { q, p, memory, carry, effort };
                             return Ok(Arrived { taken, is_hard: false });
@@ -96,42 +99,4 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
         }
         Ok(Arrived { taken, is_hard: true })
     }
-}
-
-/// More numbers of a state than are followed along a first step that the short way has taken: a large system pays for it with matrices.
-const MOST_CHECKED: usize = 64;
-
-/// The solution that continues the state of a first step, where that is another than the short way has found: that one had nothing to go by.
-///
-/// # Errors
-/// [`StepFailure::NoSolution`] where it ends.
-fn checked<H: Discretized<E>, E, C: Carry<f64>>(
-    hard: &Hard<'_, H, E, C>,
-    is_iterated: bool,
-    q: &H::Vector,
-    p: &H::Vector,
-) -> Result<Option<Taken<H, E, C>>, StepFailure> {
-    // With noise every step starts from zero, the first as all others, and a path alone as in lanes.
-    let is_none = 2 * hard.q.components().len() > MOST_CHECKED || !hard.dw.is_empty();
-    if is_none || !is_iterated || hard.solve_whole().is_ok_and(|found| found.effort.is_certain()) {
-        return Ok(None);
-    }
-    match hard.follow() {
-        Ok(end) => {
-            let is_same = is_near(&hard.q, [q, &end.q]) && is_near(&hard.p, [p, &end.p]);
-            Ok(if is_same { None } else { Some(end) })
-        }
-        Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
-        Err(End { is_fold: false, .. }) => Ok(None),
-    }
-}
-
-/// Whether two ways from a place lead to the same one. What solves the same equations differs by their rounding, far below a millionth of the way; two
-/// solutions come as near as the square root of that only where they meet.
-fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
-    let ends = a.components().iter().zip(b.components());
-    start.components().iter().zip(ends).all(|(start, (a, b))| {
-        let (way, rounding) = (a - start, f64::EPSILON * (a.abs() + b.abs() + start.abs()));
-        (a - b).abs() <= 1e-6 * way.abs() + 64.0 * rounding
-    })
 }

@@ -2,7 +2,7 @@
 
 use super::{Group, Systems};
 use crate::carry::Plain;
-use crate::continuation::{Hard, solve_by_continuation};
+use crate::continuation::{Hard, Taken, solve_by_continuation};
 use crate::ensemble::job::Job;
 use crate::error::{ConfigError, Error, FailedLanes, InternalError, StepError, StepFailure};
 use crate::few::List;
@@ -10,7 +10,7 @@ use crate::increments::Interval;
 use crate::lanes::Lanes;
 use crate::memory::{StepMemory, Threads};
 use crate::numbers::{Numbers, Tape};
-use crate::plan::Solver;
+use crate::plan::{NoiseClass, Solver};
 use crate::retry::{Subdivision, is_curable};
 use crate::state::State;
 use crate::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
@@ -106,6 +106,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let noise = &mut noise.as_deref_mut();
         let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
         self.halved[lane] = (step, info.halvings);
+        self.anew = step + 1;
         Ok(state)
     }
 
@@ -171,6 +172,84 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         Ok(())
     }
 
+    /// Keeps where a step begins that some lanes begin anew.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn keep_starts(&mut self, step: u64) {
+        let t = self.time(step);
+        let mut starts = std::mem::take(&mut self.starts);
+        starts.clear();
+        starts.extend((0..L).map(|lane| self.state_of(lane, t)));
+        self.starts = starts;
+    }
+
+    /// After that step: whether each of these lanes has the solution that continues its state. As for a stepper, that the short way has found one is not
+    /// enough where it had nothing to go by.
+    ///
+    /// # Errors
+    /// That of a noise that has no increments.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn check_starts(&mut self, step: u64) -> Result<(), Error> {
+        let (h, starts) = (self.job.h, std::mem::take(&mut self.starts));
+        for (lane, State { q, p, t }) in starts.iter().enumerate() {
+            let is_anew = step == 0 || self.halved[lane].0 == step - 1;
+            if !is_anew || self.failed[lane] || self.halved[lane].0 == step {
+                continue;
+            }
+            let end = self.state_of(lane, *t);
+            let other = self.check_start(lane, [q, p], *t, [&end.q, &end.p]);
+            if let Ok(None) = other {
+                continue;
+            }
+            self.split()?;
+            let mut memory = MemoryOf::<H, E, _>::default();
+            match other {
+                Ok(None) => {}
+                Ok(Some(mut solved)) => {
+                    self.put(lane, &solved.q, &solved.p);
+                    let words = Tape::write(|tape| solved.memory.pass(tape));
+                    Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
+                }
+                Err(cause) => {
+                    self.put(lane, q, p);
+                    let error = StepError { step, t: *t, h, cause };
+                    self.halve_or_fail(lane, step, error, &mut memory)?;
+                }
+            }
+            if let Some(room) = self.apart.get_mut(lane) {
+                *room = memory;
+            }
+        }
+        self.join();
+        self.starts = starts;
+        Ok(())
+    }
+
+    /// [`Hard::check`] of a lane.
+    fn check_start(
+        &mut self,
+        lane: usize,
+        [q, p]: [&H::Vector; 2],
+        t: f64,
+        ends: [&H::Vector; 2],
+    ) -> Result<Option<Taken<H, E, Plain>>, StepFailure> {
+        let (mut hard, mut room) = match self.checked.take() {
+            Some((hard, room)) if !P::ARE_OWN => (hard, room),
+            _ => {
+                let (system, prepared) = self.system_of(lane);
+                let (h, q, p, dw) = (self.job.h, q.clone(), p.clone(), List::of(&[]));
+                (Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None }, Default::default())
+            }
+        };
+        hard.q.clone_from(q);
+        hard.p.clone_from(p);
+        hard.t = t;
+        let other = hard.check(ends, &mut room);
+        self.checked = Some((hard, room));
+        other
+    }
+
     /// What the steps before left of one lane.
     fn memory_of(&mut self, lane: usize) -> Result<MemoryOf<H, E, Lanes<1>>, InternalError> {
         let words = Tape::split(lane, |tape| self.memory.pass(tape));
@@ -212,6 +291,11 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             self.apart.clear();
         }
     }
+}
+
+/// Whether steps that begin anew are checked, as those of a stepper are.
+pub(super) const fn checks_anew<H: Discretized<E>, E>() -> bool {
+    matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
 }
 
 /// One lane of a list.

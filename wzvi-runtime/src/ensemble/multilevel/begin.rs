@@ -33,6 +33,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             inspector,
             keeping,
             retry,
+            is_watched,
             control,
         } = self.setup;
         let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work } = wanted;
@@ -56,6 +57,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             (keeping.is_set(), "`checkpoint`"),
             (has_work, "work and heat"),
             (retry.most() > 0, "`retry`"),
+            (!is_watched, "`unwatched`"),
             (!targets.is_empty(), "`until_error`"),
             (losses.is_some(), "`allow_losses`"),
         ];

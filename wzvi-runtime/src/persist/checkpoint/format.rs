@@ -9,7 +9,7 @@ use super::error::Damage;
 use crate::checksum::Checksum;
 
 /// The version that is read and written.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 
 /// What a file keeps.
 pub(super) trait Content: Serialize + DeserializeOwned {

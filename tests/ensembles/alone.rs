@@ -1,0 +1,155 @@
+//! A path of an ensemble without noise is that of a single run: its first step, its energy and its errors.
+
+use fixtures::small::{Kepler, Pendulum};
+use wzvi::error::StepFailure;
+use wzvi::nalgebra::SVector;
+use wzvi::prelude::*;
+
+/// A double well, or a hard spring: arithmetic only, so that lanes have the bits of a single path.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p * (1.0 + e * q * q) + a * q * q + b * q * q * q + c * q * q * q * q,
+    embedding = [Midpoint, Gauss<2>, Gauss<4>],
+)]
+struct Well {
+    a: f64,
+    b: f64,
+    c: f64,
+    e: f64,
+}
+
+#[hamiltonian(
+    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 2.0 * x.powi(4) - 3.0 * x * x + 2.0 * y.powi(4) - 3.0 * y * y + g * x * y * y,
+    embedding = [Midpoint, Gauss<2>],
+)]
+struct Sites {
+    g: f64,
+}
+
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Steps from random states that are long for the force, in ensembles of one to eight paths; how many paths there were, and how many had an error.
+fn compare<H, E, const D: usize>(system: &H) -> [u64; 2]
+where
+    H: Discretized<E> + Hamiltonian<Vector = SVector<f64, D>> + Sync,
+{
+    const STEPS: u64 = 3;
+    let (mut random, mut counts) = (numbers(D as u64), [0; 2]);
+    for paths in 1..=8 {
+        let (h, mut errors) = (1.025 + 0.975 * random(), 0);
+        let starts: Vec<State<SVector<f64, D>>> = (0..paths)
+            .map(|_| {
+                let q: [f64; D] = std::array::from_fn(|_| 2.0 * random());
+                State::new(q, std::array::from_fn::<f64, D, _>(|_| 3.0 * random()))
+            })
+            .collect();
+        let ensemble = || {
+            let all = wzvi::ensemble::Ensemble::<H, E>::new(system, h).starts_from(starts.clone());
+            all.steps(STEPS).record_every(1).allow_losses(1.0)
+        };
+        for (path, start) in starts.iter().enumerate() {
+            let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap().plain();
+            let (mut state, mut alone) = (*start, vec![*start]);
+            let error = (0..STEPS).find_map(|_| {
+                let error = stepper.step(&mut state, &[]).err();
+                alone.extend(error.is_none().then_some(state));
+                error
+            });
+            let (beside, failed) = ensemble().replay(path as u64).unwrap();
+            let what = format!("h = {h:?}, path {path} of {paths}: {start}");
+            assert_eq!(failed, error.map(Into::into), "{what}");
+            assert_eq!(beside.states(), alone, "{what}");
+            errors += u64::from(error.is_some());
+        }
+        counts = [counts[0] + paths, counts[1] + errors];
+        // What is replayed is what runs.
+        match ensemble().run() {
+            Ok(run) => assert_eq!(run.failed(), errors),
+            Err(error) => assert!(errors == paths, "{error}"),
+        }
+    }
+    counts
+}
+
+/// The solution that continues the state is looked for where there is nothing to extrapolate from, beside others as alone.
+#[test]
+fn first_steps_are_those_of_single_paths() {
+    let wells = [(-3.0, 0.0, 2.0, 0.0), (0.5, 0.3, 1.0, 0.0), (0.5, 0.0, 0.25, 1.0)];
+    let mut counts =
+        vec![compare::<_, Midpoint, 2>(&Sites { g: 0.1 }), compare::<_, Gauss<2>, 2>(&Sites { g: 0.1 })];
+    for (a, b, c, e) in wells {
+        let well = Well { a, b, c, e };
+        counts.extend([compare::<_, Midpoint, 1>(&well), compare::<_, Gauss<2>, 1>(&well)]);
+        counts.push(compare::<_, Gauss<4>, 1>(&well));
+    }
+    let [paths, errors] = [0, 1].map(|i| counts.iter().map(|counts| counts[i]).sum::<u64>());
+    println!("{errors} of {paths}: {counts:?}");
+    // There are some of both.
+    assert!(errors > 20 && 2 * errors < paths);
+}
+
+/// Starts of orbits of semi-axis one, at their apocentres.
+fn apocentres(eccentricities: &[f64]) -> Vec<State<SVector<f64, 2>>> {
+    let start = |e: &f64| State::new([1.0 + e, 0.0], [0.0, ((1.0 - e) / (1.0 + e)).sqrt()]);
+    eccentricities.iter().map(start).collect()
+}
+
+/// Stages that leap over the pericentre end the paths that do, and no other.
+#[test]
+fn paths_whose_energy_has_changed_are_refused() {
+    let starts = apocentres(&[0.99, 0.1, 0.985, 0.3]);
+    let run = || Kepler.ensemble::<Gauss<8>>(1e-2).starts_from(starts.clone()).until(20.0).allow_losses(0.5);
+    let ended = run().run().unwrap();
+    let paths: Vec<u64> = ended.failures().iter().map(|failure| failure.path).collect();
+    assert_eq!(paths, [0, 2]);
+    for failure in ended.failures() {
+        println!("{}", failure.error);
+        assert!(matches!(failure.error.cause, StepFailure::Unresolved { .. }));
+        // As a single one, but for when it is looked at.
+        let alone = Kepler.simulate::<Gauss<8>>(1e-2).start(starts[failure.path as usize]).until(20.0).run();
+        let Err(wzvi::Error::Step(alone)) = alone else { panic!("it is refused") };
+        assert!(failure.error.step >= alone.step, "{alone}");
+        let (_, replayed) = run().replay(failure.path).unwrap();
+        assert_eq!(replayed, Some(failure.error.into()));
+    }
+    assert!(matches!(run().allow_losses(0.1).run(), Err(wzvi::Error::Losses(_))));
+    assert_eq!(run().unwatched().run().unwrap().failed(), 0);
+    // One by one, in lanes of any width, and each with its own system.
+    assert_eq!(run().run_in::<1>().unwrap().failures(), ended.failures());
+    assert_eq!(run().run_in::<8>().unwrap().failures(), ended.failures());
+    let own = run().systems_from((0..4).map(|_| Kepler)).run().unwrap();
+    assert_eq!(own.failures(), ended.failures());
+}
+
+/// What goes wrong at any time up to 64 steps before the end is found.
+#[test]
+fn late_alarms_are_not_missed() {
+    // The pericentre is after 314 steps.
+    for steps in [400, 450, 700, 3000] {
+        let run = Kepler.ensemble::<Gauss<8>>(1e-2).starts_from(apocentres(&[0.99])).steps(steps);
+        let Err(wzvi::Error::Step(error)) = run.run() else { panic!("{steps} steps") };
+        assert!(matches!(error.cause, StepFailure::Unresolved { .. }), "{error}");
+    }
+    let run = Kepler.ensemble::<Gauss<8>>(1e-2).starts_from(apocentres(&[0.99])).steps(64);
+    assert_eq!(run.run().unwrap().failed(), 0);
+}
+
+/// Stable motions of any frequency, at the limit of their schemes.
+#[test]
+fn stable_motions_are_not_refused() {
+    let starts: Vec<State<SVector<f64, 1>>> =
+        (0..64).map(|k| State::new([0.05 * f64::from(k)], [0.0])).collect();
+    for steps in [65, 200, 5000] {
+        for h in [0.01, 0.3, 0.7] {
+            let run = |h| Pendulum.ensemble::<Verlet>(h).starts_from(starts.clone()).steps(steps);
+            assert_eq!(run(h).run().unwrap().failed(), 0);
+            let run = Pendulum.ensemble::<Midpoint>(h).starts_from(starts.clone()).steps(steps).run();
+            assert_eq!(run.unwrap().failed(), 0);
+        }
+    }
+}
