@@ -19,5 +19,6 @@ mod quadrature;
 mod reference;
 mod rest;
 mod symplectic;
+mod tangent;
 mod units;
 mod values;

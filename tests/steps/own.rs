@@ -57,7 +57,8 @@ struct Pushed;
 #[test]
 fn the_order_is_that_of_the_scheme() {
     let start = State::new([0.12, 0.25], [0.3, -0.2]);
-    let exact = HenonHeiles.simulate::<Composed<Verlet, KahanLi8>>(0.02).start(start).until(4.0).run().unwrap();
+    let exact =
+        HenonHeiles.simulate::<Composed<Verlet, KahanLi8>>(0.02).start(start).until(4.0).run().unwrap();
     let error = |h: f64| {
         let path = HenonHeiles.simulate::<Rk4>(h).start(start).until(4.0).run().unwrap();
         (path.last().q - exact.last().q).norm()

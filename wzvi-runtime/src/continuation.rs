@@ -263,7 +263,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
 
 /// Whether two ways from a place lead to the same one. What solves the same equations differs by their rounding, far below a millionth of the way; two
 /// solutions come as near as the square root of that only where they meet.
-fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
+pub(crate) fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
     let ends = a.components().iter().zip(b.components());
     start.components().iter().zip(ends).all(|(start, (a, b))| {
         let (way, rounding) = (a - start, f64::EPSILON * (a.abs() + b.abs() + start.abs()));

@@ -1,6 +1,9 @@
 //! One path: a builder, and the loop that it starts.
 
+mod tangent;
 mod visit;
+
+pub use tangent::Tangent;
 
 use std::marker::PhantomData;
 
