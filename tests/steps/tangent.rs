@@ -1,8 +1,8 @@
 //! Derivatives of the end of a run by its start.
 
 use fixtures::small::{DoubleWell, Kepler, Kubo};
-use nalgebra::DMatrix;
 use wzvi::error::{ConfigError, Error};
+use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
 
 /// A linear chain of any size.
