@@ -134,13 +134,15 @@ impl<S: Scalar> Banded<S> {
         Ok(())
     }
 
-    /// Whether the determinant is negative, after [`Banded::factor`]; of a diagonal matrix, whether any entry is.
+    /// Whether the determinant is negative, after [`Banded::factor`], or that of any block where there are blocks.
     pub fn is_reversed(&self) -> bool {
-        let mut unknowns = 0..self.exchanges.len();
-        match self.half {
-            0 => unknowns.any(|unknown| self.reverses(unknown)),
-            _ => unknowns.fold(false, |is_reversed, unknown| is_reversed ^ self.reverses(unknown)),
-        }
+        let n = self.exchanges.len();
+        let block = if self.is_parted || self.half == 0 { self.half + 1 } else { n.max(1) };
+        let is_block_reversed = |first: usize| {
+            let unknowns = first..n.min(first + block);
+            unknowns.fold(false, |is_reversed, unknown| is_reversed ^ self.reverses(unknown))
+        };
+        (0..n).step_by(block).any(is_block_reversed)
     }
 
     /// Whether the pivot of an unknown changes the sign of the determinant, after [`Banded::factor`].
@@ -285,9 +287,12 @@ mod tests {
                 let mut x = b.clone();
                 matrix.factor().unwrap();
                 matrix.solve(&mut x);
-                (x, matrix.is_reversed())
+                (x, (0..n).map(|unknown| matrix.reverses(unknown)).collect::<Vec<_>>())
             });
             assert_eq!(band, blocks);
+            let is_odd = |block: &[bool]| block.iter().filter(|&&reverses| reverses).count() % 2 == 1;
+            assert_eq!(matrices[0].is_reversed(), is_odd(&blocks.1));
+            assert_eq!(matrices[1].is_reversed(), blocks.1.chunks(size).any(is_odd));
         }
     }
 
