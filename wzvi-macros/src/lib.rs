@@ -39,6 +39,10 @@ mod symbolic;
 /// const generic, `|q: &[f64], p: &[f64]|` has that of the state, and `[[f64; 3]; N]` are points: sums then stay loops, and
 /// `noise = [|q, p, k| sigma * q[k]; N]` is one noise for each `k`. The fields of the struct
 /// are in scope by name. Bodies are Rust expressions and are type-checked as such.
+///
+/// A type of the program is an embedding by its quadrature points `l` in `q_l = (1 - l) q_i + l q_{i+1}` and their weights,
+/// which add up to 1: `embedding = [Midpoint, Trapezoidal = [(0, 1/2), (1, 1/2)]]` with `struct Trapezoidal;`. Numbers are
+/// exact: integers, fractions and decimals.
 #[proc_macro_attribute]
 pub fn hamiltonian(
     attribute: proc_macro::TokenStream,

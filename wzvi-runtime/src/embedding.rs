@@ -6,7 +6,8 @@
 //! L_d = P · (q_{i+1} - q_i) - Σ_m c_m H_m(P, q_{l_m}, t_i + l_m h),    c_0 = h,  c_k = ΔW_k.
 //! ```
 //!
-//! They carry no data: `#[hamiltonian(embedding = ...)]` names them and the compiler does the rest.
+//! They carry no data: `#[hamiltonian(embedding = ...)]` names them and the compiler does the rest. A type of the program becomes one by points and
+//! weights that are given there: `embedding = [Trapezoidal = [(0, 1/2), (1, 1/2)]]`.
 
 use std::marker::PhantomData;
 

@@ -98,7 +98,7 @@ messages! {
     not_points(found) = "expected quadrature points with their weights, such as `[(0, 1/2), (1, 1/2)]`";
     too_many_points(found) = "a step has at most 16 quadrature points";
     point_number(found) = "expected a number that is known exactly: an integer, a fraction such as `1/3`, or a \
-        decimal, of not more than 15 digits";
+        decimal, of integers below 2^53";
     point_outside(found) = "a quadrature point is from 0, where the step starts, to 1, where it ends";
     point_again(found) = "this point is listed already; add up the weights";
     point_without_weight(found) = "a point of weight 0 does nothing; leave it out";

@@ -28,29 +28,9 @@ pub(super) fn read_embeddings(
     schemes: Vec<Scheme>,
     diagnostics: &mut Diagnostics,
 ) -> Vec<(Located<Embedding>, Type)> {
-    let mut declared: Vec<Declared> = Vec::new();
-    let mut mistaken: Vec<Path> = Vec::new();
-    for Scheme { ty, points } in &schemes {
-        let Some(points) = points else { continue };
-        let path = diagnostics.accept(of_program(ty));
-        match (diagnostics.accept(read_points(points)), path) {
-            (_, Some(path)) if declared.iter().any(|known| known.path == path) => {
-                diagnostics.report(messages::points_twice(ty));
-            }
-            (Some(points), Some(path)) => declared.push(Declared { path, points }),
-            (None, path) => mistaken.extend(path),
-            (_, None) => {}
-        }
-    }
+    let (declared, schemes) = read_declared(schemes, diagnostics);
     let mut embeddings: Vec<(Located<Embedding>, Type)> = Vec::new();
-    for Scheme { ty, points } in schemes {
-        // What is wrong with its points has been said.
-        let inner = of_program(&ty).ok();
-        if inner.is_some_and(|path| mistaken.contains(&path))
-            || (points.is_some() && of_program(&ty).is_err())
-        {
-            continue;
-        }
+    for ty in schemes {
         let Some(value) = diagnostics.accept(embedding(&ty, Inside::List, &declared)) else { continue };
         if embeddings.iter().any(|(known, _)| known.value == value) {
             diagnostics.report(messages::duplicate_embedding(&ty, &value));
@@ -59,6 +39,32 @@ pub(super) fn read_embeddings(
         }
     }
     embeddings
+}
+
+/// The types that are given points, and the schemes, but for those whose points are mistaken, of which that has been said.
+fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<Declared>, Vec<Type>) {
+    let mut declared: Vec<Declared> = Vec::new();
+    let (mut mistaken, mut types): (Vec<Path>, _) = (Vec::new(), Vec::new());
+    for Scheme { ty, points } in schemes {
+        let Some(points) = points else {
+            types.push(ty);
+            continue;
+        };
+        let path = diagnostics.accept(of_program(&ty));
+        match (diagnostics.accept(read_points(&points)), path) {
+            (_, Some(path)) if declared.iter().any(|known| known.path == path) => {
+                diagnostics.report(messages::points_twice(ty));
+            }
+            (Some(points), Some(path)) => {
+                declared.push(Declared { path, points });
+                types.push(ty);
+            }
+            (None, path) => mistaken.extend(path),
+            (_, None) => {}
+        }
+    }
+    types.retain(|ty| !of_program(ty).is_ok_and(|path| mistaken.contains(&path)));
+    (declared, types)
 }
 
 /// The type of the program that stands in `Rule` or `Corrected<Rule>`.

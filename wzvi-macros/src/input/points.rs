@@ -25,7 +25,7 @@ pub(super) fn read_points(list: &Expr) -> syn::Result<Points> {
         };
         let read = |number| exact(number).ok_or_else(|| messages::point_number(number));
         let point @ (at, share) = (read(l)?, read(weight)?);
-        if at.is_negative() || !Rational::ONE.add(at.negate()).is_some_and(|rest| !rest.is_negative()) {
+        if at.is_negative() || Rational::ONE.add(at.negate()).is_none_or(Rational::is_negative) {
             return Err(messages::point_outside(l));
         }
         if points.iter().any(|&(known, _)| known == at) {

@@ -62,7 +62,14 @@ impl<S: Scalar> Linear<S> {
             entries += 1;
         });
         if natural <= NARROW_AS_IT_IS || is_dense(entries, unknowns) {
-            return Self::of_band(unknowns, natural, Vec::new());
+            let (size, mut is_parted) = (natural + 1, natural > 0 && natural <= NARROW_AS_IT_IS);
+            if is_parted {
+                pattern(system, scheme, degrees, |row, column| is_parted &= row / size == column / size);
+            }
+            return match Self::of_band(unknowns, natural, Vec::new()) {
+                Self::Band(band) => Self::Band(band.parted(is_parted)),
+                wide => wide,
+            };
         }
         let (half, position) = rearranged(unknowns, &pairs(system, scheme, degrees, entries));
         if half < natural {

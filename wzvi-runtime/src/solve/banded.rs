@@ -12,6 +12,8 @@ use crate::scalar::{Mask, Scalar};
 pub struct Banded<S> {
     /// Diagonals on each side.
     half: usize,
+    /// Whether unknowns next to each other are in blocks of `half + 1`, which have nothing in common.
+    is_parted: bool,
     /// Where each unknown is in the band; empty for the order that it has.
     position: Vec<usize>,
     /// Row `i` from column `i - half`, with `half` columns of room for what pivoting fills. Behind the last row are `half` rows of zeros, so that
@@ -31,11 +33,18 @@ impl<S: Scalar> Banded<S> {
         let zero = S::from_f64(0.0);
         (numbers <= most).then(|| Self {
             half,
+            is_parted: false,
             position,
             rows: vec![zero; numbers],
             exchanges: vec![0; n],
             scratch: vec![zero; n + 2 * half],
         })
+    }
+
+    /// Of a matrix with blocks of `half + 1` unknowns, next to each other and with nothing in common, where that `is_parted`.
+    #[must_use]
+    pub fn parted(self, is_parted: bool) -> Self {
+        Self { is_parted, ..self }
     }
 
     /// Diagonals on each side.
@@ -68,22 +77,25 @@ impl<S: Scalar> Banded<S> {
     /// # Errors
     /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it.
     pub fn factor(&mut self) -> Result<(), StepFailure> {
-        match self.half {
-            1 => self.factor_in(1),
-            2 => self.factor_in(2),
-            half => self.factor_in(half),
+        match (self.half, self.is_parted) {
+            (1, false) => self.factor_in::<false>(1),
+            (2, false) => self.factor_in::<false>(2),
+            (half, false) => self.factor_in::<false>(half),
+            (1, true) => self.factor_in::<true>(1),
+            (half, true) => self.factor_in::<true>(half),
         }
     }
 
-    /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a chain, or of a ring.
+    /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a chain, or of a ring. Blocks do not wait for each other.
     #[inline(always)]
-    fn factor_in(&mut self, half: usize) -> Result<(), StepFailure> {
+    fn factor_in<const PARTED: bool>(&mut self, half: usize) -> Result<(), StepFailure> {
         let (width, upper) = (3 * half + 1, 2 * half + 1);
         let Self { rows, exchanges, scratch: taken, .. } = self;
         taken.fill(S::from_f64(0.0));
         for (k, exchange) in exchanges.iter_mut().enumerate() {
             let (above, below) = rows.split_at_mut((k + 1) * width);
-            let (own, below) = (&mut above[k * width + half..], &mut below[..half * width]);
+            let (own, below) =
+                (&mut above[k * width + half..], &mut below[..reach::<PARTED>(half, k) * width]);
             let mut best = Candidate::on_diagonal(0, own[0].magnitude());
             for (row, entries) in below.chunks_exact(width).enumerate() {
                 let [entry, opposite, own] =
@@ -122,13 +134,15 @@ impl<S: Scalar> Banded<S> {
         Ok(())
     }
 
-    /// Whether the determinant is negative, after [`Banded::factor`]; of a diagonal matrix, whether any entry is.
+    /// Whether the determinant is negative, after [`Banded::factor`], or that of any block where there are blocks.
     pub fn is_reversed(&self) -> bool {
-        let mut unknowns = 0..self.exchanges.len();
-        match self.half {
-            0 => unknowns.any(|unknown| self.reverses(unknown)),
-            _ => unknowns.fold(false, |is_reversed, unknown| is_reversed ^ self.reverses(unknown)),
-        }
+        let n = self.exchanges.len();
+        let block = if self.is_parted || self.half == 0 { self.half + 1 } else { n.max(1) };
+        let is_block_reversed = |first: usize| {
+            let unknowns = first..n.min(first + block);
+            unknowns.fold(false, |is_reversed, unknown| is_reversed ^ self.reverses(unknown))
+        };
+        (0..n).step_by(block).any(is_block_reversed)
     }
 
     /// Whether the pivot of an unknown changes the sign of the determinant, after [`Banded::factor`].
@@ -148,16 +162,18 @@ impl<S: Scalar> Banded<S> {
         if let Some(inverses) = self.inverses() {
             return b.iter_mut().zip(inverses).for_each(|(b, &inverse)| *b = *b * inverse);
         }
-        match self.half {
-            1 => self.solve_in(1, b),
-            2 => self.solve_in(2, b),
-            half => self.solve_in(half, b),
+        match (self.half, self.is_parted) {
+            (1, false) => self.solve_in::<false>(1, b),
+            (2, false) => self.solve_in::<false>(2, b),
+            (half, false) => self.solve_in::<false>(half, b),
+            (1, true) => self.solve_in::<true>(1, b),
+            (half, true) => self.solve_in::<true>(half, b),
         }
     }
 
     /// [`Banded::solve`], as [`Banded::factor_in`].
     #[inline(always)]
-    fn solve_in(&mut self, half: usize, b: &mut [S]) {
+    fn solve_in<const PARTED: bool>(&mut self, half: usize, b: &mut [S]) {
         let (n, width) = (self.exchanges.len(), 3 * half + 1);
         let Self { rows, exchanges, position, scratch: x, .. } = self;
         match position.is_empty() {
@@ -169,13 +185,17 @@ impl<S: Scalar> Banded<S> {
             if exchange != k {
                 x.swap(k, exchange);
             }
-            let (value, below) = (x[k], &rows[(k + 1) * width..][..half * width]);
-            for (row, (entries, own)) in below.chunks_exact(width).zip(&mut x[k + 1..=k + half]).enumerate() {
+            let reach = reach::<PARTED>(half, k);
+            let (value, below) = (x[k], &rows[(k + 1) * width..][..reach * width]);
+            for (row, (entries, own)) in below.chunks_exact(width).zip(&mut x[k + 1..=k + reach]).enumerate()
+            {
                 *own = *own - entries[half - 1 - row] * value;
             }
         }
         for (i, row) in rows.chunks_exact(width).enumerate().take(n).rev() {
-            let (above, behind) = x[i..=i + 2 * half].split_at_mut(1);
+            // Rows that were exchanged reach further, but not out of their block.
+            let last = if PARTED { reach::<PARTED>(half, i) } else { 2 * half };
+            let (above, behind) = x[i..=i + last].split_at_mut(1);
             let sum = |value: S, (&entry, &other): (&S, &S)| value - entry * other;
             above[0] = row[half + 1..].iter().zip(&*behind).fold(above[0], sum) * row[half];
         }
@@ -184,6 +204,12 @@ impl<S: Scalar> Banded<S> {
             false => b.iter_mut().zip(&*position).for_each(|(value, &from)| *value = x[from]),
         }
     }
+}
+
+/// How many rows below one have entries in its column.
+#[inline(always)]
+fn reach<const PARTED: bool>(half: usize, row: usize) -> usize {
+    if PARTED { half - row % (half + 1) } else { half }
 }
 
 #[cfg(test)]
@@ -239,6 +265,35 @@ mod tests {
             }
         }
         (0..n).filter(|&k| a[k][k] < 0.0).count() % 2 == 1
+    }
+
+    /// Blocks have the bits that the band gives.
+    #[test]
+    fn parted_blocks_are_a_band() {
+        for size in 2..5 {
+            let (n, mut seed) = (6 * size, size as u64);
+            let mut matrices = [false, true].map(|is_parted| {
+                Banded::<f64>::new(n, size - 1, Vec::new(), usize::MAX).unwrap().parted(is_parted)
+            });
+            matrices.iter_mut().for_each(Banded::reset);
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                if i / size == j / size {
+                    let value = 4.0 * random(&mut seed);
+                    matrices.iter_mut().for_each(|matrix| matrix.add(i, j, value));
+                }
+            }
+            let b: Vec<f64> = (0..n).map(|_| random(&mut seed)).collect();
+            let [band, blocks] = matrices.each_mut().map(|matrix| {
+                let mut x = b.clone();
+                matrix.factor().unwrap();
+                matrix.solve(&mut x);
+                (x, (0..n).map(|unknown| matrix.reverses(unknown)).collect::<Vec<_>>())
+            });
+            assert_eq!(band, blocks);
+            let is_odd = |block: &[bool]| block.iter().filter(|&&reverses| reverses).count() % 2 == 1;
+            assert_eq!(matrices[0].is_reversed(), is_odd(&blocks.1));
+            assert_eq!(matrices[1].is_reversed(), blocks.1.chunks(size).any(is_odd));
+        }
     }
 
     #[test]
