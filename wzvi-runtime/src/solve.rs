@@ -21,6 +21,7 @@ pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use extrapolation::Extrapolation;
 pub use factors::FactorsByLane;
 pub use graph::reverse_cuthill_mckee;
+pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations};
