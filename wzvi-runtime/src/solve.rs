@@ -22,6 +22,7 @@ pub use extrapolation::Extrapolation;
 pub use factors::FactorsByLane;
 pub(crate) use graph::Apart;
 pub use graph::reverse_cuthill_mckee;
+pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};
 pub use lanes::LaneByLane;
 pub use newton::{Block, Effort, Equations};

@@ -3,11 +3,12 @@
 use super::kept::PATIENCE;
 use super::linear::{Linear, Wide};
 use super::memory::{Lists, Work};
+use super::passes::largest;
 use super::step::Step;
 use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
-use crate::solve::{Banded, Krylov, Operator, Sparse};
+use crate::solve::{Banded, Krylov, Operator, Sparse, power_of_two};
 
 /// Takes the entries of a matrix; several for one place add up.
 pub(super) trait Entries<S> {
@@ -56,8 +57,10 @@ impl<S: Scalar> Entries<S> for Product<'_, S> {
     }
 }
 
-/// The Jacobian at the current stages, and factors of one.
+/// The Jacobian at the current stages, and factors of one: of unknowns that are counted in these units, by kind, so that a norm may add up both.
 struct Conditioned<'a, 's, H, S> {
+    units: Option<[f64; 2]>,
+    room: &'a mut Vec<S>,
     step: &'a Step<'s, H, S>,
     lists: &'a Lists<'s, S>,
     diagonal: &'a [S],
@@ -67,17 +70,46 @@ struct Conditioned<'a, 's, H, S> {
 
 impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
     fn product(&mut self, x: &[S], y: &mut [S]) {
-        y.copy_from_slice(x);
-        self.step.entries(self.lists, self.diagonal, &mut Product { x, y });
+        let Some(units) = self.units else {
+            y.copy_from_slice(x);
+            return self.step.entries(self.lists, self.diagonal, &mut Product { x, y });
+        };
+        self.room.clear();
+        self.room.extend_from_slice(x);
+        multiply(self.room, units);
+        y.copy_from_slice(self.room);
+        self.step.entries(self.lists, self.diagonal, &mut Product { x: self.room, y });
+        multiply(y, units.map(f64::recip));
     }
 
     fn precondition(&mut self, x: &mut [S]) {
+        self.units.into_iter().for_each(|units| multiply(x, units));
         self.factors.solve(x);
+        self.units.into_iter().for_each(|units| multiply(x, units.map(f64::recip)));
     }
 
     fn most_cycles(&self) -> u32 {
         self.most_cycles
     }
+}
+
+/// Both kinds of unknowns, each by a power of two, which rounds nothing.
+fn multiply<S: Scalar>(list: &mut [S], [first, second]: [f64; 2]) {
+    let (first, second) = (S::from_f64(first), S::from_f64(second));
+    for pair in list.as_chunks_mut().0 {
+        let [u, v] = *pair;
+        *pair = [u * first, v * second];
+    }
+}
+
+/// What the unknowns are counted in, where there are two kinds: about the largest of each, or of its equations where that is zero.
+fn units<S: Scalar>(kind: Unknowns, x: &[S], residual: &[S]) -> Option<[f64; 2]> {
+    let (sizes, others) = (largest(kind, x), largest(kind, residual));
+    let unit = |i: usize| match [sizes[i], others[i]].into_iter().find(|&size| size > 0.0) {
+        Some(size) => power_of_two(size),
+        None => 1.0,
+    };
+    (kind == Unknowns::Both).then(|| [unit(0), unit(1)])
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
@@ -140,16 +172,26 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 Ok(None)
             }
             Linear::Krylov(wide) => {
-                let Wide { krylov, factors } = &mut **wide;
+                let Wide { krylov, room, factors } = &mut **wide;
                 let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
+                let units = units(self.scheme.unknowns, lists.x, correction);
+                units.into_iter().for_each(|units| multiply(correction, units.map(f64::recip)));
                 // Those that lack entries give way to those that do not.
                 let most = Krylov::<S>::MOST_CYCLES;
                 let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
                 let lists_of_stages = &lists.lend();
-                let operator =
-                    &mut Conditioned { step: self, lists: lists_of_stages, diagonal, factors, most_cycles };
+                let operator = &mut Conditioned {
+                    units,
+                    room,
+                    step: self,
+                    lists: lists_of_stages,
+                    diagonal,
+                    factors,
+                    most_cycles,
+                };
                 let solved = krylov.solve(correction, tolerance, operator);
+                units.into_iter().for_each(|units| multiply(correction, units));
                 lists.correction = correction;
                 solved.map(Some)
             }

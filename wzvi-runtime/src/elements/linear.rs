@@ -34,6 +34,8 @@ pub(super) enum Linear<S> {
 #[derive(Clone, Debug)]
 pub(super) struct Wide<S> {
     pub(super) krylov: Krylov<S>,
+    /// A vector in the units of the system, where the iteration has another for each kind of unknown.
+    pub(super) room: Vec<S>,
     /// Allocated when they are needed for the first time, and whether all of their entries were asked for.
     pub(super) factors: Option<(Sparse<S>, bool)>,
 }
@@ -88,7 +90,11 @@ impl<S: Scalar> Linear<S> {
             || !is_plain;
         match if is_cheap { Banded::new(unknowns, half, position, MOST_NUMBERS) } else { None } {
             Some(band) => Self::Band(band),
-            None => Self::Krylov(Box::new(Wide { krylov: Krylov::new(unknowns), factors: None })),
+            None => Self::Krylov(Box::new(Wide {
+                krylov: Krylov::new(unknowns),
+                room: Vec::new(),
+                factors: None,
+            })),
         }
     }
 

@@ -211,7 +211,7 @@ impl<S: Scalar> Krylov<S> {
 }
 
 /// The largest power of two that is not above `size`, for normal numbers.
-fn power_of_two(size: f64) -> f64 {
+pub(crate) fn power_of_two(size: f64) -> f64 {
     f64::from_bits(size.to_bits() & f64::INFINITY.to_bits()).clamp(f64::MIN_POSITIVE, f64::MAX)
 }
 
