@@ -67,6 +67,8 @@ pub struct Facts {
     pub commuting: Knowledge,
     /// Whether there is friction or a bath.
     pub is_damped: bool,
+    /// Whether a condition on the state decides on what is evaluated.
+    pub has_pieces: bool,
 }
 
 impl Facts {

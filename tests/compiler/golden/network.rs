@@ -258,6 +258,7 @@ const _: () = {
             conserves_energy: Knowledge::Proven,
             commuting: Knowledge::Proven,
             is_damped: false,
+            has_pieces: false,
         };
         const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {

@@ -23,6 +23,12 @@ pub(crate) fn facts(system: &System, facts: &Facts) -> TokenStream {
     let (energy, commuting) = (knowledge(&facts.conserves_energy), knowledge(&facts.commuting));
     let degrees = degrees(system);
     let is_damped = system.friction.is_some() || system.conformal.is_some();
+    let terms =
+        [&system.drift].into_iter().chain(&system.force).chain(system.noise.iter().map(|noise| &noise.term));
+    let has_pieces = terms.flat_map(|term| &term.elements).any(|element| {
+        let read: Vec<_> = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
+        system.graph.has_pieces(element.value, &read)
+    });
     quote! {
         __wzvi::Facts {
             degrees: #degrees,
@@ -30,6 +36,7 @@ pub(crate) fn facts(system: &System, facts: &Facts) -> TokenStream {
             conserves_energy: __wzvi::Knowledge::#energy,
             commuting: __wzvi::Knowledge::#commuting,
             is_damped: #is_damped,
+            has_pieces: #has_pieces,
         }
     }
 }

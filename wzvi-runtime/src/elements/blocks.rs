@@ -38,6 +38,10 @@ impl Blocks {
         }
         let per_degree = scheme.unknowns.count(1).max(1);
         let mut apart = Apart::new(degrees);
+        if H::FACTS.has_pieces {
+            // Degrees of freedom whose sides a condition compares are coupled where no derivative says so.
+            (1..degrees).for_each(|degree| apart.join(degree - 1, degree));
+        }
         pattern(system, scheme, degrees, |row, column| apart.join(row / per_degree, column / per_degree));
         (self.count, self.of) = apart.parts();
     }

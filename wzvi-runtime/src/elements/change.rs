@@ -227,6 +227,7 @@ mod tests {
             conserves_energy: Knowledge::Proven,
             commuting: Knowledge::Proven,
             is_damped: false,
+            has_pieces: false,
         };
         const PLACES: Places = Places { components: 1, tables: &[], nests: &[] };
         const INTEGRALS: usize = 3;

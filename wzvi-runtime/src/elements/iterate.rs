@@ -62,7 +62,8 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 ) -> Result<Effort, StepFailure> {
     // What the steps before left belongs to another size, and stays if this one fails.
     let mut anew = None;
-    if memory.is_new() {
+    if CAREFUL && memory.is_new() {
+        // Its blocks are known also if it fails.
         memory.fit(system, scheme, q.len())?;
     }
     let fitting = if memory.fits(system, q.len()) {
