@@ -166,7 +166,7 @@ impl<V: Vector> State<V> {
     /// let state: State<SVector<f64, 4>> = State::new([[1.0, 2.0], [3.0, 4.0]], [[0.0; 2], [5.0, 6.0]]);
     /// let [q, p] = state.points::<2>();
     /// assert_eq!((q[1][0], p[1][0]), (3.0, 5.0));
-    /// assert_eq!(state.points::<3>(), [&[]; 2]);
+    /// assert!(state.points::<3>()[0].is_empty());
     /// ```
     pub fn points<const D: usize>(&self) -> [&[[f64; D]]; 2] {
         const { assert!(D > 0, "points have components") };

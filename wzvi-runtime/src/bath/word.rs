@@ -238,7 +238,7 @@ pub struct HarmonicLaw {
 impl HarmonicLaw {
     /// Of steps with `√(k/m) h = omega` and `γ h = gamma`; NaN where the word is not stable or there is no friction.
     ///
-    /// ```
+    /// ```ignore
     /// use wzvi::bath::HarmonicLaw;
     /// use wzvi::embedding::Baoab;
     ///

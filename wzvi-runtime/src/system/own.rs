@@ -17,7 +17,7 @@ use crate::solve::Effort;
 /// It takes steps of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, with the forces of the system, and reads nothing else of the system.
 /// Numbers are any [`Scalar`]: one path, paths beside each other in vector registers, dual numbers.
 ///
-/// ```
+/// ```ignore
 /// use wzvi::embedding::{OneStep, Own};
 /// use wzvi::error::StepFailure;
 /// use wzvi::prelude::*;
