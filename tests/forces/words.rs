@@ -24,6 +24,7 @@ type Uneven = Splitting<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>;
 
 /// `k <q²>`, `<q p>`, `<p²>`, and the factors of diffusion and mobility, to 18 digits, for `m = kT = 1`, `h = 0.3`, `γ = 1.3`, `k = 2`.
 #[test]
+#[allow(clippy::excessive_precision, reason = "as the reference has them")]
 fn harmonic_laws_are_those_of_the_reference() {
     fn row<W: Letters>(order: u32, exact: [f64; 5]) -> (&'static str, u32, HarmonicLaw, [f64; 5]) {
         let law = HarmonicLaw::of::<W>(2.0_f64.sqrt() * 0.3, 1.3 * 0.3);

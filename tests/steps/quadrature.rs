@@ -161,9 +161,12 @@ fn the_limit_reads_the_mean_of_the_points() {
     assert!((third - (0.3 - 0.25 * 0.64)).abs() < 1e-4, "{third}");
     assert!((third - quarter).abs() < 1e-4, "{third} {quarter}");
     assert!((corrected - 0.3).abs() < 1e-4 && (trapezoidal - 0.3).abs() < 1e-4, "{corrected} {trapezoidal}");
-    assert!(!<Growth as Discretized<Uncorrected<Third>>>::PLAN.consistent);
-    assert!(<Growth as Discretized<Corrected<Third>>>::PLAN.consistent);
-    assert!(<Growth as Discretized<Trapezoidal>>::PLAN.consistent);
+    let consistent = [
+        <Growth as Discretized<Uncorrected<Third>>>::PLAN.consistent,
+        <Growth as Discretized<Corrected<Third>>>::PLAN.consistent,
+        <Growth as Discretized<Trapezoidal>>::PLAN.consistent,
+    ];
+    assert_eq!(consistent, [false, true, true]);
 }
 
 /// Every path of an ensemble, in lanes, is that of a stepper.

@@ -48,7 +48,6 @@ impl<'a, V> Observables<'a, V> {
         self.0.push((name, Arc::new(f)));
     }
 
-    #[cfg(feature = "ensemble")]
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

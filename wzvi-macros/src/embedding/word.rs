@@ -72,11 +72,11 @@ impl Word {
     pub(crate) fn order(&self) -> u32 {
         let shares = self.shares();
         let sum = |x: Kind, y: Kind| {
-            let pairs = shares.iter().enumerate().flat_map(|(j, &(of, second))| {
+            let mut pairs = shares.iter().enumerate().flat_map(|(j, &(of, second))| {
                 let before = shares[..j].iter().filter(move |(kind, _)| *kind == x && of == y);
                 before.map(move |(_, first)| first.multiply(second))
             });
-            pairs.fold(Some(Rational::ZERO), |sum, product| sum?.add(product?))
+            pairs.try_fold(Rational::ZERO, |sum, product| sum.add(product?))
         };
         let is_half = |x, y| x == y || sum(x, y) == Some(Rational::HALF);
         if Kind::ALL.iter().all(|&x| Kind::ALL.iter().all(|&y| is_half(x, y))) { 2 } else { 1 }

@@ -179,10 +179,12 @@ const fn common_denominator(letters: &[Part]) -> u64 {
     while i < letters.len() {
         let (_, denominator) = fraction(letters, i);
         assert!(denominator != 0, "a share is a fraction");
-        unit = match unit.checked_mul(denominator / gcd(unit, denominator)) {
-            Some(unit) if unit <= u32::MAX as u64 => unit,
-            _ => panic!("the shares of a word have a common denominator below 2^32"),
-        };
+        let factor = denominator / gcd(unit, denominator);
+        assert!(
+            unit <= u32::MAX as u64 / factor,
+            "the shares of a word have a common denominator below 2^32"
+        );
+        unit *= factor;
         i += 1;
     }
     unit

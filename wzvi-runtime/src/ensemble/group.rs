@@ -26,6 +26,9 @@ use crate::steps::Advance;
 use crate::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
 use crate::watch::{Room, Watch, keeps_energy};
 
+/// A step to check, with room for what that leaves.
+type Checked<'j, H, E> = (Hard<'j, H, E, Plain>, MemoryOf<H, E, f64>);
+
 /// No step was halved.
 const NEVER: (u64, u32) = (u64::MAX, 0);
 
@@ -67,7 +70,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// Where that one began, by lane.
     starts: Vec<State<H::Vector>>,
     /// What checks it, and its memory.
-    checked: Option<(Hard<'j, H, E, Plain>, MemoryOf<H, E, f64>)>,
+    checked: Option<Checked<'j, H, E>>,
     /// The energy of each lane, and the next step at which one is looked at; none where nothing is watched.
     watches: Vec<Watch<H::Vector>>,
     next_look: u64,

@@ -9,6 +9,8 @@ use crate::error::StepFailure;
 use crate::memory::StepMemory;
 use crate::system::{Discretized, MemoryOf, Scheme, SchemeOf};
 
+type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
+
 /// Why a step is none of the usual ones.
 pub(super) enum Cause<M> {
     /// What the last step left is no guide from another state: the memory, which has forgotten it.
@@ -44,10 +46,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
     /// The cause, or those of [`solve_by_continuation`].
     #[cold]
     #[inline(never)]
-    pub(super) fn take(
-        self,
-        cause: Cause<MemoryOf<H, E, f64>>,
-    ) -> Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>> {
+    pub(super) fn take(self, cause: Cause<MemoryOf<H, E, f64>>) -> Outcome<H, E, C> {
         let Self { mut hard, is_iterated } = self;
         let (failure, memory) = match cause {
             Cause::Failed(failure) => (failure, None),

@@ -74,7 +74,7 @@ fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
     mut p: Few<S>,
     dw: Few<S>,
 ) -> Result<Taken<S, T::Memory<S>>, StepFailure> {
-    let at = At { t, h, q: &mut *q, p: &mut *p, dw: &*dw };
+    let at = At { t, h, q: &mut q, p: &mut p, dw: &dw };
     let (effort, fresh) = careful::<H, T, S>(system, &prepared, at)?;
     Ok((effort, fresh, q, p))
 }
