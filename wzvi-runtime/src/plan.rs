@@ -67,7 +67,7 @@ pub struct Facts {
     pub commuting: Knowledge,
     /// Whether there is friction or a bath.
     pub is_damped: bool,
-    /// Whether a condition on the state decides on what is evaluated.
+    /// Whether a condition on several coordinates or momenta decides on what is evaluated: then slopes by one may read another where no second derivative says so.
     pub has_pieces: bool,
 }
 
