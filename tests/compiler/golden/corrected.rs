@@ -214,7 +214,7 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
-        const PLAN: Plan = Self::FACTS.plan(Solver::Linear, 1, 1, true);
+        const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 1, true);
         const QUADRATURE: Scheme = Scheme {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
             update: MomentumUpdate::Multiple(1.0),

@@ -224,7 +224,8 @@ const _: () = {
         }
         #[automatically_derived]
         impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
-            const PLAN: Plan = Self::FACTS.plan(Solver::Newton, 2, 2, true);
+            const PLAN: Plan = <Self as Elements>::FACTS
+                .plan(Solver::Newton, 2, 2, true);
             const QUADRATURE: Scheme = Scheme {
                 stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                 update: MomentumUpdate::Multiple(2.0),

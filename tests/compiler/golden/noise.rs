@@ -246,7 +246,7 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<Midpoint, 1, 1> for Kubo {
-        const PLAN: Plan = Self::FACTS.plan(Solver::Linear, 1, 2, true);
+        const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 2, true);
         const QUADRATURE: Scheme = Scheme {
             stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
@@ -307,7 +307,7 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
-        const PLAN: Plan = Self::FACTS.plan(Solver::Explicit, 0, 1, false);
+        const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, false);
         const QUADRATURE: Scheme = Scheme {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),

@@ -187,7 +187,7 @@ const _: () = {
     }
     #[automatically_derived]
     impl StraightLine<DeltaPlus, 1, 0> for Pendulum {
-        const PLAN: Plan = Self::FACTS.plan(Solver::Explicit, 0, 1, true);
+        const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, true);
         const QUADRATURE: Scheme = Scheme {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
@@ -276,7 +276,8 @@ const _: () = {
         }
         #[automatically_derived]
         impl StraightLine<Midpoint, 1, 0> for Pendulum {
-            const PLAN: Plan = Self::FACTS.plan(Solver::Newton, 1, 2, true);
+            const PLAN: Plan = <Self as Elements>::FACTS
+                .plan(Solver::Newton, 1, 2, true);
             const QUADRATURE: Scheme = Scheme {
                 stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                 update: MomentumUpdate::Multiple(2.0),

@@ -69,7 +69,7 @@ pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
     };
     let (unknowns, consistent) = (count(scheme.structure.unknowns()), scheme.consistent);
     let order = Literal::u32_unsuffixed(scheme.embedding.order());
-    quote!(Self::FACTS.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent))
+    quote!(<Self as __wzvi::elements::Elements>::FACTS.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent))
 }
 
 fn knowledge(known: &Knowledge) -> TokenStream {
