@@ -82,7 +82,7 @@ const _: () = {
         Hamiltonian, Knowledge, Lanes, Listed, NoiseClass, Number, Ok, Option, Over,
         PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution, Solver,
         State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
-        compose::{Composes, Equations, General, ROOM},
+        compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
             Unknowns,
@@ -365,11 +365,10 @@ const _: () = {
         const TEXT: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n";
     }
     #[automatically_derived]
-    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Kubo
-    where
-        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
-    {
-        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Kubo {
+        type Scheme = <General as Structure<
+            Midpoint,
+        >>::Steps<Many<Midpoint, General, W>>;
         const TEXT: &'static str = Equations::<
             Self,
             Midpoint,

@@ -58,7 +58,7 @@ const _: () = {
         self as wzvi, DVector, Facts, Gradient, Hamiltonian, Knowledge, Listed,
         NoiseClass, Number, Option, Ord, Range, Result, Scalar, Sized, State,
         StepFailure, bool, f64, i128, isize, str, u32, usize,
-        compose::{Composes, Equations, General, ROOM},
+        compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
             Scheme, Slopes, Stage, Sums, Unknowns,
@@ -374,11 +374,10 @@ const _: () = {
         const TEXT: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
     }
     #[automatically_derived]
-    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Bath
-    where
-        <W as Composes<Midpoint, General>>::Steps: wzvi::Scheme<Self>,
-    {
-        type Scheme = <W as Composes<Midpoint, General>>::Steps;
+    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Bath {
+        type Scheme = <General as Structure<
+            Midpoint,
+        >>::Steps<Many<Midpoint, General, W>>;
         const TEXT: &'static str = Equations::<
             Self,
             Midpoint,

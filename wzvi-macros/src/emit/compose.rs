@@ -61,22 +61,37 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             generated.extend(listed(item, generics, &scheme, &steps, text));
         }
         if embedding.is_symmetric() {
-            let structure = match parted {
-                Some(_) => quote!(__wzvi::compose::Parted<#structure>),
-                None => structure,
+            // The parts of the drift may take turns, or steps of the sum; kicks may be by the square of the force, too.
+            let (structure, by_table) = match (parted, flows) {
+                (Some(_), _) => (quote!(__wzvi::compose::Parted<#structure>), true),
+                (None, flows) => (structure, flows.is_some_and(|flows| flows.is_nystrom)),
             };
-            generated.extend(composed_of(item, &scheme, &structure, text));
+            generated.extend(composed_of(item, &scheme, (&structure, by_table), text));
         }
     }
     generated
 }
 
-/// `impl<W> Listed<Composed<E, W>>`, for weights that compose `E` where a Hamiltonian has this structure.
-fn composed_of(item: &ItemStruct, base: &TokenStream, structure: &TokenStream, text: &str) -> TokenStream {
+/// `impl<W> Listed<Composed<E, W>>`, for weights that compose `E` where a Hamiltonian has this structure; whether the weights say what takes the steps.
+fn composed_of(
+    item: &ItemStruct,
+    base: &TokenStream,
+    (structure, by_table): (&TokenStream, bool),
+    text: &str,
+) -> TokenStream {
     let mut generics = item.generics.clone();
     let weights = quote!(__wzvi::compose::Composes<#base, #structure>);
-    let steps = quote!(<__W as #weights>::Steps);
-    generics.make_where_clause().predicates.push(syn::parse_quote!(#steps: __wzvi::Scheme<Self>));
+    let steps = match by_table {
+        true => quote!(<__W as #weights>::Steps),
+        false => quote! {
+            <#structure as __wzvi::compose::Structure<#base>>::Steps<
+                __wzvi::compose::Many<#base, #structure, __W>
+            >
+        },
+    };
+    if by_table {
+        generics.make_where_clause().predicates.push(syn::parse_quote!(#steps: __wzvi::Scheme<Self>));
+    }
     generics.params.push(syn::parse_quote!(__W: #weights));
     let length = count(text.len());
     let all = quote!(
