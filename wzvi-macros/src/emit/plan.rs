@@ -27,7 +27,9 @@ pub(crate) fn facts(system: &System, facts: &Facts) -> TokenStream {
         [&system.drift].into_iter().chain(&system.force).chain(system.noise.iter().map(|noise| &noise.term));
     let has_pieces = terms.flat_map(|term| &term.elements).any(|element| {
         let read: Vec<_> = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
-        read.len() > 1 && system.graph.has_pieces(element.value, &read)
+        // A force pushes another place than it reads.
+        let may_couple = read.len() > 1 || element.displacements().next().is_some();
+        may_couple && system.graph.has_pieces(element.value, &read)
     });
     quote! {
         __wzvi::Facts {

@@ -51,14 +51,18 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// The largest correction, relative to the largest unknown of its kind, of those unknowns whose equations are not at rounding after
-    /// it; 0 if all are.
+    /// it; 0 if all are. An equation that had none and is on another side of a condition now counts by what it leaves.
     #[cold]
     #[inline(never)]
     pub(super) fn beyond_rounding(self, lists: Lists<'_, S>, rounding: &mut Option<Box<Rounding>>) -> f64 {
         let rounding = self.round(lists.x, rounding);
         let sizes = largest(self.scheme.unknowns, lists.x);
         let left = lists.correction.iter().enumerate().filter(|&(k, _)| !rounding[k].is_below(1.0));
-        left.fold(0.0, |most, (k, correction)| larger(most, correction.magnitude().relative_to(sizes[k % 2])))
+        left.fold(0.0, |most, (k, correction)| {
+            let taken = correction.magnitude();
+            let size = if taken == 0.0 { rounding[k].magnitude() } else { taken };
+            larger(most, size.relative_to(sizes[k % 2]))
+        })
     }
 }
 
