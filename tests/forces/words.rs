@@ -127,7 +127,7 @@ fn paths_of_a_word_have_its_law() {
     let run = run.observe("q", |s| s.q[0] * s.q[0]).observe("p", |s| s.p[0] * s.p[0]).run().unwrap();
     for (name, scale, exact) in [("q", spring.k / spring.kt, law.q), ("p", 1.0 / spring.kt, law.p)] {
         let (mean, error) = (run.mean(name).unwrap() * scale, run.standard_error(name).unwrap() * scale);
-        // Forty steps are thirteen decay times of the energy; four standard errors.
+        // Forty steps are twenty decay times of the momentum; four standard errors.
         assert!((mean - exact).abs() < 4.0 * error, "{name}: {mean} ± {error}, {exact}");
     }
     // It is not the Gibbs measure: the test sees the difference.

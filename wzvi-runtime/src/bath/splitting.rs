@@ -42,7 +42,7 @@ pub trait Letters {
     /// Whether kicks and drifts are shortened.
     const IS_SHORTENED: bool = false;
     /// The letters as steps take them.
-    const SPELLING: Spelling = Spelling::of(<Self::Word as Word>::LETTERS);
+    const SPELLING: &'static Spelling = &Spelling::of(<Self::Word as Word>::LETTERS);
 }
 
 impl<W: Word> Letters for W {

@@ -248,7 +248,7 @@ impl HarmonicLaw {
     /// assert!((law.q - 1.0).abs() < 1e-14 && (law.p - (1.0 - 0.25 * 0.5 * 0.5)).abs() < 1e-14);
     /// ```
     pub fn of<W: Letters>(omega: f64, gamma: f64) -> Self {
-        let spelling = &W::SPELLING;
+        let spelling = W::SPELLING;
         let decay = W::DECAY.factor(gamma / spelling.parts as f64);
         let factor = if W::IS_SHORTENED { (0.5 * gamma).tanh() / (0.5 * gamma) } else { 1.0 }.sqrt();
         let letters = Linear { spelling, decay, factor };

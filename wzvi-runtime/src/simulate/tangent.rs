@@ -3,14 +3,15 @@
 use nalgebra::DMatrix;
 
 use super::{Setup, Simulation, Unobserved, prepared};
-use crate::carry::Plain;
 use crate::continuation::is_near;
+use crate::dense::copy_state;
 use crate::error::{ConfigError, Error, StepError, StepFailure};
 use crate::increments::{Interval, Noise};
-use crate::retry::Whole;
+use crate::memory::Threads;
+use crate::retry::{Subdivision, Whole};
 use crate::scalar::Dual;
 use crate::state::{State, Vector};
-use crate::step::{StepInfo, Stepper};
+use crate::step::StepInfo;
 use crate::steps::{Single, TakeStep, Unmonitored, take_steps};
 use crate::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf, anew};
 
@@ -34,7 +35,7 @@ where
     N: Noise,
 {
     /// Runs the path, and takes the derivative of its end by its start along: by dual numbers through every step, the solution of its equations included, with the
-    /// increments as they are. It costs as much as some `d/2 + 1` runs of `d` degrees of freedom.
+    /// increments as they are. With each step go `⌈d/2⌉` in dual numbers of four derivatives, for `d` degrees of freedom.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -52,9 +53,9 @@ where
     /// [`StepFailure::NotConverged`] where a step was found by following it, which dual numbers do not.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
-        let Setup { system, h, span, recorded, observables, sections, .. } = setup;
-        // Steps are whole, on one thread and silent; what they remember is checked by the duals.
-        let Setup { retry: _, is_watched: _, threads: _, is_quiet: _, keeping, .. } = setup;
+        let Setup { system, h, span, recorded, observables, sections, keeping, .. } = setup;
+        // Nothing is shown, and no step is halved.
+        let Setup { is_watched, threads, is_quiet: _, retry, .. } = setup;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
         let unused = [
@@ -72,7 +73,8 @@ where
         let degrees = start.q.components().len();
         let processes = system.increments(degrees);
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
-        let mut stepper = Varied::<H, E>::new(system, h, degrees)?;
+        let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
+        let mut stepper = Varied::<H, E>::new(whole, system, h, &start)?;
         let (mut state, mut dw) = (start, vec![0.0; processes]);
         let mut path = Single {
             stepper: &mut stepper,
@@ -88,14 +90,17 @@ where
     }
 }
 
-/// A stepper, and the derivatives of its state by that of the start.
+/// What takes the steps of a run, and the derivatives of its state by that of the start.
 struct Varied<'a, H: Discretized<E>, E> {
-    stepper: Stepper<'a, H, E, Plain>,
+    whole: Subdivision<'a, H, E>,
     system: &'a H,
     prepared: PreparedOf<H, E>,
     h: f64,
     blocks: Vec<Block<MemoryOf<H, E, Number>>>,
     dw: Vec<Number>,
+    /// The state before a step, and one of both ends that dual numbers have.
+    before: State<H::Vector>,
+    end: H::Vector,
 }
 
 /// Some columns of the matrix.
@@ -106,8 +111,13 @@ struct Block<M> {
 }
 
 impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
-    fn new(system: &'a H, h: f64, degrees: usize) -> Result<Self, ConfigError> {
-        let stepper = Stepper::new(system, h)?.plain();
+    fn new(
+        whole: Subdivision<'a, H, E>,
+        system: &'a H,
+        h: f64,
+        start: &State<H::Vector>,
+    ) -> Result<Self, ConfigError> {
+        let degrees = start.q.components().len();
         let block = |first: usize| {
             let unit = |i: usize| Dual {
                 value: 0.0,
@@ -117,21 +127,23 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             Block { q, p, memory: Default::default() }
         };
         Ok(Self {
-            stepper,
+            whole,
             system,
             prepared: SchemeOf::<H, E>::prepare(system, h)?,
             h,
             blocks: (0..2 * degrees).step_by(BESIDE).map(block).collect(),
             dw: Vec::new(),
+            before: start.clone(),
+            end: start.q.clone(),
         })
     }
 
-    /// The derivatives of the step from one state to another.
+    /// The derivatives of the step to this state.
     ///
     /// # Errors
     /// If a step has no solution, or another one.
-    fn vary(&mut self, [before, after]: [&State<H::Vector>; 2], dw: &[f64]) -> Result<(), StepFailure> {
-        let Self { system, prepared, h, blocks, dw: own, .. } = self;
+    fn vary(&mut self, after: &State<H::Vector>, dw: &[f64]) -> Result<(), StepFailure> {
+        let Self { system, prepared, h, blocks, dw: own, before, end, .. } = self;
         own.clear();
         own.extend(dw.iter().map(|dw| Dual::constant(*dw)));
         for Block { q, p, memory } in blocks {
@@ -141,9 +153,8 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             let at = At { t: before.t, h: *h, q: &mut *q, p: &mut *p, dw: &*own };
             anew::advance::<H, SchemeOf<H, E>, Number>(system, prepared, at, memory)?;
             for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
-                let mut end = after.clone();
                 end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
-                if !is_near(before, [after, &end]) {
+                if !is_near(before, [after, end]) {
                     return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
                 }
             }
@@ -168,10 +179,10 @@ impl<H: Discretized<E>, E> TakeStep<H::Vector> for Varied<'_, H, E> {
         noise: &mut Option<N>,
         dw: &mut [f64],
     ) -> Result<StepInfo, Error> {
-        let before = state.clone();
-        let info = self.stepper.take_step(state, interval, noise, dw)?;
-        let (step, t, h) = (interval.step, before.t, self.h);
-        self.vary([&before, state], dw).map_err(|cause| StepError { step, t, h, cause })?;
+        copy_state(&mut self.before, state);
+        let info = self.whole.take_step(state, interval, noise, dw)?;
+        let (step, t, h) = (interval.step, self.before.t, self.h);
+        self.vary(state, dw).map_err(|cause| StepError { step, t, h, cause })?;
         Ok(info)
     }
 }

@@ -190,7 +190,9 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        system.check(q.len())?;
+        if scratch.before[0].len() != q.len() || !system.fits(q.len()) {
+            system.check(q.len())?;
+        }
         if p.len() != q.len() {
             return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
         }
