@@ -43,8 +43,8 @@ mod passes;
 #[doc(hidden)]
 pub mod places;
 mod preference;
+mod quadrature;
 mod rounding;
-mod scheme;
 mod step;
 mod sums;
 mod windows;
@@ -57,7 +57,7 @@ pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, s
 pub use memory::{CompensationVec, Memory};
 pub use pairs::{Pair, Row};
 pub(crate) use passes::are_finite;
-pub use scheme::{MomentumUpdate, Scheme, Stage, Unknowns};
+pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{Given, Run, Sums, apart};
 pub(crate) use windows::BLOCK;

@@ -62,8 +62,8 @@ const _: () = {
         Listed, NoiseClass, Number, Option, Range, Result, Scalar, Sized, StepFailure,
         Variables, bool, f64, isize, str, u32, usize,
         elements::{
-            Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Row, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Quadrature,
+            Row, Run, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -426,7 +426,7 @@ const _: () = {
     impl InLoops<DeltaPlus> for Bodies {
         const ORDER: u32 = 1;
         const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,

@@ -59,8 +59,8 @@ const _: () = {
         NoiseClass, Number, Option, Result, Scalar, Sized, StepFailure, bool, f64, isize,
         str, u32, usize, compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
-            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point,
+            Quadrature, Run, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Index, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -358,7 +358,7 @@ const _: () = {
     impl InLoops<Midpoint> for Chain {
         const ORDER: u32 = 2;
         const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,

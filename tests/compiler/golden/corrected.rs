@@ -53,7 +53,7 @@ const _: () = {
         PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution, Solver,
         State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
+            Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
             Unknowns,
         },
         embedding::{Corrected, DeltaPlus},
@@ -215,7 +215,7 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 1, true);
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::Momenta,

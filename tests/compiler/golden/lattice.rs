@@ -62,7 +62,7 @@ const _: () = {
         Variables, bool, f64, isize, str, u32, usize,
         elements::{
             Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
-            Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
+            Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
         },
         embedding::DeltaPlus,
     };
@@ -328,7 +328,7 @@ const _: () = {
     impl<const N: usize> InLoops<DeltaPlus> for Lattice<{ N }> {
         const ORDER: u32 = 1;
         const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,

@@ -57,7 +57,7 @@ const _: () = {
         bool, f64, i128, isize, str, u32, usize,
         elements::{
             Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
-            Point, Run, Scheme, Slopes, Stage, Sums, Unknowns, Usual,
+            Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
         },
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
@@ -466,7 +466,7 @@ const _: () = {
     impl InLoops<DeltaPlus> for Network {
         const ORDER: u32 = 1;
         const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,

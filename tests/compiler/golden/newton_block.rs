@@ -57,7 +57,7 @@ const _: () = {
         Solver, StepFailure, Straight, StraightLine, Variables, bool, f64, str, usize,
         compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
-            Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
+            Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
             Unknowns,
         },
         embedding::{Composed, Midpoint},
@@ -226,7 +226,7 @@ const _: () = {
         impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
             const PLAN: Plan = <Self as Elements>::FACTS
                 .plan(Solver::Newton, 2, 2, true);
-            const QUADRATURE: Scheme = Scheme {
+            const QUADRATURE: Quadrature = Quadrature {
                 stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                 update: MomentumUpdate::Multiple(2.0),
                 unknowns: Unknowns::Momenta,

@@ -84,7 +84,7 @@ const _: () = {
         State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
-            Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage, Sums,
+            Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
             Unknowns,
         },
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
@@ -247,7 +247,7 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<Midpoint, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 2, true);
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,
@@ -308,7 +308,7 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, false);
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::Momenta,

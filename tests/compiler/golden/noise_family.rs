@@ -60,8 +60,8 @@ const _: () = {
         StepFailure, bool, f64, i128, isize, str, u32, usize,
         compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
-            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Run,
-            Scheme, Slopes, Stage, Sums, Unknowns,
+            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point,
+            Quadrature, Run, Slopes, Stage, Sums, Unknowns,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
@@ -360,7 +360,7 @@ const _: () = {
     impl InLoops<Midpoint> for Bath {
         const ORDER: u32 = 2;
         const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
             update: MomentumUpdate::Multiple(2.0),
             unknowns: Unknowns::Momenta,

@@ -82,8 +82,8 @@ const _: () = {
         Scalar, Sized, Solution, Solver, StepFailure, Straight, StraightLine, bool, f64,
         str, usize, compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
-            Alone, Elements, Given, MomentumUpdate, Point, Run, Scheme, Slopes, Stage,
-            Sums, Unknowns, Usual,
+            Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes,
+            Stage, Sums, Unknowns, Usual,
         },
         embedding::{Composed, DeltaPlus, Midpoint},
     };
@@ -188,7 +188,7 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<DeltaPlus, 1, 0> for Pendulum {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, true);
-        const QUADRATURE: Scheme = Scheme {
+        const QUADRATURE: Quadrature = Quadrature {
             stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
             update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::Momenta,
@@ -278,7 +278,7 @@ const _: () = {
         impl StraightLine<Midpoint, 1, 0> for Pendulum {
             const PLAN: Plan = <Self as Elements>::FACTS
                 .plan(Solver::Newton, 1, 2, true);
-            const QUADRATURE: Scheme = Scheme {
+            const QUADRATURE: Quadrature = Quadrature {
                 stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
                 update: MomentumUpdate::Multiple(2.0),
                 unknowns: Unknowns::Momenta,

@@ -81,7 +81,7 @@ pub(crate) fn emit(
         #[automatically_derived]
         impl #generics __wzvi::StraightLine<#embedding, #d, #n> for #name #arguments #filter {
             const PLAN: __wzvi::Plan = #plan;
-            const QUADRATURE: __wzvi::elements::Scheme = #quadrature;
+            const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
             type Prepared<__K: __wzvi::Constant> = #prepared_type;
             type Memory<__S: __wzvi::Scalar> = #memory;
             type Carry<__S: __wzvi::Scalar> = #carry;

@@ -197,7 +197,8 @@ where
         let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
         let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
         let mut word = Spoken::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
-        let effort = stages::advance(system, &mut word, list, q, p, &dw[..noises], memory, carry)?;
+        let effort =
+            stages::advance(system, &mut word, list, At { t, h, q, p, dw: &dw[..noises] }, memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
     }
@@ -253,7 +254,7 @@ where
             (system.stages(), baths.parts(W::SPELLING.relaxes_before().len(), dw)?);
         let flows = FlowsOf { system, t, h, count: list.len() };
         let mut word = Spoken::<_, _, _, W>::new(flows, parts);
-        stages::advance(system, &mut word, list, q, p, dw, &mut memory.flows, &mut Plain)
+        stages::advance(system, &mut word, list, At { t, h, q, p, dw }, &mut memory.flows, &mut Plain)
     }
 }
 

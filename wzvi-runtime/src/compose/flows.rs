@@ -218,7 +218,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
             return Ok(Effort::fast(0));
         }
         let mut flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &mut flows, &prepared.0, q, p, dw, memory, carry)
+        advance(system, &mut flows, &prepared.0, At { t, h, q, p, dw }, memory, carry)
     }
 
     type Beside<const L: usize> = FlowsBeside<F, L>;
@@ -235,7 +235,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
     ) -> Result<Effort, StepFailure> {
         let Stages(stages) = &beside.stages;
         let mut flows = FlowsOf { system: beside, t, h, count: stages.len() };
-        advance(beside, &mut flows, stages, q, p, dw, memory, &mut Plain)
+        advance(beside, &mut flows, stages, At { t, h, q, p, dw }, memory, &mut Plain)
     }
 
     #[inline(always)]

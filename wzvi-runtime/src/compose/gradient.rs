@@ -73,7 +73,7 @@ impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> 
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &mut Kicks::of::<T>(flows), &prepared.0, q, p, dw, memory, carry)
+        advance(system, &mut Kicks::of::<T>(flows), &prepared.0, At { t, h, q, p, dw }, memory, carry)
     }
 
     crate::__apart!(F);

@@ -156,7 +156,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let mut flows = FlowsOf { system, prepared, t, h };
-        advance(system, &mut flows, &prepared.stages.0, q, p, dw, memory, carry)
+        advance(system, &mut flows, &prepared.stages.0, At { t, h, q, p, dw }, memory, carry)
     }
 
     crate::__apart!(F);

@@ -13,7 +13,7 @@ use crate::numbers::{Numbers, Tape};
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
-use crate::system::{Hamiltonian, Segment};
+use crate::system::{At, Hamiltonian, Segment};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
@@ -286,15 +286,12 @@ pub(crate) trait Take<S: Scalar, H: Shape> {
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
 pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
     system: &impl Fits,
     taken: &mut impl Take<S, H>,
     stages: &[Stage],
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
+    At { q, p, dw, .. }: At<'_, S>,
     memory: &mut Memory<S, H>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {

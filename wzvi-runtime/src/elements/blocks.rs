@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::jacobian::pattern;
-use super::{Elements, Scheme, Unknowns};
+use super::{Elements, Quadrature, Unknowns};
 use crate::solve::Apart;
 
 /// The blocks of a system, and those that a careful step solves.
@@ -32,7 +32,7 @@ impl Blocks {
     }
 
     /// Finds them out, if they are not known.
-    pub(super) fn find<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
+    pub(super) fn find<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
         if self.of.len() == degrees {
             return;
         }

@@ -199,7 +199,9 @@ mod tests {
 
     use super::super::memory::Memory;
     use super::super::places::{Entries, Places};
-    use super::super::{Alone, Curvature, Given, Hamiltonian, MomentumUpdate, Point, Scheme, Slopes, Sums};
+    use super::super::{
+        Alone, Curvature, Given, Hamiltonian, MomentumUpdate, Point, Quadrature, Slopes, Sums,
+    };
     use super::*;
     use crate::scalar::Number;
 
@@ -276,7 +278,7 @@ mod tests {
     }
 
     const STAGE: Stage = Stage { point: 0.5, start: 0.5, end: 0.5, parts: &[(0, 1.0)] };
-    const MIDPOINT: Scheme = Scheme {
+    const MIDPOINT: Quadrature = Quadrature {
         stages: &[STAGE],
         update: MomentumUpdate::Multiple(2.0),
         unknowns: Unknowns::Momenta,
@@ -311,7 +313,7 @@ mod tests {
     fn equations_are_at_their_rounding_where_nothing_changes() {
         let mut seed = 5;
         for unknowns in [Unknowns::Momenta, Unknowns::Both] {
-            let scheme = &Scheme { unknowns, ..MIDPOINT };
+            let scheme = &Quadrature { unknowns, ..MIDPOINT };
             for n in (2..40).chain([95, 96, 97, 200]) {
                 let mut list = |from: f64, spread: f64| -> Vec<f64> {
                     (0..n).map(|_| from + spread * random(&mut seed)).collect()

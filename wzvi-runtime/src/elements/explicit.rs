@@ -5,12 +5,13 @@ use super::passes::{add, are_finite};
 use super::step::{Step, nothing};
 use super::sums::Onto;
 use super::windows::takes_windows;
-use super::{Memory, MomentumUpdate, Scheme, Shared, Slopes};
+use super::{Memory, MomentumUpdate, Quadrature, Shared, Slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::Effort;
 use crate::state::Vector;
+use crate::system::At;
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
@@ -20,16 +21,11 @@ use crate::state::Vector;
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
 pub(super) fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
     system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
+    scheme: &Quadrature,
+    At { t, h, q, p, dw }: At<'_, S>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
@@ -44,7 +40,7 @@ pub(super) fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
 /// What a step depends on besides the state.
 struct Givens<'a, H, S> {
     system: &'a H,
-    scheme: &'a Scheme,
+    scheme: &'a Quadrature,
     t: f64,
     h: f64,
     dw: &'a [S],
@@ -111,15 +107,12 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
 ///
 /// # Errors
 /// Those of [`advance_explicit`].
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
 pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut H::Vector,
-    p: &mut H::Vector,
+    scheme: &Quadrature,
+    [t, h]: [f64; 2],
+    [q, p]: [&mut H::Vector; 2],
     dw: &[f64],
     memory: &mut Memory<f64>,
     carry: &mut C,
@@ -128,8 +121,8 @@ pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     if const { H::HAS_WINDOWS && !C::CARRIES } && takes_windows(scheme, degrees) {
         return Givens { system, scheme, t, h, dw }.exchange(q, p, memory);
     }
-    let (q, p) = (q.components_mut(), p.components_mut());
-    advance_explicit(system, scheme, t, h, q, p, dw, memory, carry)
+    let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+    advance_explicit(system, scheme, at, memory, carry)
 }
 
 impl<H: Shared> Givens<'_, H, f64> {

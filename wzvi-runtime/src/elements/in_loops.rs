@@ -4,8 +4,8 @@ use std::marker::PhantomData;
 
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::{
-    CompensationVec, Memory, Scheme as Quadrature, Shared, Unknowns, discrete_lagrangian,
-    discrete_lagrangian_gradient, iterate, prepare, step_momentum,
+    CompensationVec, Memory, Quadrature, Shared, Unknowns, discrete_lagrangian, discrete_lagrangian_gradient,
+    iterate, prepare, step_momentum,
 };
 use crate::carry::{Carry, Plain};
 use crate::error::{ConfigError, StepFailure};
@@ -59,14 +59,14 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         (): &(),
-        At { t, h, q, p, dw }: At<'_, S>,
+        at: At<'_, S>,
         memory: &mut Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         if const { is_explicit(&H::QUADRATURE) } {
-            advance_explicit(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry)
+            advance_explicit(system, &H::QUADRATURE, at, memory, carry)
         } else {
-            iterate::advance::<H, S, C, CAREFUL>(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry)
+            iterate::advance::<H, S, C, CAREFUL>(system, &H::QUADRATURE, at, memory, carry)
         }
     }
 
@@ -81,10 +81,10 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         if const { is_explicit(&H::QUADRATURE) } {
-            return advance_explicit_vectors(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry);
+            return advance_explicit_vectors(system, &H::QUADRATURE, [t, h], [q, p], dw, memory, carry);
         }
-        let (q, p) = (q.components_mut(), p.components_mut());
-        iterate::advance::<H, f64, C, CAREFUL>(system, &H::QUADRATURE, t, h, q, p, dw, memory, carry)
+        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        iterate::advance::<H, f64, C, CAREFUL>(system, &H::QUADRATURE, at, memory, carry)
     }
 
     crate::__apart!(H);

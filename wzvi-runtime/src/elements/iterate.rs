@@ -7,11 +7,12 @@ use super::passes::{Corrected, largest, subtract};
 use super::preference::Solution;
 use super::rounding::variation;
 use super::step::Step;
-use super::{CONTRACTS, Iteration, Memory, Scheme, Shared, Unknowns};
+use super::{CONTRACTS, Iteration, Memory, Quadrature, Shared, Unknowns};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::{Effort, astray};
+use crate::system::At;
 
 /// Corrections below this fraction of the largest unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
@@ -26,37 +27,27 @@ const MOST_ITERATIONS: u32 = 100;
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
 pub(super) fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
+    scheme: &Quadrature,
+    at: At<'_, S>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    if CAREFUL || !memory.fits(system, q.len()) {
-        return advance_anyhow::<H, S, C, CAREFUL>(system, scheme, t, h, q, p, dw, memory, carry);
+    if CAREFUL || !memory.fits(system, at.q.len()) {
+        return advance_anyhow::<H, S, C, CAREFUL>(system, scheme, at, memory, carry);
     }
-    advance_fitting::<H, S, C, false>(system, scheme, t, h, q, p, dw, memory, carry)
+    advance_fitting::<H, S, C, false>(system, scheme, at, memory, carry)
 }
 
 /// The same where a memory may be of another size, or the step takes care: rare, and compiled once for all schemes.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[cold]
 #[inline(never)]
 fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
+    scheme: &Quadrature,
+    at: At<'_, S>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
@@ -64,16 +55,16 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     let mut anew = None;
     if CAREFUL && memory.is_new() {
         // Its blocks are known also if it fails.
-        memory.fit(system, scheme, q.len())?;
+        memory.fit(system, scheme, at.q.len())?;
     }
-    let fitting = if memory.fits(system, q.len()) {
+    let fitting = if memory.fits(system, at.q.len()) {
         &mut *memory
     } else {
         let mut fitting = memory.clone();
-        fitting.fit(system, scheme, q.len())?;
+        fitting.fit(system, scheme, at.q.len())?;
         anew.insert(fitting)
     };
-    let effort = advance_fitting::<H, S, C, CAREFUL>(system, scheme, t, h, q, p, dw, fitting, carry)?;
+    let effort = advance_fitting::<H, S, C, CAREFUL>(system, scheme, at, fitting, carry)?;
     if let Some(fitting) = anew {
         *memory = fitting;
     }
@@ -81,16 +72,11 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 }
 
 /// The step in a memory of the size of the state.
-#[expect(clippy::too_many_arguments, reason = "as `Discretized::advance_carrying`")]
 #[inline(always)]
 fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
-    scheme: &Scheme,
-    t: f64,
-    h: f64,
-    q: &mut [S],
-    p: &mut [S],
-    dw: &[S],
+    scheme: &Quadrature,
+    At { t, h, q, p, dw }: At<'_, S>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
@@ -161,7 +147,7 @@ impl<S: Scalar> Scratch<'_, S> {
 impl<S: Scalar> Memory<S> {
     /// Takes the unknowns of a step that succeeded.
     #[inline(always)]
-    fn record(&mut self, scheme: &Scheme, degrees: usize) {
+    fn record(&mut self, scheme: &Quadrature, degrees: usize) {
         let Lists { x, .. } = self.work.lists(scheme, degrees);
         if self.past[0].len() != x.len() {
             self.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));

@@ -5,7 +5,7 @@ use super::linear::{Linear, Wide};
 use super::memory::{Lists, Work};
 use super::passes::largest;
 use super::step::Step;
-use super::{Curvature, Elements, Scheme, Slopes, Stage, Unknowns};
+use super::{Curvature, Elements, Quadrature, Slopes, Stage, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov, Operator, Sparse, power_of_two};
@@ -219,7 +219,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 /// Calls `visit` with every place off the diagonal that the Jacobian may fill, some more than once.
 pub(super) fn pattern<H: Elements>(
     system: &H,
-    scheme: &Scheme,
+    scheme: &Quadrature,
     degrees: usize,
     visit: impl FnMut(usize, usize),
 ) {

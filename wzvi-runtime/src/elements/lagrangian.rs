@@ -3,7 +3,7 @@
 
 use super::hamiltonian::fits;
 use super::step::{Step, decay, scale_at};
-use super::{Elements, Memory, Point, Scheme, Slopes, Stage, Unknowns, slopes};
+use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::state::{State, Vector};
 use crate::system::{Hamiltonian, LagrangianGradient, Segment};
 
@@ -31,7 +31,7 @@ impl<'a, V: Vector> Evaluated<'a, V> {
     fn for_each<H: Elements>(
         &self,
         system: &H,
-        scheme: &Scheme,
+        scheme: &Quadrature,
         mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>),
     ) {
         let Segment { q0, p, t, h, .. } = self.segment;
@@ -49,7 +49,7 @@ impl<'a, V: Vector> Evaluated<'a, V> {
 /// `L_d = P · (q_{i+1} - q_i) - F`, NaN if sizes do not fit.
 pub(crate) fn discrete_lagrangian<H: Elements>(
     system: &H,
-    scheme: &Scheme,
+    scheme: &Quadrature,
     segment: &Segment<H::Vector>,
     dw: &[f64],
 ) -> f64 {
@@ -62,7 +62,7 @@ pub(crate) fn discrete_lagrangian<H: Elements>(
 /// The gradient of [`discrete_lagrangian`], NaN if sizes do not fit.
 pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     system: &H,
-    scheme: &Scheme,
+    scheme: &Quadrature,
     segment: &Segment<H::Vector>,
     dw: &[f64],
 ) -> LagrangianGradient<H::Vector> {
@@ -104,7 +104,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
 #[inline(always)]
 pub(crate) fn step_momentum<H: Elements>(
     system: &H,
-    scheme: &Scheme,
+    scheme: &Quadrature,
     [before, after]: [&State<H::Vector>; 2],
     h: f64,
     dw: &[f64],
@@ -138,7 +138,7 @@ fn momentum_between<H: Hamiltonian>(
 /// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where that has no solution.
 fn momentum_solved<H: Elements>(
     system: &H,
-    scheme: &Scheme,
+    scheme: &Quadrature,
     before: &State<H::Vector>,
     after: &State<H::Vector>,
     h: f64,
@@ -155,7 +155,7 @@ fn momentum_solved<H: Elements>(
 /// `v = P - p_i`, if it is known.
 fn momentum_increment<H: Elements>(
     system: &H,
-    scheme: &Scheme,
+    scheme: &Quadrature,
     before: &State<H::Vector>,
     after: &State<H::Vector>,
     h: f64,
@@ -166,7 +166,7 @@ fn momentum_increment<H: Elements>(
         return None;
     }
     let u: Vec<f64> = q.iter().zip(end_q).map(|(a, b)| b - a).collect();
-    let scheme = &Scheme { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
+    let scheme = &Quadrature { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
     let mut memory = Memory::default();
     memory.fit(system, scheme, q.len()).ok()?;
     let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };

@@ -1,7 +1,7 @@
 //! How the linear equations of Newton's method are solved: in a band, or by iteration with what is known of the inverse.
 
 use super::jacobian::pattern;
-use super::{Elements, Scheme};
+use super::{Elements, Quadrature};
 use crate::memory::Method;
 use crate::scalar::Scalar;
 use crate::solve::{Banded, Krylov, Sparse, reverse_cuthill_mckee};
@@ -45,7 +45,7 @@ impl<S: Scalar> Wide<S> {
     pub(super) fn room<H: Elements>(
         &mut self,
         system: &H,
-        scheme: &Scheme,
+        scheme: &Quadrature,
         degrees: usize,
         all: bool,
     ) -> &mut Sparse<S> {
@@ -56,7 +56,7 @@ impl<S: Scalar> Wide<S> {
 
 impl<S: Scalar> Linear<S> {
     /// A band if it is narrow or small, after a renumbering where that pays; else products with the matrix.
-    pub(super) fn new<H: Elements>(system: &H, scheme: &Scheme, degrees: usize) -> Self {
+    pub(super) fn new<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize) -> Self {
         let unknowns = scheme.unknowns.count(degrees);
         let (mut natural, mut entries) = (0_usize, 0_usize);
         pattern(system, scheme, degrees, |row, column| {
@@ -127,7 +127,7 @@ impl<S: Scalar> Linear<S> {
 
 /// Room for factors with entries at the places of the matrix, or with all entries where these are asked for and few, or with a diagonal
 /// where the matrix has many.
-fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Scheme, degrees: usize, all: bool) -> Sparse<S> {
+fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Quadrature, degrees: usize, all: bool) -> Sparse<S> {
     let unknowns = scheme.unknowns.count(degrees);
     let mut entries = 0;
     pattern(system, scheme, degrees, |_, _| entries += 1);
@@ -153,7 +153,12 @@ fn is_dense(entries: usize, unknowns: usize) -> bool {
 }
 
 /// The places above the diagonal that the Jacobian, or its transpose, may fill.
-fn pairs<H: Elements>(system: &H, scheme: &Scheme, degrees: usize, entries: usize) -> Vec<(usize, usize)> {
+fn pairs<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    degrees: usize,
+    entries: usize,
+) -> Vec<(usize, usize)> {
     let mut pairs = Vec::with_capacity(entries);
     pattern(system, scheme, degrees, |row, column| pairs.push((row.min(column), row.max(column))));
     sorted(pairs)

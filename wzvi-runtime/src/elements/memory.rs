@@ -8,7 +8,7 @@ use super::linear::Linear;
 use super::preference::Preference;
 use super::rounding::Rounding;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
-use super::{Elements, Scheme, Unknowns};
+use super::{Elements, Quadrature, Unknowns};
 use crate::carry::{Carry, Compensation};
 use crate::error::StepFailure;
 use crate::memory::{Iteration, LinearWork, Method, StepMemory, Threads};
@@ -86,25 +86,25 @@ impl<S> Default for Work<S> {
 
 impl<S: Scalar> Work<S> {
     /// Scratch for a system of so many degrees of freedom.
-    pub(super) fn new(scheme: &Scheme, degrees: usize) -> Self {
+    pub(super) fn new(scheme: &Quadrature, degrees: usize) -> Self {
         debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
         Self(vec![S::from_f64(0.0); Self::length(scheme, degrees)])
     }
 
     #[inline(always)]
-    fn length(scheme: &Scheme, degrees: usize) -> usize {
+    fn length(scheme: &Quadrature, degrees: usize) -> usize {
         let apart = (6 + 2 * scheme.stages.len()) * apart(degrees);
         3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees + apart
     }
 
     /// Whether it was made for such a system.
-    pub(super) fn fits(&self, scheme: &Scheme, degrees: usize) -> bool {
+    pub(super) fn fits(&self, scheme: &Quadrature, degrees: usize) -> bool {
         self.0.len() == Self::length(scheme, degrees)
     }
 
     /// Its parts for the scheme and the degrees of freedom that it was made for.
     #[inline(always)]
-    pub(super) fn lists(&mut self, scheme: &Scheme, degrees: usize) -> Lists<'_, S> {
+    pub(super) fn lists(&mut self, scheme: &Quadrature, degrees: usize) -> Lists<'_, S> {
         let unknowns = scheme.unknowns.count(degrees);
         let numbers = &mut self.0[..Self::length(scheme, degrees)];
         let apart = apart(degrees);
@@ -209,7 +209,7 @@ pub(super) struct Scratch<'a, S> {
 impl<S: Scalar> Memory<S> {
     /// For the scheme and the degrees of freedom that it was made for; with past steps where they start the iteration.
     #[inline(always)]
-    pub(super) fn scratch(&mut self, scheme: &Scheme, degrees: usize) -> Scratch<'_, S> {
+    pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
         let Self { preference, linear, kept, rounding, plan, sweeps, .. } = self;
         Scratch {
@@ -409,7 +409,7 @@ impl<S: Scalar> StepMemory for Memory<S> {
 
 impl<S: Scalar> Memory<S> {
     /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
-    pub fn new<H: Elements>(system: &H, scheme: &Scheme) -> Self {
+    pub fn new<H: Elements>(system: &H, scheme: &Quadrature) -> Self {
         let mut memory = Self::default();
         let degrees = system.degrees();
         if degrees != 0 && super::check(system, degrees).is_ok() {
@@ -435,7 +435,7 @@ impl<S: Scalar> Memory<S> {
     pub(super) fn fit<H: Elements>(
         &mut self,
         system: &H,
-        scheme: &Scheme,
+        scheme: &Quadrature,
         degrees: usize,
     ) -> Result<(), StepFailure> {
         super::check(system, degrees)?;
@@ -444,13 +444,13 @@ impl<S: Scalar> Memory<S> {
     }
 
     /// Makes room for a step that does not go window by window.
-    pub(super) fn make_room(&mut self, scheme: &Scheme, degrees: usize) {
+    pub(super) fn make_room(&mut self, scheme: &Quadrature, degrees: usize) {
         if !self.work.fits(scheme, degrees) {
             self.work = Work::new(scheme, degrees);
         }
     }
 
-    fn allocate<H: Elements>(&mut self, system: &H, scheme: &Scheme, degrees: usize) {
+    fn allocate<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
         let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];

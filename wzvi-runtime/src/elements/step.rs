@@ -6,7 +6,7 @@
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
-use super::{Curvature, Elements, MomentumUpdate, Point, Scheme, Slopes, Stage, Unknowns, slopes};
+use super::{Curvature, Elements, MomentumUpdate, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::carry::Carry;
 use crate::error::StepFailure;
 use crate::scalar::{Number, Scalar};
@@ -15,7 +15,7 @@ use crate::system::Hamiltonian;
 /// The givens of one step.
 pub(super) struct Step<'a, H, S> {
     pub(super) system: &'a H,
-    pub(super) scheme: &'a Scheme,
+    pub(super) scheme: &'a Quadrature,
     pub(super) t: f64,
     pub(super) h: f64,
     pub(super) q: &'a [S],

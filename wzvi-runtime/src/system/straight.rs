@@ -19,7 +19,7 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     /// What the compiler found out.
     const PLAN: Plan;
     /// The quadrature that the discrete Lagrangian is.
-    const QUADRATURE: elements::Scheme;
+    const QUADRATURE: elements::Quadrature;
     /// What does not change from step to step: numbers, truths and factors of matrices.
     type Prepared<K: Constant>: Clone + Debug + Send + Sync;
     /// One extrapolation for each block that is iterated on.

@@ -32,7 +32,7 @@ pub(crate) fn emit(
         impl #generics __wzvi::elements::InLoops<#embedding> for #name #arguments #filter {
             const ORDER: __wzvi::u32 = #order;
             const IS_CONSISTENT: __wzvi::bool = #is_consistent;
-            const QUADRATURE: __wzvi::elements::Scheme = #quadrature;
+            const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
         }
 
         #listed
@@ -62,7 +62,7 @@ pub(crate) fn quadrature(
         Unknowns::Both => quote!(Both),
     };
     quote! {
-        __wzvi::elements::Scheme {
+        __wzvi::elements::Quadrature {
             stages: &[#(#stages),*],
             update: __wzvi::elements::MomentumUpdate::#update,
             unknowns: __wzvi::elements::Unknowns::#unknowns,

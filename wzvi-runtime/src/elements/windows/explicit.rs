@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::layout::Recorder;
 use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, advance};
 use crate::elements::step::Step;
-use crate::elements::{Given, MomentumUpdate, Scheme, Shared, Slopes, Stage, Sums, Unknowns};
+use crate::elements::{Given, MomentumUpdate, Quadrature, Shared, Slopes, Stage, Sums, Unknowns};
 use crate::error::StepFailure;
 use crate::scalar::Number;
 
@@ -13,20 +13,20 @@ use crate::scalar::Number;
 ///
 /// Only for [`Elements::HAS_WINDOWS`], which is asked beforehand, so that nothing is compiled for the others.
 #[inline(always)]
-pub(in crate::elements) fn takes_windows(scheme: &Scheme, degrees: usize) -> bool {
+pub(in crate::elements) fn takes_windows(scheme: &Quadrature, degrees: usize) -> bool {
     let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
     degrees >= LEAST_IN_WINDOWS && is_explicit && (kicks_first(scheme) || kicks_last(scheme))
 }
 
 /// `DeltaPlus`: the new momentum is `P`.
 #[inline(always)]
-fn kicks_first(scheme: &Scheme) -> bool {
+fn kicks_first(scheme: &Quadrature) -> bool {
     scheme.update == MomentumUpdate::Multiple(1.0)
 }
 
 /// `DeltaMinus`: `P` is the old momentum.
 #[inline(always)]
-fn kicks_last(scheme: &Scheme) -> bool {
+fn kicks_last(scheme: &Quadrature) -> bool {
     let is_last = |stage: &Stage| stage.start == 0.0 && (stage.end == 1.0 && stage.point == 1.0);
     scheme.update == MomentumUpdate::Slopes && scheme.stages.iter().all(is_last)
 }

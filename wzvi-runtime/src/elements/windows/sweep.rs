@@ -30,7 +30,7 @@ use crate::elements::memory::{Lists, Scratch};
 use crate::elements::passes::{Largest, in_blocks, subtract};
 use crate::elements::step::Step;
 use crate::elements::sums::Given;
-use crate::elements::{MomentumUpdate, Scheme, Shared, Slopes, Unknowns};
+use crate::elements::{MomentumUpdate, Quadrature, Shared, Slopes, Unknowns};
 use crate::lanes::instructions::{InstructionSet, Kernel};
 use crate::scalar::{Number, Scalar};
 use crate::threads::Threads;
@@ -239,7 +239,7 @@ impl<S: Scalar> Scratch<'_, S> {
 
     /// Adds the increments of a step to the state, and keeps its unknowns for the next if that is to be.
     #[inline(never)]
-    pub(in crate::elements) fn store_windows(&mut self, scheme: &Scheme, q: &mut [S], p: &mut [S]) {
+    pub(in crate::elements) fn store_windows(&mut self, scheme: &Quadrature, q: &mut [S], p: &mut [S]) {
         let (Some(sweeps), MomentumUpdate::Multiple(factor)) = (self.sweeps.as_deref_mut(), scheme.update)
         else {
             return;

@@ -67,7 +67,7 @@ pub enum MomentumUpdate {
 
 /// What the compiler derived of one scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scheme {
+pub struct Quadrature {
     /// The quadrature points of the discrete Lagrangian, at least one.
     pub stages: &'static [Stage],
     /// How the new momentum follows.
@@ -80,7 +80,7 @@ pub struct Scheme {
     pub is_linear: bool,
 }
 
-impl Scheme {
+impl Quadrature {
     /// How many times `v` the change of the momenta is, if it is: infinitely many where `D_1 L_d` reads no slopes, and `v` is zero.
     #[doc(hidden)]
     pub const fn factor(&self) -> Option<f64> {
