@@ -31,19 +31,19 @@ pub struct Plain;
 impl<S: Scalar> Carry<S> for Plain {
     const CARRIES: bool = false;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_coordinate(&self, _i: usize) -> S {
         S::from_f64(0.0)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_momentum(&self, _i: usize) -> S {
         S::from_f64(0.0)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(base: S, increment: S, _carried: S) -> (S, S) {
         (base + increment, S::from_f64(0.0))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep(&mut self, _coordinates: &[S], _momenta: &[S]) {}
 }
 
@@ -67,16 +67,16 @@ impl<S: Scalar, const D: usize> Default for Compensation<S, D> {
 impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
     const CARRIES: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_coordinate(&self, i: usize) -> S {
         self.coordinates[i]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_momentum(&self, i: usize) -> S {
         self.momenta[i]
     }
     /// The exact error of the rounded sum, whichever of the two is larger.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(base: S, increment: S, carried: S) -> (S, S) {
         let addend = increment + carried;
         let sum = base + addend;
@@ -84,7 +84,7 @@ impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
         let lost = (base - (sum - taken_in)) + (addend - taken_in);
         (sum, lost)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
         for (carried, lost) in self.coordinates.iter_mut().zip(coordinates) {
             *carried = *lost;

@@ -39,13 +39,13 @@ impl Due {
     }
 
     /// The next node to ask about.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next(&self) -> u64 {
         self.next
     }
 
     /// Whether it is due at `node`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_due(&mut self, node: u64) -> bool {
         node >= self.next && self.consider(node)
     }

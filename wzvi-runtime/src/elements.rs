@@ -117,13 +117,13 @@ pub struct Point<'a, S, V: ?Sized = [S]> {
 
 impl<S: Copy, V: Given<S> + ?Sized> Point<'_, S, V> {
     /// The degrees of freedom of the system.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn degrees(&self) -> usize {
         self.q.degrees()
     }
 
     /// The increment of a noise that acts.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn increment(&self, noise: usize) -> S {
         self.dw[noise - self.acting.start]
     }
@@ -231,7 +231,7 @@ impl<H: Elements + Sync> Shared for H {}
 
 impl<S: Scalar> Point<'_, S> {
     /// The same, if numbers are `f64`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(&self) -> Option<Point<'_, f64>> {
         let Self { q, p, t, h, dw, acting, scale } = self;
         let [q, p, dw] = [S::plain(q)?, S::plain(p)?, S::plain(dw)?];
@@ -240,7 +240,7 @@ impl<S: Scalar> Point<'_, S> {
 }
 
 /// Adds the weighted slopes of a part at all places.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn slopes<H: Elements, S: Scalar>(
     system: &H,
     part: usize,
@@ -254,7 +254,7 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
 }
 
 /// The same, computed in numbers `T`, unless rows of pairs are: these take the exact ones.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     system: &H,
     part: usize,
@@ -278,7 +278,7 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
 /// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
 /// not read.
 #[expect(clippy::too_many_arguments, reason = "as `gauss::Field::step_slopes`")]
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &H,
     t: S,
@@ -314,7 +314,7 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
 }
 
 /// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by coordinates, which are `state`, or by momenta, which are it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn add_slopes<H: Elements, S: Scalar>(
     system: &H,
     flow: Flow<'_, S>,
@@ -335,13 +335,13 @@ pub(crate) fn add_slopes<H: Elements, S: Scalar>(
 
 impl<'a, S: Copy> Flow<'a, S> {
     /// All parts, and whether they act.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<H: Elements>(&self) -> [(usize, bool); 3] {
         [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !self.dw.is_empty())]
     }
 
     /// Where elements of one half of the phase space are evaluated, which read nothing of the other.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<V: ?Sized>(&self, state: &'a V) -> Point<'a, S, V> {
         let Self { t, h, dw } = *self;
         Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 }
@@ -349,7 +349,7 @@ impl<'a, S: Copy> Flow<'a, S> {
 }
 
 /// The same to any sums.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
 where
     H: Elements,
@@ -379,7 +379,7 @@ pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], 
 }
 
 /// Whether scratch for `ready` degrees of freedom is for a state of `got`, which the system was checked for then.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
     let known = system.degrees();
     ready == got && got != 0 && (known == 0 || known == got)
@@ -389,7 +389,7 @@ fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
 ///
 /// # Errors
 /// [`StepFailure::Dimension`] if there are not as many momenta.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn sized_mut<'a, H: Elements, S>(
     system: &H,
     [q, p]: [&'a mut [S]; 2],
@@ -408,7 +408,7 @@ fn sized_mut<'a, H: Elements, S>(
 ///
 /// # Errors
 /// [`StepFailure::Increments`] if there are not as many.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], StepFailure> {
     let expected = system.noises();
     if dw.len() != expected {

@@ -19,7 +19,7 @@ pub(crate) struct Few<S> {
 
 impl<S: Scalar> Few<S> {
     /// A copy; `None` if the list is long.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of(list: &[S]) -> Option<Self> {
         let mut numbers = [S::from_f64(0.0); MOST];
         numbers.get_mut(..list.len())?.copy_from_slice(list);
@@ -30,14 +30,14 @@ impl<S: Scalar> Few<S> {
 impl<S> Deref for Few<S> {
     type Target = [S];
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn deref(&self) -> &[S] {
         &self.numbers[..self.length]
     }
 }
 
 impl<S> DerefMut for Few<S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn deref_mut(&mut self) -> &mut [S] {
         &mut self.numbers[..self.length]
     }
@@ -51,7 +51,7 @@ pub(crate) enum List<'a, S> {
 }
 
 impl<'a, S: Scalar> List<'a, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of(list: &'a [S]) -> Self {
         Few::of(list).map_or(Self::Long(list), Self::Short)
     }
@@ -60,7 +60,7 @@ impl<'a, S: Scalar> List<'a, S> {
 impl<S> Deref for List<'_, S> {
     type Target = [S];
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn deref(&self) -> &[S] {
         match self {
             Self::Short(few) => few,

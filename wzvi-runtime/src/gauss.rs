@@ -94,7 +94,7 @@ pub trait Field: Elements + Sized {
         clippy::too_many_arguments,
         reason = "generated code implements it, and each is one thing that slopes depend on"
     )]
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
         &self,
         t: S,
@@ -148,7 +148,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         advance::prepare(system, h)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Prepared<N>,
@@ -163,7 +163,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         source::beside(systems, prepared)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_beside<const L: usize>(
         beside: &Systems<F, L, N>,
         at: At<'_, Lanes<L>>,

@@ -39,25 +39,25 @@ pub struct LaneMask<const L: usize>([u64; L]);
 
 impl<const L: usize> Lanes<L> {
     /// One number per lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn new(numbers: [f64; L]) -> Self {
         Self(numbers)
     }
 
     /// The number of every lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn to_array(self) -> [f64; L] {
         self.0
     }
 
     /// Replaces the number of one lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn set(&mut self, lane: usize, number: f64) {
         self.0[lane] = number;
     }
 
     /// Of all lanes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn largest_of(self, other: Self, f: impl Fn(f64, f64) -> f64) -> f64 {
         let mut largest = 0.0;
         for i in 0..L {
@@ -66,17 +66,17 @@ impl<const L: usize> Lanes<L> {
         largest
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(each(|i| f(self.0[i])))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self(each(|i| f(self.0[i], other.0[i])))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> LaneMask<L> {
         LaneMask(each(|i| spread(f(self.0[i], other.0[i]))))
     }
@@ -84,7 +84,7 @@ impl<const L: usize> Lanes<L> {
 
 /// What a function gives for each lane. Few lanes are written out: as loops, of which a step has one for each of its operations, they take the
 /// compiler a time that grows with the square of their number.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn each<T: Copy + Default, const L: usize>(of: impl Fn(usize) -> T) -> [T; L] {
     let mut list = [T::default(); L];
     macro_rules! written_out {
@@ -105,7 +105,7 @@ fn each<T: Copy + Default, const L: usize>(of: impl Fn(usize) -> T) -> [T; L] {
 }
 
 /// All bits or none.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 const fn spread(truth: bool) -> u64 {
     if truth { u64::MAX } else { 0 }
 }
@@ -113,7 +113,7 @@ const fn spread(truth: bool) -> u64 {
 impl<const L: usize> Index<usize> for Lanes<L> {
     type Output = f64;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn index(&self, lane: usize) -> &f64 {
         &self.0[lane]
     }
@@ -121,28 +121,28 @@ impl<const L: usize> Index<usize> for Lanes<L> {
 
 impl<const L: usize> LaneMask<L> {
     /// The truth of one lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lane(self, lane: usize) -> bool {
         self.0[lane] != 0
     }
 
     /// Replaces the truth of one lane.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn set(&mut self, lane: usize, truth: bool) {
         self.0[lane] = spread(truth);
     }
 }
 
 impl<const L: usize> Mask for LaneMask<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_bool(truth: bool) -> Self {
         Self([spread(truth); L])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_lane(lane: usize) -> Self {
         Self(each(|i| spread(i == lane)))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn any(self) -> bool {
         let mut any = false;
         for &bits in &self.0 {
@@ -150,7 +150,7 @@ impl<const L: usize> Mask for LaneMask<L> {
         }
         any
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn all(self) -> bool {
         let mut all = true;
         for &bits in &self.0 {
@@ -158,7 +158,7 @@ impl<const L: usize> Mask for LaneMask<L> {
         }
         all
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, lane: usize) -> bool {
         self.0[lane] != 0
     }
@@ -169,7 +169,7 @@ macro_rules! bitwise {
         impl<const L: usize> $trait for LaneMask<L> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: Self) -> Self {
                 Self(each(|i| self.0[i].$method(other.0[i])))
             }
@@ -182,7 +182,7 @@ bitwise!(BitAnd bitand BitOr bitor);
 impl<const L: usize> Not for LaneMask<L> {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn not(self) -> Self {
         Self(each(|i| !self.0[i]))
     }
@@ -193,7 +193,7 @@ macro_rules! arithmetic {
         impl<const L: usize> $trait for Lanes<L> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: Self) -> Self {
                 self.zip(other, f64::$method)
             }
@@ -202,7 +202,7 @@ macro_rules! arithmetic {
         impl<const L: usize> $trait<f64> for Lanes<L> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: f64) -> Self {
                 self.map(|x| x.$method(other))
             }
@@ -215,21 +215,21 @@ arithmetic!(Add add Sub sub Mul mul Div div);
 impl<const L: usize> Neg for Lanes<L> {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn neg(self) -> Self {
         self.map(f64::neg)
     }
 }
 
 /// The larger of two; NaN if either is, unlike `f64::max`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn larger(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }
 
 macro_rules! by_lane {
     ($($method:ident: $function:ident),*) => {$(
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn $method(self) -> Self {
             Self(elementary::$function::of(self.0))
         }
@@ -258,31 +258,31 @@ impl<const L: usize> Scalar for Lanes<L> {
     const LANES: usize = L;
     const IS_BESIDE: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self([value; L])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.0.iter().fold(0.0, |largest, x| larger(largest, x.abs()))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn relative_to(self, other: Self) -> f64 {
         self.largest_of(other, f64::relative_to)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_relative_to(self, other: Self) -> f64 {
         self.largest_of(other, f64::nearly_relative_to)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         self.zip(size, f64::nearly_over)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, lane: usize) -> f64 {
         self.0[lane]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_identical(self, other: Self) -> bool {
         let mut is_same = true;
         for i in 0..L {
@@ -291,12 +291,12 @@ impl<const L: usize> Scalar for Lanes<L> {
         is_same
     }
     /// Zero times a finite number is zero, and NaN otherwise.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(self) -> LaneMask<L> {
         let zeros = self * 0.0;
         zeros.equal(zeros)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> LaneMask<L> {
         let mut zero = Self([0.0; L]);
         for pairs in &pairs {
@@ -307,7 +307,7 @@ impl<const L: usize> Scalar for Lanes<L> {
         zero.equal(zero)
     }
     /// Lane by lane: a loop over the numbers would become one over vectors of as many numbers, each gathered from one lane and scattered.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
         for lane in 0..L {
             for i in 0..N {
@@ -316,29 +316,29 @@ impl<const L: usize> Scalar for Lanes<L> {
         }
         numbers
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, other: Self) -> LaneMask<L> {
         self.compare(other, |a, b| a < b)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less_equal(self, other: Self) -> LaneMask<L> {
         self.compare(other, |a, b| a <= b)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn equal(self, other: Self) -> LaneMask<L> {
         self.compare(other, |a, b| a == b)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: LaneMask<L>, then: Self, otherwise: Self) -> Self {
         Self(each(|i| if mask.0[i] != 0 { then.0[i] } else { otherwise.0[i] }))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn recip(self) -> Self {
         self.map(|x| 1.0 / x)
     }
     /// By squaring, from the last bit of the exponent on; a negative exponent takes the reciprocal of the result.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {
         let mut rest = exponent.unsigned_abs();
         let (mut power, mut square) = (Self::from_f64(1.0), self);
@@ -354,23 +354,23 @@ impl<const L: usize> Scalar for Lanes<L> {
         }
         if exponent < 0 { power.recip() } else { power }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn powf(self, exponent: Self) -> Self {
         Self(elementary::Pow::of(self.0, exponent.0))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt(self) -> Self {
         self.map(f64::sqrt)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hypot(self, other: Self) -> Self {
         Self(elementary::Hypot::of(self.0, other.0))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
         Self(elementary::Atan2::of(self.0, other.0))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
@@ -379,19 +379,19 @@ impl<const L: usize> Scalar for Lanes<L> {
     by_lane!(sin: Sin, cos: Cos, tan: Tan, asin: Asin, acos: Acos, atan: Atan);
     by_lane!(sinh: Sinh, cosh: Cosh, tanh: Tanh, asinh: Asinh, acosh: Acosh, atanh: Atanh);
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn abs(self) -> Self {
         self.map(f64::abs)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn signum(self) -> Self {
         self.map(f64::signum)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {
         self.zip(other, f64::min)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn max(self, other: Self) -> Self {
         self.zip(other, f64::max)
     }

@@ -48,17 +48,17 @@ pub struct LinearWork {
 /// What one step leaves for the starting value of the next.
 pub trait StepMemory: Clone + Debug + Default + Numbers {
     /// Forgets the steps before, and keeps what was allocated.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn forget(&mut self) {
         *self = Self::default();
     }
 
     /// Keeps of the steps before the last one alone, for the same step anew, a bit longer: it starts where that one ended.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hold(&mut self) {}
 
     /// Takes what a step left that was solved with another memory.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn adopt(&mut self, left: Self) {
         *self = left;
     }
@@ -67,7 +67,7 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
     fn pin(&mut self, _iteration: Iteration) {}
 
     /// What was pinned.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn pinned(&self) -> Iteration {
         Iteration::Automatic
     }
@@ -101,7 +101,7 @@ impl<S> StepMemory for PhantomData<S> {}
 macro_rules! tuples {
     ($(($($part:ident)+))+) => {$(
         impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             #[allow(non_snake_case, reason = "a part is called as its type")]
             fn hold(&mut self) {
                 let ($($part,)+) = self;

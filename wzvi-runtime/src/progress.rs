@@ -78,7 +78,7 @@ impl StepsShown {
     }
 
     /// The next node to look at.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next(&self) -> u64 {
         self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next())
     }

@@ -368,7 +368,7 @@ impl Account for Parts<'_> {
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Subdivision<'_, H, E, C> {
     /// A step of the size of the run, in halves where it fails.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn whole<N: Noise>(
         &mut self,
         state: &mut State<H::Vector>,

@@ -31,7 +31,7 @@ pub trait Mask:
     /// Whether every lane is true.
     fn all(self) -> bool;
     /// Whether any lane is true.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn any(self) -> bool {
         !(!self).all()
     }
@@ -40,19 +40,19 @@ pub trait Mask:
 }
 
 impl Mask for bool {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_bool(truth: bool) -> Self {
         truth
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_lane(_lane: usize) -> Self {
         true
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn all(self) -> bool {
         self
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, _lane: usize) -> bool {
         self
     }
@@ -80,12 +80,12 @@ pub trait Scalar:
     #[doc(hidden)]
     const MAY_BE_PLAIN: bool = size_of::<Self>() == size_of::<f64>();
     /// A list of such numbers, if they are `f64`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(_list: &[Self]) -> Option<&[f64]> {
         None
     }
     /// The same, to be written.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain_mut(_list: &mut [Self]) -> Option<&mut [f64]> {
         None
     }
@@ -108,23 +108,23 @@ pub trait Scalar:
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
     fn relative_to(self, other: Self) -> f64;
     /// The same without a division: within a nineteenth, and not finite where that is larger than all numbers.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_relative_to(self, other: Self) -> f64 {
         self.relative_to(other)
     }
     /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for what is larger, and
     /// for NaN.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
     }
     /// Where every part of the number is zero.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn vanishes(self) -> Self::Mask {
         self.equal(Self::from_f64(0.0))
     }
     /// The larger absolute value, part by part; NaN where either is.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn larger(self, other: Self) -> Self {
         let (own, other) = (self.abs(), other.abs());
         Self::select(own.less(other) | !other.equal(other), other, own)
@@ -134,7 +134,7 @@ pub trait Scalar:
     /// Where every part of the number is finite.
     fn is_finite(self) -> Self::Mask;
     /// Where every part of the first of each pair is finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> Self::Mask {
         let mut all = Self::Mask::from_bool(true);
         for pairs in &pairs {
@@ -145,7 +145,7 @@ pub trait Scalar:
         all
     }
     /// Each of several numbers times a constant of its own.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
         for (number, weight) in numbers.iter_mut().zip(weights) {
             *number = *number * *weight;
@@ -234,23 +234,23 @@ pub trait Number<S>: Scalar {
 }
 
 impl<S: Scalar> Number<S> for S {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of(kept: S) -> S {
         kept
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kept(self) -> S {
         self
     }
 }
 
 macro_rules! forward {
-    ($($function:ident)*) => { $(#[inline(always)] fn $function(self) -> Self { f64::$function(self) })* };
+    ($($function:ident)*) => { $(#[cfg_attr(not(debug_assertions), inline(always))] fn $function(self) -> Self { f64::$function(self) })* };
 }
 
 /// `1 / size` within a nineteenth: the bits of a number are nearly its logarithm. At most `1.9 / f64::MIN_POSITIVE`, for zero; and no number for
 /// sizes above `8.5e307`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn nearly_inverse(size: f64) -> f64 {
     const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
     f64::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))
@@ -262,51 +262,51 @@ impl Scalar for f64 {
     type Solver = Together;
     type OfElements<T: Number<f64>> = T;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(list: &[f64]) -> Option<&[f64]> {
         Some(list)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain_mut(list: &mut [f64]) -> Option<&mut [f64]> {
         Some(list)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         value
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.abs()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, _lane: usize) -> f64 {
         self
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn relative_to(self, other: Self) -> f64 {
         self.abs() / (other.abs() + f64::MIN_POSITIVE)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_relative_to(self, other: Self) -> f64 {
         (self * nearly_inverse(other)).abs()
     }
     /// The smaller of two is one instruction, but not of one and infinity: compilers make a test of bits of that.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         let relative = (self * nearly_inverse(size)).abs();
         if relative < Self::MAX { relative } else { Self::MAX }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_identical(self, other: Self) -> bool {
         self.to_bits() == other.to_bits()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
     }
     /// Zero times finite numbers is zero, and NaN otherwise: one test for all.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> bool {
         let mut zero = 0.0;
         for pairs in &pairs {
@@ -316,50 +316,50 @@ impl Scalar for f64 {
         }
         !zero.is_nan()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, other: Self) -> bool {
         self < other
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less_equal(self, other: Self) -> bool {
         self <= other
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn equal(self, other: Self) -> bool {
         self == other
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: bool, then: Self, otherwise: Self) -> Self {
         if mask { then } else { otherwise }
     }
 
     forward!(recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs signum);
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {
         f64::powi(self, exponent)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn powf(self, exponent: Self) -> Self {
         f64::powf(self, exponent)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hypot(self, other: Self) -> Self {
         f64::hypot(self, other)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
         f64::atan2(self, other)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {
         f64::min(self, other)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn max(self, other: Self) -> Self {
         f64::max(self, other)
     }

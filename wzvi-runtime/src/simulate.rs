@@ -53,7 +53,7 @@ pub trait Observer<V> {
 }
 
 impl<V, F: FnMut(&State<V>, &Node<'_>)> Observer<V> for F {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn observe(&mut self, state: &State<V>, node: &Node<'_>) {
         self(state, node);
     }
@@ -66,7 +66,7 @@ pub struct Unobserved;
 impl<V> Observer<V> for Unobserved {
     const LOOKS: bool = false;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn observe(&mut self, _state: &State<V>, _node: &Node<'_>) {}
 }
 
@@ -344,7 +344,7 @@ impl<V: Vector> Records<V> {
 }
 
 impl<V: Vector> Account for Records<V> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&mut self, dw: &[f64], info: &StepInfo) {
         self.recorder.step(dw, info);
         if self.has_sums {
@@ -402,7 +402,7 @@ struct Nodes<'k, 's, 'a, O, V> {
 }
 
 impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn show(&mut self, state: &State<V>, step: u64, account: &Records<V>, dw: &[f64]) {
         let [iterations, halvings] = account.last;
         let node = Node { step, wiener: account.wiener.totals(), increments: dw, iterations, halvings };
@@ -447,7 +447,7 @@ where
 {
     type Error = Error;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, path: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
         let recorder = &path.account.recorder;
         let shown = if O::LOOKS && recorder.shows_all() { node + 1 } else { recorder.next() };
@@ -455,7 +455,7 @@ where
         shown.min(self.due).min(inside)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn look(&mut self, path: &mut OnePath<'_, 's, H, E, N>, node: u64) -> Result<(), Error> {
         if node == self.grid.steps {
             path.state.t = self.grid.end.unwrap_or(path.state.t);

@@ -38,7 +38,7 @@ pub trait Solve<S: Scalar> {
     ///
     /// # Errors
     /// Those of [`newton`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         x: &mut [S; N],
         equations: impl Equations<S, N>,
@@ -50,7 +50,7 @@ pub trait Solve<S: Scalar> {
     ///
     /// # Errors
     /// Those of [`linear`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn linear<const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
         Ok(Factor::new(matrix)?.solve(b))
     }
@@ -59,7 +59,7 @@ pub trait Solve<S: Scalar> {
     ///
     /// # Errors
     /// Those of [`reciprocal`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn reciprocal(pivot: S) -> Result<S, StepFailure> {
         dense::reciprocal(pivot)
     }
@@ -68,7 +68,7 @@ pub trait Solve<S: Scalar> {
     ///
     /// # Errors
     /// Those of [`quotient`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn quotient(rhs: S, pivot: S) -> Result<S, StepFailure> {
         dense::quotient(rhs, pivot)
     }
@@ -86,7 +86,7 @@ impl<S: Scalar> Solve<S> for Together {}
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast. Lanes have NaN instead.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
     x: &mut [S; N],
     equations: impl Equations<S, N>,
@@ -98,7 +98,7 @@ pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: boo
 ///
 /// # Errors
 /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it. Lanes have NaN instead.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
     S::Solver::linear(matrix, b)
 }
@@ -108,7 +108,7 @@ pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Resu
 /// # Errors
 /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does. Lanes have NaN
 /// instead.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     S::Solver::reciprocal(pivot)
 }
@@ -117,7 +117,7 @@ pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
 ///
 /// # Errors
 /// [`StepFailure::Singular`] as [`reciprocal`].
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     S::Solver::quotient(rhs, pivot)
 }

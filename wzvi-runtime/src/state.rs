@@ -15,7 +15,7 @@ pub trait Vector: Clone + Debug + PartialEq + Send + Sync {
     /// The components, to change.
     fn components_mut(&mut self) -> &mut [f64];
     /// Takes the numbers of a list of the same length; the list takes those of the vector where that copies nothing.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn exchange(&mut self, list: &mut Vec<f64>) {
         self.components_mut().copy_from_slice(list);
     }
@@ -25,11 +25,11 @@ impl<const D: usize> Vector for SVector<f64, D> {
     fn zeros(_len: usize) -> Self {
         Self::zeros()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn components(&self) -> &[f64] {
         self.as_slice()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn components_mut(&mut self) -> &mut [f64] {
         self.as_mut_slice()
     }
@@ -39,15 +39,15 @@ impl Vector for DVector<f64> {
     fn zeros(len: usize) -> Self {
         Self::zeros(len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn components(&self) -> &[f64] {
         self.as_slice()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn components_mut(&mut self) -> &mut [f64] {
         self.as_mut_slice()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn exchange(&mut self, list: &mut Vec<f64>) {
         *list = std::mem::replace(self, std::mem::take(list).into()).data.into();
     }
@@ -68,14 +68,14 @@ pub trait Components<V> {
 }
 
 impl<V: Vector> Components<V> for V {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn into_vector(self) -> V {
         self
     }
 }
 
 impl<const D: usize> Components<SVector<f64, D>> for [f64; D] {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn into_vector(self) -> SVector<f64, D> {
         self.into()
     }

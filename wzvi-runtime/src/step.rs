@@ -80,7 +80,7 @@ impl Clock {
         Self { start: at, ticks: 0, now: at }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(self, h: f64) -> Self {
         let ticks = self.ticks + 1;
         // The conversion of a signed integer is one instruction.
@@ -293,7 +293,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock, dw: &[f64]) {
         self.clock = at;
         state.t = at.now;
@@ -333,7 +333,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// A step from another state than the last one led to: time is counted from there.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_anew(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
         cold();
         // If time cannot overflow from here, no step needs to check its own.
@@ -370,7 +370,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// A step that is none of the usual ones, from a time of this clock.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_rarely(
         &mut self,
         state: &mut State<H::Vector>,
@@ -430,7 +430,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// Bad input shows in the result of a step, so that a good step does not pay for the check.
     ///
     /// Inlined, and each list read by itself: state and increments stay in registers only where nothing walks over their addresses.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
         let of_state = zero_if_finite(state.q.components()) + zero_if_finite(state.p.components());
         let zero = of_state + zero_if_finite(dw) + 0.0 * state.t;
@@ -465,12 +465,12 @@ fn mistaken_parameter(system: &impl Hamiltonian) -> ConfigError {
 }
 
 /// Zero times a finite number is zero, and NaN otherwise.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn zero_if_finite(list: &[f64]) -> f64 {
     list.iter().fold(0.0, |zeros, x| zeros + x * 0.0)
 }
 
 /// Marks the branch that calls it as the unlikely one. The compiler sees the mark, and no call is left.
 #[cold]
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn cold() {}

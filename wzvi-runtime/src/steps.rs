@@ -44,7 +44,7 @@ pub(crate) trait Monitor<P: Advance> {
 ///
 /// # Errors
 /// The first one, of a step or of the monitor.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn take_steps<P: Advance, M: Monitor<P>>(
     path: &mut P,
     steps: Range<u64>,
@@ -71,12 +71,12 @@ pub(crate) struct Unmonitored;
 impl<P: Advance> Monitor<P> for Unmonitored {
     type Error = P::Error;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, _path: &P, _node: u64) -> u64 {
         u64::MAX
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn look(&mut self, _path: &mut P, _node: u64) -> Result<(), P::Error> {
         Ok(())
     }
@@ -120,7 +120,7 @@ pub(crate) trait Account {
 }
 
 impl Account for () {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&mut self, _dw: &[f64], _info: &StepInfo) {}
 }
 
@@ -142,7 +142,7 @@ pub(crate) struct Single<'r, T, V, N, A> {
 impl<T: TakeStep<V>, V, N: Noise, A: Account> Advance for Single<'_, T, V, N, A> {
     type Error = Error;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         let interval = Interval { start: self.start, h: self.h, step };
         let info = self.stepper.take_step(self.state, &interval, self.noise, self.dw)?;

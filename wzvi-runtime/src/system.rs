@@ -396,7 +396,7 @@ impl<H: Listed<E>, E> Discretized<E> for H {
         H::Scheme::prepare(self, h)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar>(
         &self,
         prepared: &Self::Prepared,

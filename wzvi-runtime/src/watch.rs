@@ -117,7 +117,7 @@ impl<V: Vector> Watch<V> {
     }
 
     /// Whether this step is looked at.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn looks_at(&self, step: u64) -> bool {
         step == self.next
     }

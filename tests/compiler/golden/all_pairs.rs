@@ -300,7 +300,7 @@ const _: () = {
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
         type Usual = f64;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,
@@ -356,7 +356,7 @@ const _: () = {
                         {
                             struct Interaction;
                             impl Pair<4, 1, 2, 1, 2> for Interaction {
-                                #[inline(always)]
+                                #[cfg_attr(not(debug_assertions), inline(always))]
                                 fn slopes<T: Scalar>(
                                     [q_2i,
                                     q_2i_plus_1,

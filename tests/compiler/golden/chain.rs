@@ -183,7 +183,7 @@ const _: () = {
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
         type Usual = f64;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,

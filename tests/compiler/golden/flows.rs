@@ -171,7 +171,7 @@ const _: () = {
         }
         type Exact = Alone;
         type Usual = Usual;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,
@@ -267,7 +267,7 @@ const _: () = {
                 Lanes::new(systems.map(|system| system.epsilon)),
             ])
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
             &self,
             t: S,
@@ -285,7 +285,7 @@ const _: () = {
                 { BY_P },
             >(&[self.omega, self.epsilon], t, h, q, p, dw, by_q, by_p)
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
             parameters: &Self::Parameters<K>,
             t: S,

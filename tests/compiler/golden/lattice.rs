@@ -187,7 +187,7 @@ const _: () = {
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = Alone;
         type Usual = Usual;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,

@@ -317,7 +317,7 @@ const _: () = {
         const HAS_ONE_VELOCITY: bool = true;
         type Exact = Alone;
         type Usual = Usual;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,
@@ -364,7 +364,7 @@ const _: () = {
                             use Placements as _;
                             struct Interaction;
                             impl Pair<1, 0, 0, 3, 2> for Interaction {
-                                #[inline(always)]
+                                #[cfg_attr(not(debug_assertions), inline(always))]
                                 fn slopes<T: Scalar>(
                                     [factor,
                                     ]: [T; 1],

@@ -127,7 +127,7 @@ const _: () = {
         }
         type Exact = f64;
         type Usual = f64;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,
@@ -171,7 +171,7 @@ const _: () = {
     }
     const _: () = {
         /// The equations of a block, and their Jacobian by rows.
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn equations<S: Over<K>, K: Constant>(
             given: [S; 4],
             constants: [K; 3],
@@ -245,7 +245,7 @@ const _: () = {
             ) -> Self::Prepared<Lanes<{ L }>> {
                 Beside::beside(prepared)
             }
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
                 prepared: &Self::Prepared<K>,
                 t: f64,

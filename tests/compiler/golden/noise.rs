@@ -186,7 +186,7 @@ const _: () = {
         }
         type Exact = f64;
         type Usual = f64;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,
@@ -270,7 +270,7 @@ const _: () = {
         ) -> Self::Prepared<Lanes<{ L }>> {
             Beside::beside(prepared)
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
             prepared: &Self::Prepared<K>,
             t: f64,
@@ -331,7 +331,7 @@ const _: () = {
         ) -> Self::Prepared<Lanes<{ L }>> {
             Beside::beside(prepared)
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
             prepared: &Self::Prepared<K>,
             t: f64,

@@ -145,7 +145,7 @@ const _: () = {
         }
         type Exact = Alone;
         type Usual = Usual;
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<
             S: Scalar,
             T: Number<S>,
@@ -210,7 +210,7 @@ const _: () = {
         ) -> Self::Prepared<Lanes<{ L }>> {
             Beside::beside(prepared)
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
             prepared: &Self::Prepared<K>,
             t: f64,
@@ -244,7 +244,7 @@ const _: () = {
     }
     const _: () = {
         /// The equations of a block, and their Jacobian by rows.
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn equations<S: Over<K>, K: Constant>(
             given: [S; 2],
             constants: [K; 3],
@@ -301,7 +301,7 @@ const _: () = {
             ) -> Self::Prepared<Lanes<{ L }>> {
                 Beside::beside(prepared)
             }
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
                 prepared: &Self::Prepared<K>,
                 t: f64,

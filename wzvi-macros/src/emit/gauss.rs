@@ -97,7 +97,7 @@ fn field(
                 __wzvi::Some([#(__wzvi::Lanes::new(__systems.map(|__system| #of_system))),*])
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn step_slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
                 __t: __S,
@@ -111,7 +111,7 @@ fn field(
                 Self::slopes_over::<__S, #f64, __BY_Q, __BY_P>(&[#(#read),*], __t, __h, __q, __p, __dw, __by_q, __by_p)
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn slopes_over<__S: __wzvi::Over<__K>, __K: __wzvi::Constant, const __BY_Q: #bool, const __BY_P: #bool>(
                 __parameters: &Self::Parameters<__K>,
                 __t: __S,

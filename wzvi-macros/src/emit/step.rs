@@ -96,7 +96,7 @@ pub(crate) fn emit(
                 __wzvi::Beside::beside(__prepared)
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn solve<
                 __S: __wzvi::Over<__K>,
                 __K: __wzvi::Constant,

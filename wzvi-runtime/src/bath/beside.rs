@@ -33,7 +33,7 @@ impl<const L: usize> Baths<L> {
     }
 
     /// Whether there is no friction.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn are_still(&self) -> bool {
         self.law.is_none()
     }
@@ -42,7 +42,7 @@ impl<const L: usize> Baths<L> {
     ///
     /// # Errors
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn parts<'m>(
         &'m self,
         parts: usize,
@@ -74,12 +74,12 @@ pub(super) struct PartsBeside<'m, const L: usize> {
 }
 
 impl<const L: usize> Relaxes<Lanes<L>> for PartsBeside<'_, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn are_still(&self) -> bool {
         self.law.is_none()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply_between_drifts(
         &mut self,
         time: f64,
@@ -89,7 +89,7 @@ impl<const L: usize> Relaxes<Lanes<L>> for PartsBeside<'_, L> {
         Some(self.law?.all_blocks(&self.normals[..self.per_part], Some((time, q)), p))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply<C: Carry<Lanes<L>>>(
         &mut self,
         part: usize,

@@ -44,7 +44,7 @@ const BESIDE: usize = 8;
 
 impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
     /// All momenta, between two drifts over a time where there are coordinates; the heat.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>>(
         &self,
         normals: &[S],
@@ -66,7 +66,7 @@ impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
     }
 
     /// The same.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn one_by_one<S: Scalar + Mul<N, Output = S>>(
         &self,
         normals: &[S],
@@ -89,7 +89,7 @@ impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
     }
 
     /// The momenta of at most one block, with their coordinates; the heat.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn block<S: Scalar + Mul<N, Output = S>>(
         &self,
         places: Range<usize>,

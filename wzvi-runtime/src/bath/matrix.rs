@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 const MOST_SWEEPS: usize = 30;
 
 /// The rotation that makes the entry `between` of a symmetric matrix zero, as cosine and sine: the smaller of the two angles.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn rotation<S: Scalar>(first: S, between: S, second: S) -> (S, S) {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
     let ratio = (second - first) / (between * 2.0);
@@ -18,7 +18,7 @@ fn rotation<S: Scalar>(first: S, between: S, second: S) -> (S, S) {
 }
 
 /// Turns the columns `j` and `k` of a matrix.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn turn_columns<S: Scalar>(matrix: &mut [S], d: usize, [j, k]: [usize; 2], (cosine, sine): (S, S)) {
     for row in matrix.chunks_exact_mut(d) {
         let (x, y) = (row[j], row[k]);

@@ -37,7 +37,7 @@ pub(super) struct Bath {
 
 impl Bath {
     /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn mode<S: Scalar>(&self, rate: S) -> (S, S) {
         match self.decay {
             Decay::Exponential => {
@@ -54,7 +54,7 @@ impl Bath {
     }
 
     /// `1 - E` of a mode.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lost<S: Scalar>(&self, rate: S) -> S {
         match self.decay {
             Decay::Exponential => -(-(rate * self.time)).exp_m1(),
@@ -177,7 +177,7 @@ fn lowest<S: Scalar>(number: S) -> f64 {
 
 /// # Errors
 /// The number, if it is negative in any lane.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn refuse_negative<S: Scalar>(number: S) -> Result<(), f64> {
     let is_negative = number.less(S::from_f64(0.0));
     if (!is_negative).all() { Ok(()) } else { Err(lowest(number)) }

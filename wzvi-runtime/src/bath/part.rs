@@ -83,7 +83,7 @@ impl<S: Scalar> Memory<S> {
         memory
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fit<T: Damped>(&mut self, degrees: usize) {
         let room = Relaxation::room::<T>(degrees);
         if self.room.len() != room {
@@ -96,7 +96,7 @@ impl<S: Scalar> Memory<S> {
     /// # Errors
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
     /// [`StepFailure::Bath`] as [`prepare`]; what [`Hamiltonian::check`](crate::system::Hamiltonian::check) says in the first step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn parts<'m, T: Damped>(
         &'m mut self,
         system: &'m T,
@@ -164,7 +164,7 @@ pub(super) trait Relaxes<S: Scalar> {
 
 impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
     /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
         let Self { relaxation, normals, per_part, blocks, .. } = self;
         let (law, normals) = (relaxation.diagonal()?, S::plain(normals)?);
@@ -174,17 +174,17 @@ impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
 }
 
 impl<T: Damped, S: Scalar> Relaxes<S> for Parts<'_, T, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn are_still(&self) -> bool {
         self.relaxation.is_still()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S> {
         self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply<C: Carry<S>>(
         &mut self,
         part: usize,
@@ -210,7 +210,7 @@ pub(super) struct ByPlace<'m> {
 }
 
 impl<'m> ByPlace<'m> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> ByPlace<'_> {
         ByPlace { blocks: self.blocks, ..*self }
     }
@@ -231,7 +231,7 @@ impl<'m> ByPlace<'m> {
     }
 
     /// Some places of a part, from the first of a block on, between two drifts over a time where there are coordinates.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply(
         &mut self,
         part: usize,

@@ -115,13 +115,13 @@ impl Relaxation {
     }
 
     /// Whether there is no friction.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_still(&self) -> bool {
         matches!(self.0, Law::Still)
     }
 
     /// A drift over `time`, the O part, and the same drift again, in one pass over lists of masses and rates; `None` where they are no lists.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply_between_drifts<S: Scalar>(
         &self,
         time: f64,
@@ -134,7 +134,7 @@ impl Relaxation {
     }
 
     /// Rates and masses, if they are lists.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn diagonal(&self) -> Option<&Diagonal> {
         if let Law::Diagonal(law) = &self.0 { Some(law) } else { None }
     }
@@ -148,7 +148,7 @@ impl Relaxation {
     ///
     /// # Errors
     /// [`BathError::Friction`] where it is negative; `p` is then any.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<T: Damped, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,
@@ -180,14 +180,14 @@ impl Relaxation {
 }
 
 /// `√h ξ` of a degree of freedom; zero without temperature.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
     normals.get(i).copied().unwrap_or(S::from_f64(0.0))
 }
 
 impl<S: Scalar> Momenta<'_, S> {
     /// A number and the noise of a lower triangular matrix in its row number `i`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_noise<T: Copy>(&self, number: S, i: usize, row: &[T]) -> S
     where
         S: Mul<T, Output = S>,
@@ -199,7 +199,7 @@ impl<S: Scalar> Momenta<'_, S> {
     ///
     /// # Errors
     /// Those of the constants `E` and `R / √h`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn relax<C: Carry<S>>(
         &mut self,
         inverse_mass: &[f64],
@@ -220,7 +220,7 @@ impl<S: Scalar> Momenta<'_, S> {
     }
 
     /// New momenta, and the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn replace<C: Carry<S>>(&mut self, new: &[S], inverse_mass: &[f64]) -> S {
         let (zero, d) = (S::from_f64(0.0), self.p.len());
         let mut heat = zero;
@@ -239,7 +239,7 @@ impl<S: Scalar> Momenta<'_, S> {
 }
 
 /// What the kinetic energy of one momentum gains.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn gain<S, N>(before: S, after: S, inverse_mass: N) -> S
 where
     S: Scalar + Mul<N, Output = S>,
@@ -341,14 +341,14 @@ fn negative(rate: f64) -> StepFailure {
 
 impl Frozen {
     /// Decay and noise of a mode with this rate, as [`Bath::mode`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mode<S: Scalar>(&self, rate: S) -> Result<(S, S), StepFailure> {
         refuse_negative(rate).map_err(negative)?;
         Ok(self.bath.mode(rate))
     }
 
     /// Rates by degree of freedom, or one for masses that are a matrix.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply_rates<T: Damped, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,
@@ -372,7 +372,7 @@ impl Frozen {
         Ok(momenta.replace::<C>(new, &self.inverse_mass))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply_matrix<T: Damped, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,

@@ -167,7 +167,7 @@ where
         Ok(Prepared { flows, still: Stages::of(&substeps), relaxation })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared,
@@ -203,7 +203,7 @@ where
         Ok(effort)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared,
@@ -243,7 +243,7 @@ where
         Some(Beside { flows: FlowsBeside::new(systems, stages)?, baths })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_beside<const L: usize>(
         beside: &Beside<F, L>,
         At { t, h, q, p, dw }: At<'_, Lanes<L>>,
@@ -282,7 +282,7 @@ fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
 }
 
 /// A step window by window, and its heat; `None` where friction and masses are no lists.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
     system: &F,
     prepared: &'m Prepared,
@@ -320,13 +320,13 @@ struct Spoken<'m, F, B, S, W> {
 }
 
 impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Spoken<'m, F, B, S, W> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(flows: FlowsOf<'m, F>, parts: B) -> Self {
         Self { flows, parts, heat: S::from_f64(0.0), is_done: false, word: PhantomData }
     }
 
     /// The O part in front of flow number `index`, if there is one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn relax<C: Carry<S>, H: Shape>(
         &mut self,
         index: usize,
@@ -351,7 +351,7 @@ where
     S: Scalar,
     W: Letters,
 {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
         index: usize,

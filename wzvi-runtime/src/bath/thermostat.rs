@@ -144,7 +144,7 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
         Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, h)?, relaxation })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &T,
         prepared: &Self::Prepared,
@@ -182,7 +182,7 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
         Some(Beside { step, baths })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         At { t, h, q, p, dw }: At<'_, Lanes<L>>,
@@ -208,7 +208,7 @@ pub struct Beside<B, const L: usize> {
 }
 
 /// A step between its O parts, and the heat of both; a step that fails changes nothing.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
     parts: &mut impl Relaxes<S>,
     [q, p]: [&mut [S]; 2],
@@ -238,7 +238,7 @@ fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
 }
 
 /// An O part of a state, with what is carried for it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn relax<S: Scalar, C: Carry<S>>(
     parts: &mut impl Relaxes<S>,
     part: usize,

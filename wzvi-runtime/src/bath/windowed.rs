@@ -33,7 +33,7 @@ pub(super) struct WithBath<'m> {
 
 impl<'m> WithBath<'m> {
     /// The word `W` in steps of size `h`, with these kicks and drifts.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new<W: Letters>(
         flows: KicksAndDrifts<'m>,
         relaxing: ByPlace<'m>,
@@ -66,7 +66,7 @@ impl<'m> WithBath<'m> {
         word
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn push(&mut self, part: Part) {
         self.parts[self.count] = part;
         self.count += 1;
@@ -85,23 +85,23 @@ impl Word for WithBath<'_> {
         Self: 's;
     const CHANGES: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn share(&mut self) -> WithBath<'_> {
         WithBath { relaxing: self.relaxing.lend(), ..*self }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { flows, relaxing, parts, count } = self;
         relaxing.divide(place).map(|relaxing| Self { flows, relaxing, parts, count })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         self.count
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn letter(&self, number: usize) -> Letter<'_> {
         match self.parts[number] {
             Part::Flow(flow) => self.flows.letter(flow),
@@ -110,14 +110,14 @@ impl Word for WithBath<'_> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
         if let Part::Relax(part) = self.parts[number] {
             self.relaxing.apply(part, places, None, p);
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         if let Part::RelaxBetween(part, time) = self.parts[number] {
             self.relaxing.apply(part, places, Some((time, q)), p);

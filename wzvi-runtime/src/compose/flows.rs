@@ -91,7 +91,7 @@ impl<F: Flows, S: Scalar> Slopes<S> for F {
     // Loops add to each place in turn.
     const IN_PLACE: bool = !<<F as Field>::Shape as Shape>::IS_FIXED;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
         t: f64,
@@ -105,12 +105,12 @@ impl<F: Flows, S: Scalar> Slopes<S> for F {
         Field::step_slopes::<S, BY_Q, BY_P>(self, S::from_f64(t), S::from_f64(h), q, p, dw, by_q, by_p);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
         add_slopes(self, Flow { t, h, dw }, q, elements::Slopes::BY_COORDINATES, p);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
         add_slopes(self, Flow { t, h, dw }, p, elements::Slopes::BY_MOMENTA, q);
     }
@@ -134,7 +134,7 @@ impl<F: Flows, const L: usize> FlowsBeside<F, L> {
         Some(Self { stages: stages.clone(), parameters, degrees, noises })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn stages(&self) -> &Stages {
         &self.stages
     }
@@ -145,7 +145,7 @@ impl<F: Flows, const L: usize> Slopes<Lanes<L>> for FlowsBeside<F, L> {
     const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
     const IN_PLACE: bool = false;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
         t: f64,
@@ -162,7 +162,7 @@ impl<F: Flows, const L: usize> Slopes<Lanes<L>> for FlowsBeside<F, L> {
 }
 
 impl<F: Field, const L: usize> Fits for FlowsBeside<F, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fits(&self, degrees: usize) -> bool {
         degrees == self.degrees
     }
@@ -170,7 +170,7 @@ impl<F: Field, const L: usize> Fits for FlowsBeside<F, L> {
         let (expected, got) = (self.degrees, degrees);
         if got == expected { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn noises(&self) -> usize {
         self.noises
     }
@@ -200,7 +200,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         check(system).map(|()| Stages::of(&W::list()))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Stages,
@@ -227,7 +227,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         FlowsBeside::new(systems, prepared.first()?)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_beside<const L: usize>(
         beside: &FlowsBeside<F, L>,
         At { t, h, q, p, dw }: At<'_, Lanes<L>>,
@@ -238,7 +238,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         advance(beside, &mut flows, stages, At { t, h, q, p, dw }, memory, &mut Plain)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &F,
         prepared: &Stages,
@@ -283,7 +283,7 @@ impl<F> Clone for FlowsOf<'_, F> {
 }
 
 impl<F: Slopes<S>, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
         index: usize,
@@ -341,7 +341,7 @@ impl<F: Flows> FlowsOf<'_, F> {
 }
 
 impl<F> FlowsOf<'_, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift<S: Scalar, C: Carry<S>>(
         &self,
         h: f64,
@@ -361,7 +361,7 @@ impl<F> FlowsOf<'_, F> {
     }
 
     #[expect(clippy::too_many_arguments, reason = "lists of a step, which lie beside each other")]
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick<S: Scalar, C: Carry<S>>(
         &self,
         origin: Origin,

@@ -64,7 +64,7 @@ impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> 
         check(system).map(|()| Stages::of(&W::list()))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Stages,
@@ -111,19 +111,19 @@ struct Kicks<'a, F> {
 }
 
 impl<'a, F: Flows> Kicks<'a, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of<T: GradientTable>(flows: FlowsOf<'a, F>) -> Self {
         Self { flows, gradient: T::GRADIENT }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gradient(&self, index: usize) -> f64 {
         self.gradient.get(index).copied().unwrap_or(0.0)
     }
 }
 
 impl<F: Flows, S: Scalar> Take<S, F::Shape> for Kicks<'_, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
         index: usize,
@@ -159,7 +159,7 @@ struct Kick<'a, F, S> {
 
 impl<F: Flows, S: Scalar> Kick<'_, F, S> {
     /// `V'` into `force` and `V'' T'' V'` into `change`; gives `|V'|²`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn differentiate(&self, room: &mut Directional<S>, force: &mut [S], change: &mut [S]) -> S {
         let &Self { flows: &FlowsOf { system, t, h, .. }, stage, q, dw } = self;
         let (t, h) = (t + stage.node * h, stage.share() * h);
@@ -218,7 +218,7 @@ impl<S> Default for Directional<S> {
 
 impl<S: Scalar> Directional<S> {
     /// Makes room for so many degrees of freedom and noises, where it is not there.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fit(&mut self, degrees: usize, noises: usize) {
         if self.q.len() != degrees || self.dw.len() != noises {
             let zero = Dual::from_f64(0.0);

@@ -83,7 +83,7 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> StepMemory for Memory<S, A, B> {
 }
 
 /// What is carried, as lists.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn list_carried<S: Scalar, C: Carry<S>>(
     carry: &C,
     degrees: usize,
@@ -138,7 +138,7 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
 
     /// Room for the parts of a step, and a copy of everything that they will change. Allocates in the first step only, and only
     /// where the system does not know its size.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn save<C: Carry<S>>(&mut self, parts: [usize; 2], q: &[S], p: &[S], dw: &[S], carry: &C) {
         if self.first.len() != parts[0] || self.second.len() != parts[1] {
             self.first.resize_with(parts[0], A::default);

@@ -88,7 +88,7 @@ impl Linear {
     }
 
     /// The increments of the state into `dq`, `dp`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn increments<S: Scalar>(&self, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
         for block in &self.blocks {
             let n = block.degrees.len();
@@ -114,7 +114,7 @@ impl Linear {
 
 impl Block {
     /// A row of the map, at a state of the whole system.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<S: Scalar>(&self, coefficients: &[f64], q: &[S], p: &[S]) -> S {
         let n = self.degrees.len();
         let mut sum = S::from_f64(coefficients[2 * n]);

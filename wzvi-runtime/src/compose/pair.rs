@@ -70,7 +70,7 @@ impl<A, B> Prepared<A, B> {
     ///
     /// # Errors
     /// That of the first part that has one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
         &self,
         At { t, h, q, p, dw }: At<'_, S>,
@@ -164,7 +164,7 @@ where
         Ok(Prepared { parts: parts.collect::<Result<_, _>>()?, counts: counts(&substeps) })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared,
@@ -207,7 +207,7 @@ where
         Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         at: At<'_, Lanes<L>>,

@@ -47,7 +47,7 @@ pub trait Parts: Elements + Sized {
 
     /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as they are wanted.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that slopes depend on")]
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
         &self,
         part: Half,
@@ -118,7 +118,7 @@ impl Prepared {
     }
 
     /// The map of a stage.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn map(&self, index: usize) -> Option<&Linear> {
         self.numbers.get(index).copied().flatten().and_then(|number| self.maps.get(number))
     }
@@ -147,7 +147,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
         Prepared::new(system, system.degrees(), h, &W::list())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Prepared,
@@ -201,7 +201,7 @@ struct FlowsOf<'a, F> {
 }
 
 impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
         index: usize,

@@ -30,7 +30,7 @@ pub(crate) struct Stage {
 
 impl Stage {
     /// Of time and increments, for the flow of `T` or of `-V`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn share(&self) -> f64 {
         if self.half == Half::First { self.weight } else { -self.weight }
     }
@@ -111,7 +111,7 @@ impl<S: Scalar, H: Shape> Rooms<S, H> {
     }
 
     /// The rooms, for the duration of a step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(&mut self) -> Self {
         let zero = S::from_f64(0.0);
         let Self { q, p, lost_q, lost_p, force, velocity } = self;
@@ -126,7 +126,7 @@ impl<S: Scalar, H: Shape> Rooms<S, H> {
     }
 
     /// Takes them back.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn give_back(&mut self, rooms: Self) {
         let Self { q, p, lost_q, lost_p, force, velocity } = rooms;
         H::give_back(&mut self.q, q);
@@ -188,13 +188,13 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
         self.dw.resize(noises, S::from_f64(0.0));
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn length(&self) -> usize {
         self.kept_q.as_ref().len()
     }
 
     /// Whether the force that is kept is that of a kick like this one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn has_force(&self, Origin { t, h }: Origin, reads_time: bool, q: &[S]) -> bool {
         let Some(kept) = self.kept else { return false };
         if kept.h.to_bits() != h.to_bits() || (reads_time && kept.t.to_bits() != t.to_bits()) {
@@ -208,7 +208,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
     }
 
     /// Keeps a force for the next step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn keep_force(&mut self, origin: Origin, q: &[S], force: &[S]) {
         self.kept = Some(origin);
         self.kept_q.as_mut().copy_from_slice(q);
@@ -254,14 +254,14 @@ pub(crate) trait Fits {
 }
 
 impl<F: Hamiltonian> Fits for F {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fits(&self, degrees: usize) -> bool {
         Hamiltonian::fits(self, degrees)
     }
     fn check(&self, degrees: usize) -> Result<(), StepFailure> {
         Hamiltonian::check(self, degrees)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn noises(&self) -> usize {
         Hamiltonian::noises(self)
     }
@@ -286,7 +286,7 @@ pub(crate) trait Take<S: Scalar, H: Shape> {
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
     system: &impl Fits,
     taken: &mut impl Take<S, H>,
@@ -369,7 +369,7 @@ pub(crate) fn follow<V: Vector, H: Shape>(
 }
 
 /// `into ← into + slopes`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn add<S: Scalar, C: Carry<S>>(into: &mut [S], slopes: &[S], lost: &mut [S]) {
     if C::CARRIES {
         for ((into, &slope), lost) in into.iter_mut().zip(slopes).zip(lost) {

@@ -18,7 +18,7 @@ pub(crate) const fn least_alone<F: Flows>() -> usize {
 }
 
 /// Whether steps of so many degrees of freedom go window by window.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn takes_windows<F: Flows>(degrees: usize) -> bool {
     F::IN_WINDOWS && degrees >= LEAST_IN_WINDOWS
 }
@@ -62,7 +62,7 @@ impl Memory {
     ///
     /// # Errors
     /// Where sizes do not fit, or the new state is not finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn advance<'m, F: Flows, W: Word>(
         &'m mut self,
         system: &F,
@@ -116,7 +116,7 @@ pub(crate) struct KicksAndDrifts<'a> {
 
 impl KicksAndDrifts<'_> {
     /// Whether noises act in them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn have_noise(&self) -> bool {
         !self.scaled.is_empty()
     }
@@ -128,22 +128,22 @@ impl Word for KicksAndDrifts<'_> {
     where
         Self: 's;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn share(&mut self) -> Self {
         *self
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, _: usize) -> [Self; 2] {
         [self; 2]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         self.stages.len()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn letter(&self, number: usize) -> Letter<'_> {
         let stage = &self.stages[number];
         let share = stage.share();

@@ -60,19 +60,19 @@ pub struct OneByOne<T, const M: usize, const F: usize> {
 }
 
 impl<T: Scalar, const M: usize, const F: usize> Placements<T, M, F> for OneByOne<T, M, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new() -> Self {
         Self { numbers: [T::from_f64(0.0); M], slopes: [T::from_f64(0.0); F] }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn few(&self, _left: usize) -> usize {
         1
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn read(&mut self, _lane: usize, numbers: [T; M]) {
         self.numbers = numbers;
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
         &mut self,
         _few: usize,
@@ -81,7 +81,7 @@ impl<T: Scalar, const M: usize, const F: usize> Placements<T, M, F> for OneByOne
     ) {
         self.slopes = K::slopes(own, constants, [], self.numbers).0;
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes(&self, _lane: usize) -> [T; F] {
         self.slopes
     }
@@ -101,22 +101,22 @@ pub(super) struct InBlocks<T, U, const M: usize, const F: usize> {
 impl<T: Number<f64>, U: Number<f64>, const M: usize, const F: usize> Placements<T, M, F>
     for InBlocks<T, U, M, F>
 {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new() -> Self {
         let block = Block { by_own: [[0.0; AT_ONCE]; F], by_partner: [] };
         Self { numbers: Numbers([[0.0; AT_ONCE]; M]), block, kinds: PhantomData }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn few(&self, left: usize) -> usize {
         left.min(AT_ONCE)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn read(&mut self, lane: usize, numbers: [T; M]) {
         for (list, number) in self.numbers.0.iter_mut().zip(numbers) {
             list[lane] = number.kept();
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
         &mut self,
         few: usize,
@@ -132,7 +132,7 @@ impl<T: Number<f64>, U: Number<f64>, const M: usize, const F: usize> Placements<
             self.block.fill::<T, U, K, O, P, M>(HALF, few, own, constants, [], numbers);
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes(&self, lane: usize) -> [T; F] {
         self.block.by_own.each_ref().map(|slopes| T::of(slopes[lane]))
     }
@@ -148,7 +148,7 @@ mod tests {
     struct Bond;
 
     impl Pair<1, 1, 0, 2, 2> for Bond {
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn slopes<T: Scalar>(
             [c]: [T; 1],
             [k]: [f64; 1],
@@ -171,7 +171,7 @@ mod tests {
     impl<P: Placements<Alone, 2, 2>> Kernel for Added<'_, P> {
         type Output = ();
 
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn run<const L: usize, const HALF: usize>(self) {
             let Self { bonds, q, sums, mut placements } = self;
             let mut first = 0;

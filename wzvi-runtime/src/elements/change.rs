@@ -46,13 +46,13 @@ pub(super) struct Seen<const L: usize> {
 }
 
 impl<const L: usize> Seen<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new() -> Self {
         Self { above: [0.0; L], poison: [0; L] }
     }
 
     /// Changes of numbers whose rounding is `ε rounded`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
         // The difference of two numbers has the sign that it has without rounding.
         let mut excess = change;
@@ -70,7 +70,7 @@ impl<const L: usize> Seen<L> {
         *self = Self { above, poison };
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn finish(self) -> Change {
         let Self { above, poison } = self;
         match above.iter().all(|&above| above == 0.0) {
@@ -87,7 +87,7 @@ const AT_ONCE: usize = 4;
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Whether the last correction of the fixed point changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]; not known of
     /// numbers of several parts.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> bool {
         let mut spans = (0..self.degrees()).step_by(AT_ONCE);
         // One of them tells mostly.
@@ -101,7 +101,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// What the last correction changed at some places.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>) -> Change {
         let mut seen = Seen::<L>::new();
         if self.scheme.unknowns == Unknowns::Both {
@@ -123,7 +123,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// The same where both halves are unknown.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_of_both<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>, seen: &mut Seen<L>) {
         let Lists { x, correction, momentum, .. } = lists;
         let (x, correction) =
@@ -139,7 +139,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 }
 
 /// `|q + c u| + 2 |c u|`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn moved<S: Scalar>(q: S, u: S, point: f64) -> f64 {
     let way = u * point;
     (q + way).magnitude() + 2.0 * way.magnitude()
@@ -155,7 +155,7 @@ pub(super) struct Moved<'a, S, const L: usize> {
 }
 
 impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let (q, u) = (load::<_, N>(self.q, first), load::<_, N>(self.u, first));
         let before = load::<_, N>(self.before, first);
@@ -179,7 +179,7 @@ struct Kicked<'a, S, const L: usize> {
 }
 
 impl<S: Scalar, const L: usize> Block for Kicked<'_, S, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let (x, momentum) = (load::<_, N>(self.x, first), load::<_, N>(self.momentum, first));
         let correction = load::<_, N>(self.correction, first);

@@ -21,7 +21,7 @@ use crate::system::At;
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
     system: &H,
     scheme: &Quadrature,
@@ -58,7 +58,7 @@ fn advance_apart<H: Shared, S: Scalar, C: Carry<S>>(
 }
 
 impl<H: Shared, S: Scalar> Givens<'_, H, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<C: Carry<S>>(
         self,
         q: &mut [S],
@@ -107,7 +107,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
 ///
 /// # Errors
 /// Those of [`advance_explicit`].
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     system: &H,
     scheme: &Quadrature,
@@ -127,7 +127,7 @@ pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
 
 impl<H: Shared> Givens<'_, H, f64> {
     /// The same, window by window.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn exchange(
         self,
         q: &mut H::Vector,
@@ -151,14 +151,14 @@ impl<H: Shared> Givens<'_, H, f64> {
 
 impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {
         self.kick(lists);
         self.drift(lists);
     }
 
     /// `P`
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick(&self, lists: &mut Lists<'_, S>) {
         let Lists { momentum, stages, by_p, .. } = lists;
         let (_, by_q) = stages.at_mut(0);
@@ -174,7 +174,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// `u`
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift(&self, lists: &mut Lists<'_, S>) {
         let Lists { u, momentum, by_p, .. } = lists;
         u.fill(nothing());
@@ -182,7 +182,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// `P` and, in the place of `u`, the new coordinates; whether both are finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn go_on(&self, lists: &mut Lists<'_, S>) -> bool {
         self.kick(lists);
         let has_one_velocity = H::HAS_ONE_VELOCITY && self.scheme.takes_parts_once();
@@ -197,7 +197,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// Adds the velocities at once to the coordinates.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift_onto(&self, momentum: &[S], mut coordinates: Onto<'_, S>) {
         for stage in self.scheme.stages {
             let (at, none) = (self.at(stage, self.q, momentum), &mut [][..]);

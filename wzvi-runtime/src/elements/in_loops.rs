@@ -55,7 +55,7 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         prepare(system)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         (): &(),
@@ -70,7 +70,7 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &H,
         (): &(),

@@ -27,7 +27,7 @@ const MOST_ITERATIONS: u32 = 100;
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Quadrature,
@@ -72,7 +72,7 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 }
 
 /// The step in a memory of the size of the state.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Quadrature,
@@ -121,7 +121,7 @@ fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 
 impl<S: Scalar> Scratch<'_, S> {
     /// `3x_n - 3x_{n-1} + x_{n-2}` of the past, as far as `known`, or zero.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(&mut self, known: u8) {
         let x = &mut *self.lists.x;
         if known == 0 {
@@ -146,7 +146,7 @@ impl<S: Scalar> Scratch<'_, S> {
 
 impl<S: Scalar> Memory<S> {
     /// Takes the unknowns of a step that succeeded.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn record(&mut self, scheme: &Quadrature, degrees: usize) {
         let Lists { x, .. } = self.work.lists(scheme, degrees);
         if self.past[0].len() != x.len() {
@@ -199,7 +199,7 @@ struct Taken {
 
 impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the short way.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         let (pinned, known) = (scratch.iteration, scratch.known);
         scratch.kept.begin();
@@ -227,14 +227,14 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// Whether the equations are linear and none has an unknown of another: one correction leaves nothing but rounding.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn takes_one_correction(self, scratch: &Scratch<'_, S>) -> bool {
         let is_linear = self.scheme.is_linear && scratch.iteration == Iteration::Automatic;
         is_linear && scratch.inverses().is_some()
     }
 
     /// That correction, from zero.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         self.start(scratch, 0);
         if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
@@ -263,7 +263,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// From the guess of so many steps before; leaves `u` and `P`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn iterate(
         self,
         scratch: &mut Scratch<'_, S>,
@@ -289,7 +289,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin(self, scratch: &mut Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState {
         let is_newton = self.starts_with_newton(scratch, pinned);
         let has_factors = is_newton && self.starts_with_factors(scratch.lend(), pinned);
@@ -306,7 +306,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn starts_with_newton(self, scratch: &Scratch<'_, S>, pinned: Iteration) -> bool {
         let has_constant_band = self.scheme.is_linear && matches!(scratch.linear, Some(Linear::Band(_)));
         match pinned {
@@ -317,7 +317,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// Takes the correction of the fixed point, or Newton's.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(
         self,
         scratch: &mut Scratch<'_, S>,
@@ -401,7 +401,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     ///
     /// # Errors
     /// If the solution is not near.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_solved(
         self,
         scratch: &mut Scratch<'_, S>,
@@ -464,7 +464,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
 
     /// Whether what is left of the correction that was taken is rounding: from the contraction if that is known, or, of the fixed
     /// point, from what it changed. The same at all sizes, whichever of the two costs less where.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_resolved(
         self,
         scratch: &Scratch<'_, S>,
@@ -484,7 +484,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
 
 /// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of
 /// the state that it changes.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn resolves<S: Scalar>(unknowns: Unknowns, [q, p]: [&[S]; 2], lists: &Lists<'_, S>, ratio: f64) -> bool {
     let Lists { x, correction, previous, .. } = lists;
     if unknowns == Unknowns::Both {

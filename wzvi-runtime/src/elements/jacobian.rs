@@ -16,14 +16,14 @@ pub(super) trait Entries<S> {
 }
 
 impl<S: Scalar> Entries<S> for Banded<S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(&mut self, row: usize, column: usize, value: S) {
         Banded::add(self, row, column, value);
     }
 }
 
 impl<S: Scalar> Entries<S> for Sparse<S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(&mut self, row: usize, column: usize, value: S) {
         Sparse::add(self, row, column, value);
     }
@@ -36,7 +36,7 @@ struct Rows<'a, M, F> {
 }
 
 impl<S, M: Entries<S>, F: Fn(usize) -> bool> Entries<S> for Rows<'_, M, F> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(&mut self, row: usize, column: usize, value: S) {
         if !(self.are_held)(row) {
             self.matrix.add(row, column, value);
@@ -51,7 +51,7 @@ struct Product<'a, S> {
 }
 
 impl<S: Scalar> Entries<S> for Product<'_, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(&mut self, row: usize, column: usize, value: S) {
         self.y[row] = self.y[row] + value * self.x[column];
     }
@@ -225,7 +225,7 @@ pub(super) fn pattern<H: Elements>(
 ) {
     struct Places<F>(F);
     impl<F: FnMut(usize, usize)> Entries<f64> for Places<F> {
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn add(&mut self, row: usize, column: usize, _: f64) {
             if row != column {
                 (self.0)(row, column);
@@ -242,19 +242,19 @@ pub(super) fn pattern<H: Elements>(
 struct Velocities<'a, S>(&'a mut [S]);
 
 impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_pp(&mut self, i: usize, _: usize, is_diagonal: bool, value: S) {
         if is_diagonal {
             self.0[i] = self.0[i] + value;
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_p(&mut self, _: usize, _: usize, _: S) {}
 }
 
@@ -266,7 +266,7 @@ struct Reduced<'a, S, M> {
 }
 
 impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
         let weighted = value * (self.stage.start * self.stage.point);
         self.matrix.add(i, j, weighted * self.diagonal[j]);
@@ -274,17 +274,17 @@ impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
             self.matrix.add(j, i, weighted * self.diagonal[i]);
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
         self.matrix.add(i, j, value * self.stage.start);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
         self.matrix.add(i, j, value * (self.stage.start * self.stage.point) * self.diagonal[j]);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
         self.matrix.add(i, j, value * self.stage.start);
     }
@@ -297,7 +297,7 @@ struct Coupled<'a, M> {
 }
 
 impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
         let weighted = value * (self.stage.start * self.stage.point);
         self.matrix.add(2 * i + 1, 2 * j, weighted);
@@ -305,23 +305,23 @@ impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
             self.matrix.add(2 * j + 1, 2 * i, weighted);
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
         self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
         self.matrix.add(2 * j, 2 * i, -(value * self.stage.point));
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
         self.matrix.add(2 * i, 2 * j + 1, -value);
         if !is_diagonal {
             self.matrix.add(2 * j, 2 * i + 1, -value);
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
         self.matrix.add(2 * i + 1, 2 * j, value * (self.stage.start * self.stage.point));
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
         self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
     }

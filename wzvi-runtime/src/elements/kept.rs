@@ -157,7 +157,7 @@ impl<S: Scalar> Kept<S> {
     }
 
     /// A step begins. Factors of one that failed are of nothing that comes again.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self) {
         (self.taken, self.has_started) = (0, false);
         if self.made == Made::Now {
@@ -166,7 +166,7 @@ impl<S: Scalar> Kept<S> {
     }
 
     /// Counts what a correction took: products with the Jacobian, or itself.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn count(&mut self, products: Option<u32>) {
         self.taken += products.map_or(1, u64::from);
         self.work.products += products.map_or(0, u64::from);

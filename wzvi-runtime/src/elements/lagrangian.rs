@@ -101,7 +101,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
 }
 
 /// `P` of the step between two states: what is solved for it is compiled where the ends do not say it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step_momentum<H: Elements>(
     system: &H,
     scheme: &Quadrature,

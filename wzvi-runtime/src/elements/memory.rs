@@ -66,13 +66,13 @@ pub(super) struct Stages<'a, S> {
 
 /// Numbers between two lists of a large system: what is read and written at one time is at different places of pages, which
 /// processors tell apart by their last bits first.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn apart(degrees: usize) -> usize {
     if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
 }
 
 /// The first `length` numbers, and what is behind those after them.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
     let (list, rest) = numbers.split_at_mut(length + apart);
     (&mut list[..length], rest)
@@ -91,7 +91,7 @@ impl<S: Scalar> Work<S> {
         Self(vec![S::from_f64(0.0); Self::length(scheme, degrees)])
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn length(scheme: &Quadrature, degrees: usize) -> usize {
         let apart = (6 + 2 * scheme.stages.len()) * apart(degrees);
         3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees + apart
@@ -103,7 +103,7 @@ impl<S: Scalar> Work<S> {
     }
 
     /// Its parts for the scheme and the degrees of freedom that it was made for.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lists(&mut self, scheme: &Quadrature, degrees: usize) -> Lists<'_, S> {
         let unknowns = scheme.unknowns.count(degrees);
         let numbers = &mut self.0[..Self::length(scheme, degrees)];
@@ -128,7 +128,7 @@ impl<S: Scalar> Work<S> {
 
 impl<S: Scalar> Lists<'_, S> {
     /// The same, if numbers are `f64`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn plain(&mut self) -> Option<Lists<'_, f64>> {
         let Self { x, correction, previous, u, momentum, by_p, stages } = self;
         let Stages { numbers, degrees, is_turned } = stages;
@@ -147,7 +147,7 @@ impl<S: Scalar> Lists<'_, S> {
 
 impl<S> Lists<'_, S> {
     /// The same for a function of its own: what it is given the address of does not stay in registers.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Lists<'_, S> {
         let Self { x, correction, previous, u, momentum, by_p, stages } = self;
         let stages = Stages { numbers: stages.numbers, ..*stages };
@@ -157,14 +157,14 @@ impl<S> Lists<'_, S> {
 
 impl<S> Stages<'_, S> {
     /// Where the coordinates of a stage are, and the slopes by them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(&self, stage: usize) -> (usize, usize) {
         let stride = self.degrees + apart(self.degrees);
         (2 * stride * stage, stride)
     }
 
     /// The coordinates of a stage, and the slopes by them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at(&self, stage: usize) -> (&[S], &[S]) {
         let (start, stride) = self.bounds(stage);
         let (first, second) = self.numbers[start..][..2 * stride].split_at(stride);
@@ -173,7 +173,7 @@ impl<S> Stages<'_, S> {
     }
 
     /// The same, to be written.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at_mut(&mut self, stage: usize) -> (&mut [S], &mut [S]) {
         let (start, stride) = self.bounds(stage);
         let (first, second) = self.numbers[start..][..2 * stride].split_at_mut(stride);
@@ -182,7 +182,7 @@ impl<S> Stages<'_, S> {
     }
 
     /// Exchanges the two of each stage.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn turn(&mut self) {
         self.is_turned = !self.is_turned;
     }
@@ -208,7 +208,7 @@ pub(super) struct Scratch<'a, S> {
 
 impl<S: Scalar> Memory<S> {
     /// For the scheme and the degrees of freedom that it was made for; with past steps where they start the iteration.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
         let Self { iteration, work, diagonal, past, known, .. } = self;
         let Self { preference, linear, kept, rounding, plan, sweeps, .. } = self;
@@ -231,7 +231,7 @@ impl<S: Scalar> Memory<S> {
 
 impl<S: Scalar> Scratch<'_, S> {
     /// The inverse of the Jacobian, if that is a diagonal matrix.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn inverses(&self) -> Option<&[S]> {
         if let Some(Linear::Band(band)) = &*self.linear { band.inverses() } else { None }
     }
@@ -239,7 +239,7 @@ impl<S: Scalar> Scratch<'_, S> {
 
 impl<S> Scratch<'_, S> {
     /// As [`Lists::lend`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
         let Self { lists, diagonal, past, known, iteration, preference, linear, kept, .. } = self;
         let Self { rounding, sweeps, threads, is_exact, .. } = self;
@@ -424,7 +424,7 @@ impl<S: Scalar> Memory<S> {
     }
 
     /// Whether there is room for a state of so many degrees of freedom, which was checked then.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn fits<H: Elements>(&self, system: &H, degrees: usize) -> bool {
         super::is_sized(system, self.degrees, degrees)
     }
@@ -488,15 +488,15 @@ impl<S> Default for CompensationVec<S> {
 impl<S: Scalar> Carry<S> for CompensationVec<S> {
     const CARRIES: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_coordinate(&self, i: usize) -> S {
         self.coordinates.get(i).copied().unwrap_or(S::from_f64(0.0))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_momentum(&self, i: usize) -> S {
         self.momenta.get(i).copied().unwrap_or(S::from_f64(0.0))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(base: S, increment: S, carried: S) -> (S, S) {
         Compensation::<S, 1>::add(base, increment, carried)
     }

@@ -58,14 +58,14 @@ pub struct Row<'a, T, const O: usize, const P: usize, const M: usize, const F: u
 }
 
 /// The sum of the sums of all lanes.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn total<T: Scalar>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 impl<T: Scalar, const O: usize, const P: usize, const M: usize, const F: usize> Row<'_, T, O, P, M, F> {
     /// Adds the slopes by the partner at `place` of the row, and gives those by the body.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet<S: Copy, K: Pair<O, P, D, M, F>, const D: usize>(
         &self,
         place: usize,
@@ -91,7 +91,7 @@ impl<T: Scalar, const O: usize, const P: usize, const M: usize, const F: usize> 
 }
 
 /// Adds slopes to sums.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn gather<T: Scalar, const F: usize>(sums: &mut [T; F], slopes: [T; F]) {
     for k in 0..F {
         sums[k] = sums[k] + slopes[k];
@@ -99,7 +99,7 @@ fn gather<T: Scalar, const F: usize>(sums: &mut [T; F], slopes: [T; F]) {
 }
 
 /// A row in whatever numbers and sums: [`Sums::row`].
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_row<
     S: Scalar,
     T: Number<S>,

@@ -4,7 +4,7 @@ use super::Unknowns;
 use crate::scalar::{Mask, Scalar};
 
 /// `x -= correction`, and the largest correction against the largest unknown of its kind; NaN if any part is.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> f64 {
     let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
@@ -33,7 +33,7 @@ pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S])
     relate(x, correction, size.by_kind(kind), change.by_kind(kind))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn relate<S: Scalar>(x: &[S], correction: &[S], sizes: [f64; 2], changes: [f64; 2]) -> f64 {
     if !changes.iter().all(|change| change.is_finite()) {
         return f64::NAN;
@@ -61,7 +61,7 @@ pub(super) trait Block {
 }
 
 /// Does the work on all of `length` entries: on `L` at a time, and one by one on what is left.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
     for number in 0..length / L {
         block.take::<L>(number * L);
@@ -72,7 +72,7 @@ pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
 }
 
 /// Entries of a list beside each other.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn load<S: Copy, const N: usize>(list: &[S], first: usize) -> [S; N] {
     let list = &list[first..first + N];
     let mut entries = [list[0]; N];
@@ -81,19 +81,19 @@ pub(super) fn load<S: Copy, const N: usize>(list: &[S], first: usize) -> [S; N] 
 }
 
 /// Writes entries of a list beside each other.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn store<S: Copy, const N: usize>(list: &mut [S], first: usize, entries: [S; N]) {
     list[first..first + N].copy_from_slice(&entries);
 }
 
 /// The numbers, and zeros behind them.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn widened<const N: usize, const L: usize>(numbers: [f64; N]) -> [f64; L] {
     std::array::from_fn(|i| if i < N { numbers[i] } else { 0.0 })
 }
 
 /// Zero for a finite magnitude. Bits, as the compiler would else do these sums and others beside them in turns, and part the lanes of both.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn poisoned(magnitude: f64) -> u64 {
     (magnitude * 0.0).to_bits()
 }
@@ -109,14 +109,14 @@ pub(super) struct Largest<const L: usize> {
 }
 
 impl<const L: usize> Default for Largest<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn default() -> Self {
         Self { most: [0.0; L], poison: [0; L] }
     }
 }
 
 impl<const L: usize> Largest<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
         self.take_finite(numbers);
         let (numbers, mut poison): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.poison);
@@ -127,7 +127,7 @@ impl<const L: usize> Largest<L> {
     }
 
     /// The same of numbers that need no check.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
         let (sizes, mut most): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.most);
         for i in 0..L {
@@ -137,13 +137,13 @@ impl<const L: usize> Largest<L> {
     }
 
     /// NaN if any was NaN or infinite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn get(self) -> f64 {
         self.by_kind(Unknowns::Momenta)[0]
     }
 
     /// Of coordinates and of momenta, which have units of their own, where a list has both in turn; else twice the same. NaN if any was NaN or infinite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_kind(self, kind: Unknowns) -> [f64; 2] {
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         if self.poison.iter().any(|&poison| poison != 0) {
@@ -156,7 +156,7 @@ impl<const L: usize> Largest<L> {
 }
 
 /// The largest magnitude of each kind; NaN if any is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
     let mut largest = Largest::<LANES>::default();
     let (chunks, rest) = x.as_chunks::<LANES>();
@@ -168,13 +168,13 @@ pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
 }
 
 /// Whether numbers have several parts, which are beside each other already: their arrays would be copied in memory.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn has_parts<S>() -> bool {
     size_of::<S>() != size_of::<f64>()
 }
 
 /// `sums += base`, and whether every part of every sum is finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
     if has_parts::<S>() {
         let mut zero = S::from_f64(0.0);
@@ -199,7 +199,7 @@ pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
 }
 
 /// Whether every part of every number is finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
     if has_parts::<S>() {
         let zero = numbers.iter().fold(S::from_f64(0.0), |zero, &number| zero + number * 0.0);
@@ -214,7 +214,7 @@ pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
 }
 
 /// Whether sums of products with zero are zero, and the rest finite: what is not finite times zero is NaN.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn are_zero<S: Scalar>([a, b, c, d]: [S; LANES], rest: &[S]) -> bool {
     let zero = rest.iter().fold((a + b) + (c + d), |zero, &number| zero + number * 0.0);
     zero.is_finite().all()
@@ -229,7 +229,7 @@ pub(super) struct Corrected<'a, S, const N: usize> {
 
 impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
     /// In groups of `N`, and the rest of them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of(x: &'a [S], correction: &'a [S], previous: &'a [S]) -> (Self, [&'a [S]; 3]) {
         let ((x, a), (correction, b), (previous, c)) =
             (x.as_chunks(), correction.as_chunks(), previous.as_chunks());
@@ -238,7 +238,7 @@ impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
 
     /// Whether what is left of each correction is below the rounding of what it changes, if the next is smaller by the
     /// factor `ratio`, or by the one that its own unknown has, whichever is larger.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn are_small(&self, state: impl Iterator<Item = [S; N]>, ratio: f64) -> bool {
         let mut excess = [f64::NEG_INFINITY; N];
         let unknowns = self.x.iter().zip(self.correction).zip(self.previous).zip(state);

@@ -31,13 +31,13 @@ pub(super) enum Solution {
 }
 
 impl Preference {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_newton(self) -> bool {
         self.steps > 0
     }
 
     /// A step has succeeded.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn learn(&mut self, solution: Solution) {
         match solution {
             Solution::FixedPoint => *self = Self::default(),

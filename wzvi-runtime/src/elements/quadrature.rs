@@ -17,7 +17,7 @@ pub enum Unknowns {
 
 impl Unknowns {
     /// How many there are.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn count(self, degrees: usize) -> usize {
         match self {
             Self::None => 0,
@@ -27,7 +27,7 @@ impl Unknowns {
     }
 
     /// Numbers of `∂u/∂v`, which is diagonal where `u` follows from `v`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn diagonals(self, degrees: usize) -> usize {
         match self {
             Self::Momenta => degrees,
@@ -128,7 +128,7 @@ impl Quadrature {
     }
 
     /// Whether no part is evaluated at two stages.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn takes_parts_once(&self) -> bool {
         let numbers = |stage: &'static Stage| stage.parts.iter().map(|&(part, _)| part);
         let stages = self.stages.iter().enumerate();

@@ -26,7 +26,7 @@ pub(super) struct Step<'a, H, S> {
 }
 
 /// `e^{γ τ}` with the rate of friction that steps take in, `τ` after the start of the step.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
     if H::IS_CONFORMAL { (system.friction_rate() * tau).exp() } else { 1.0 }
 }
@@ -37,13 +37,13 @@ pub(super) fn decay<H: Hamiltonian>(system: &H, h: f64) -> f64 {
 }
 
 /// What a sum starts with: adding to `-0.0` is nothing, where compilers see it, and not so for `0.0`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn nothing<S: Scalar>() -> S {
     S::from_f64(-0.0)
 }
 
 impl<H, S> Clone for Step<'_, H, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn clone(&self) -> Self {
         *self
     }
@@ -53,7 +53,7 @@ impl<H, S> Copy for Step<'_, H, S> {}
 
 impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
     /// The degrees of freedom.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn degrees(&self) -> usize {
         self.q.len()
     }
@@ -61,13 +61,13 @@ impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `u` and `P` at `x`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
         self.refresh_as::<S::OfElements<H::Exact>>(lists);
     }
 
     /// [`Step::refresh`], computed in numbers `T`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn refresh_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
         let Lists { x, u, momentum, stages, .. } = lists;
         if self.scheme.unknowns == Unknowns::Both {
@@ -89,14 +89,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the
     /// second of them; leaves `u`, `P`, the stages and slopes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
         self.refresh(lists);
         self.residual_as::<S::OfElements<H::Exact>>(lists);
     }
 
     /// [`Step::residual`] where `u` and `P` are those at `x`, computed in numbers `T`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn residual_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
         let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
@@ -138,7 +138,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// `Q = q_i + c u`, and room for the slopes there.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
         for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
             *point = q + u * stage.point;
@@ -148,13 +148,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     /// Adds to `u` what follows from `P`, where that does not read `u` itself: elements that read coordinates and momenta
     /// are at the node `q_i` then, by the choice of unknowns. What else these add goes to `by_q`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
         self.velocities_as::<S::OfElements<H::Exact>>(momentum, by_q, u);
     }
 
     /// [`Step::velocities`], computed in numbers `T`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn velocities_as<T: Number<S>>(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
         for stage in self.scheme.stages {
             self.slopes_as::<T>(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
@@ -162,7 +162,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// Adds the slopes of the parts at a stage.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn slopes(
         &self,
         stage: &Stage,
@@ -176,7 +176,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// [`Step::slopes`], computed in numbers `T`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes_as<T: Number<S>>(
         &self,
         stage: &Stage,
@@ -197,7 +197,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// Adds the second derivatives of the parts at a stage.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn curvature(
         &self,
         stage: &Stage,
@@ -212,7 +212,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at<'b, V: ?Sized>(&'b self, stage: &Stage, q: &'b V, p: &'b V) -> Point<'b, S, V> {
         let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
         let scale = scale_at(self.system, stage.point * self.h);
@@ -220,7 +220,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// `p_{i+1} - p_i` into `by_p`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn finish(&self, lists: &mut Lists<'_, S>) {
         let Lists { x, u, momentum, by_p: dp, stages, correction, .. } = lists;
         match self.scheme.unknowns {
@@ -274,7 +274,7 @@ impl<S: Scalar> Lists<'_, S> {
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if a sum is not finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn store<C: Carry<S>>(
         &mut self,
         q: &mut [S],

@@ -16,7 +16,7 @@ pub trait Given<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]>
 }
 
 impl<S> Given<S> for [S] {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn degrees(&self) -> usize {
         self.len()
     }
@@ -54,23 +54,23 @@ pub trait Sums<S> {
     fn add<T: Number<S>>(&mut self, place: usize, value: T);
 
     /// Whether the placements of a loop from `low` to `end` are taken beside each other.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gathers(&self, _low: isize, _end: isize) -> bool {
         false
     }
 
     /// Room for placements beside each other.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn beside<T: Number<S>, const M: usize, const F: usize>(&self) -> Self::Beside<T, M, F> {
         Placements::new()
     }
 
     /// Before the rows of an element, whose partners are points of `D` in the coordinates `q`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_rows<const D: usize>(&mut self, _q: &[S]) {}
 
     /// Adds the slopes of a body and its partners, see [`Pair`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<
         T: Number<S>,
         K: Pair<O, P, D, M, F>,
@@ -91,7 +91,7 @@ pub trait Sums<S> {
     }
 
     /// After the rows of an element.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn end_rows<const D: usize>(&mut self) {}
 }
 
@@ -104,14 +104,14 @@ pub trait Run<S> {
 }
 
 /// `sum += value`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_to<S: Scalar, T: Number<S>>(sum: &mut S, value: T) {
     *sum = (T::of(*sum) + value).kept();
 }
 
 /// Of `len` placements whose slopes are all added to the places from `first` on, and only then to those from `second` on: how
 /// many may be taken at once, so that every place still gets its slopes in the order of the placements.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn apart(len: usize, first: usize, second: usize) -> usize {
     if second > first { len.min(second - first) } else { len }
 }
@@ -123,23 +123,23 @@ impl<S: Scalar> Sums<S> for [S] {
     type Points<'r, const D: usize> = Points<'r, S, D>;
     type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
         values
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
         (0, len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> Places<'_, S> {
         Places(&mut self[first..first + len])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, S, D> {
         Points(&mut self[first..first + D * len].as_chunks_mut::<D>().0[..len])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
         add_to(&mut self[place], value);
     }
@@ -163,24 +163,24 @@ impl<S: Scalar> Sums<S> for Onto<'_, S> {
         Self: 'r;
     type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
         values
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
         (0, len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> OntoRun<'_, S, 1> {
         self.points::<1>(first, len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> OntoRun<'_, S, D> {
         let places = first..first + D * len;
         OntoRun::new(&self.base[places.clone()], &mut self.next[places])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
         self.run(place, 1).add(0, value);
     }
@@ -194,7 +194,7 @@ pub(super) struct OntoRun<'r, S, const D: usize> {
 
 impl<'r, S, const D: usize> OntoRun<'r, S, D> {
     /// Of two lists of one length.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new(base: &'r [S], next: &'r mut [S]) -> Self {
         let (base, next) = (base.as_chunks().0, next.as_chunks_mut().0);
         let len = base.len().min(next.len());
@@ -203,11 +203,11 @@ impl<'r, S, const D: usize> OntoRun<'r, S, D> {
 }
 
 impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
         self.add_part(place, 0, value);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
     }
@@ -218,11 +218,11 @@ impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
 pub struct Places<'r, S>(pub(super) &'r mut [S]);
 
 impl<S: Scalar> Run<S> for Places<'_, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
         add_to(&mut self.0[place], value);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         add_to(&mut self.0[place + part], value);
     }
@@ -233,11 +233,11 @@ impl<S: Scalar> Run<S> for Places<'_, S> {
 pub struct Points<'r, S, const D: usize>(pub(super) &'r mut [[S; D]]);
 
 impl<S: Scalar, const D: usize> Run<S> for Points<'_, S, D> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {
         self.add_part(place, 0, value);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         add_to(&mut self.0[place][part], value);
     }

@@ -213,7 +213,7 @@ struct IsSame<'a>(&'a [f64], &'a [f64]);
 impl Kernel for IsSame<'_> {
     type Output = bool;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> bool {
         let mut is_same = true;
         for (a, b) in self.0.iter().zip(self.1) {
@@ -289,7 +289,7 @@ impl Plan {
     }
 
     /// The coordinates that the step has led to: no round but the last is without a drift.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn last(&self, moves: &impl Moves) -> usize {
         let drifts = |number| !matches!(moves.kind(number), Move::Kick(_) | Move::Momenta);
         let last_drifts = self.rounds.last().is_some_and(|last| last.clone().any(drifts));
@@ -297,7 +297,7 @@ impl Plan {
     }
 
     /// Whether the first force is the one that is kept.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn reuses(&mut self, moves: &impl Moves, q: &[f64]) -> bool {
         let Some(known) = self.kept.origin.take() else { return false };
         let first = self.rounds[0].clone().find_map(|number| moves.origin(number));
@@ -305,7 +305,7 @@ impl Plan {
     }
 
     /// What all turns of a step from `q` and `p` need: of all threads, of each, of those that come then, and where they write.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<'a>(
         &'a mut self,
         [q, p]: [&'a [f64]; 2],
@@ -317,7 +317,7 @@ impl Plan {
     }
 
     /// All turns of a step; whether the new state is finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<M: Moves>(&mut self, moves: &mut M, state: [&[f64]; 2], reuses: bool) -> bool {
         let instructions = self.instructions;
         let (step, shares, rest, mut room) = self.parts(state, reuses);

@@ -51,7 +51,7 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Block<'j, 'a, H, E, P,
 impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, '_, H, E, P, WIDTH> {
     type Output = Result<Piece, Halt>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
@@ -66,7 +66,7 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, 
 }
 
 impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Block<'_, '_, H, E, P, WIDTH> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_width<const L: usize>(self) -> Result<Piece, Halt> {
         let job = self.job;
         let (mut group, mut observation) =

@@ -25,7 +25,7 @@ impl Normals {
     }
 
     /// One block of one path.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of_path(&self, path: u64, block: u64) -> [f64; STEPS] {
         let mut drawn = [[0.0; 1]; STEPS];
         normals(&self.key, path, block, &mut drawn);
@@ -55,7 +55,7 @@ struct Visit<'k, F> {
 impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
     type Output = ();
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
         let Self { key, paths, blocks, mut visit } = self;
         let mut drawn = [[0.0; 16]; STEPS];
@@ -71,13 +71,13 @@ impl<F: FnMut(&[[f64; 16]; STEPS])> Kernel for Visit<'_, F> {
 }
 
 /// Normals of steps `STEPS * block ..` of paths `path ..`: `[step][path]`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn normals<const L: usize>(key: &[u32; 8], path: u64, block: u64, to: &mut [[f64; L]; STEPS]) {
     normals_at(key, |lane| (path.wrapping_add(lane), block), to);
 }
 
 /// Normals of steps `STEPS * block ..` of one path and of processes `process ..`: `[step][process]`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn normals_of_processes<const L: usize>(
     key: &[u32; 8],
     process: u64,
@@ -88,7 +88,7 @@ pub(crate) fn normals_of_processes<const L: usize>(
 }
 
 /// Normals of steps `STEPS * block ..` of a path for each lane, which `address` gives: `[step][lane]`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn normals_at<const L: usize>(
     key: &[u32; 8],
     address: impl Fn(u64) -> (u64, u64),
@@ -112,13 +112,13 @@ pub(crate) fn normals_at<const L: usize>(
 /// A key, a path and a block of its steps.
 type Address = ([u32; 8], u64, u64);
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn with_key(key: &[u32; 8], (path, block): (u64, u64)) -> Address {
     (*key, path, block)
 }
 
 /// The normals of an address for each lane, all at once.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn side_by_side<const L: usize>(address: impl Fn(u64) -> Address, to: &mut [[f64; L]; STEPS]) {
     let mut words = [[0; L]; 16];
     for i in 0..L {

@@ -223,13 +223,13 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     }
 
     /// Whether paths go one after the other, each in vector instructions.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn goes_alone(job: &Job<'_, H, E>) -> bool {
         L == 1 && const { Job::<H, E>::MAY_GO_PATH_BY_PATH } && job.goes_path_by_path()
     }
 
     /// Whether each path has a stepper of its own.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_stepped(&self) -> bool {
         // Lanes do not keep what a scheme knows between its nodes.
         !H::PROPERTIES.in_lanes
@@ -247,7 +247,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     ///
     /// # Errors
     /// That of a noise that has none.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn draw(&mut self, step: u64) -> Result<(), Error> {
         let interval = Interval { start: self.job.start.t, h: self.job.h, step };
         let (counts, failed) = (&self.counts, &self.failed);
@@ -258,7 +258,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     ///
     /// # Errors
     /// If the run cannot go on; a path that fails ends alone.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn step(&mut self, step: u64) -> Result<(), Error> {
         if const { keeps_energy::<H, E>() } && step == self.next_look {
             self.begin_look(step);
@@ -277,7 +277,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         Ok(())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_step(&mut self, step: u64) -> Result<(), Error> {
         let job = self.job;
         if self.is_stepped() {
@@ -453,7 +453,7 @@ fn in_order_of_paths(mut failures: Vec<PathFailure>) -> Vec<PathFailure> {
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance for Group<'_, '_, H, E, P, L> {
     type Error = Error;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         if let (Some(h), true) = (self.job.grid.shorter, step + 1 == self.job.steps) {
             return self.finish(step, h);

@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 const BESIDE: usize = 16;
 
 /// The place of a step among those that are drawn together.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn slot(step: u64) -> usize {
     (step % STEPS as u64) as usize
 }
@@ -91,7 +91,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     ///
     /// # Errors
     /// That of a noise that has none.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn draw(
         &mut self,
         interval: &Interval,
@@ -135,7 +135,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     }
 
     /// Of one path many processes are drawn at once.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_alone(&mut self, block: u64) {
         let Origin::Alone(key, values) = &mut self.origin else { return };
         let mut drawn = [[0.0; BESIDE]; STEPS];
@@ -150,7 +150,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     }
 
     /// Of the lanes that are drawn at once, half are for the steps after the next [`STEPS`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_pairs(&mut self, step: u64) {
         let Origin::Pairs(keys, drawn) = &mut self.origin else { return };
         let within = step % (2 * STEPS as u64);
@@ -190,7 +190,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     }
 
     /// The normals of a step that has been drawn, before truncation; of lanes that keep them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn normals(&self, process: usize, step: u64) -> Lanes<L> {
         match &self.origin {
             Origin::Kept(_, kept) => Lanes::new(kept[process][slot(step)]),
@@ -202,14 +202,14 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     }
 
     /// Sets the increments of a step from normals.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
         let place = slot(step) * self.processes + process;
         self.values[place] = increment(normals, self.clip, self.deviation);
     }
 
     /// The increments of a step that has been drawn, by process.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of(&self, step: u64) -> &[Lanes<L>] {
         let first = slot(step) * self.processes;
         let row = self.values.get(first..first + self.processes);
@@ -219,7 +219,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     }
 
     /// The same of a path that goes alone; `None` where paths do not.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_path(&self, step: u64) -> Option<&[f64]> {
         let Origin::Alone(_, values) = &self.origin else { return None };
         values.get(slot(step) * self.processes..)?.get(..self.processes)
@@ -236,7 +236,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     }
 
     /// The same as [`LaneIncrements::of`], to change them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_mut(&mut self, step: u64) -> &mut [Lanes<L>] {
         let first = slot(step) * self.processes;
         self.values.get_mut(first..first + self.processes).unwrap_or_default()
@@ -244,7 +244,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 }
 
 /// Increments from standard normals: truncated, times `√|h|`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn increment<const L: usize>(normals: Lanes<L>, clip: f64, deviation: f64) -> Lanes<L> {
     let mut dw = normals.to_array();
     for dw in &mut dw {

@@ -284,7 +284,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group
 {
     type Error = Halt;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, _group: &Group<'g, 'a, H, E, P, L>, node: u64) -> u64 {
         let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| {
             // Both nodes of a step that is looked into.
@@ -295,7 +295,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group
         recorded.min(watched).min(node.saturating_add(self.pace.left()))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn look(&mut self, group: &mut Group<'g, 'a, H, E, P, L>, node: u64) -> Result<(), Halt> {
         self.pace.done(node - self.seen)?;
         self.seen = node;

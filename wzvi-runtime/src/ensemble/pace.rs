@@ -25,7 +25,7 @@ impl<'s> Pace<'s> {
     }
 
     /// Pieces of work before the next question, at least 1.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn left(&self) -> u64 {
         u64::from(self.left)
     }
@@ -34,7 +34,7 @@ impl<'s> Pace<'s> {
     ///
     /// # Errors
     /// [`Halt::Stopped`] if it is time to ask, and the answer is to stop.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn done(&mut self, pieces: u64) -> Result<(), Halt> {
         debug_assert!(
             pieces <= self.left(),

@@ -96,7 +96,7 @@ impl Piece {
     }
 
     /// The observables of the next path at a recorded node; none if it failed before.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn see(&mut self, node: usize, values: Option<&[f64]>, wanted: &Wanted) {
         match &mut self.notes {
             None => {

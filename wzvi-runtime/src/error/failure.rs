@@ -65,7 +65,7 @@ pub enum StepFailure {
 impl StepFailure {
     /// Of a step that the paths of some lanes have taken: those of the others could not. Nothing but
     /// [`StepFailure::NonFinite`] for numbers that are not beside each other, of which none has moved.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn but_of<S: Scalar>(taken: S::Mask) -> Self {
         if S::GOES_IN_PART { Self::Lanes(FailedLanes::of::<S>(!taken)) } else { Self::NonFinite }

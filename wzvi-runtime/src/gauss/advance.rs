@@ -81,7 +81,7 @@ pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Sha
 ///
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::NonFinite`], or where sizes do not fit.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>(
     system: &F,
     prepared: &Prepared<N>,
@@ -116,7 +116,7 @@ pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CA
 ///
 /// # Errors
 /// As above.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance_beside<F: Field, const L: usize, const N: usize>(
     systems: &Systems<F, L, N>,
     At { t, h, q, p, dw }: At<'_, Lanes<L>>,
@@ -173,7 +173,7 @@ impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> 
 {
     type Output = Result<Effort, StepFailure>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         let Memory { left, given, lists } = self.memory;
         if S::IS_BESIDE {
@@ -191,7 +191,7 @@ impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> 
 impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>
     ToTake<'_, Y, S, C, N, CAREFUL>
 {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(
         self,
         given: &mut GivenOf<Y::Field, S, N>,

@@ -39,7 +39,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`], and those of Newton's method.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve_together<C: Carry<S>, const CAREFUL: bool>(
         &self,
         state: [&[S]; 2],
@@ -57,7 +57,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     }
 
     /// Solves for the stages.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve<const CAREFUL: bool>(
         &self,
         lists: &mut Lists<S, F::Shape, N>,
@@ -87,7 +87,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
 
     /// The stages to start from: those of a part of the same step, what the steps before extrapolate to, which is a guide without noise only, or
     /// those of the state.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
         if CAREFUL && left.is_held {
             lists.slopes.clone_from(&left.past);
@@ -105,7 +105,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
 
 impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// Where Newton's method is tried first.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn prefers_newton(&self, left: &LeftOf<Y::Field, S, N>) -> S::Mask {
         match left.iteration {
             Iteration::Automatic => left.prefers_newton,
@@ -115,7 +115,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 
     /// With friction, slopes are left in the momentum of the step that follows.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momentum(&self, lists: &mut Lists<S, <Y::Field as Field>::Shape, N>) {
         if Y::Field::IS_CONFORMAL {
             let left = [1.0 + self.prepared.friction().decay; N];
@@ -127,7 +127,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     ///
     /// # Errors
     /// That of a path that goes alone.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve_beside(
         &self,
         state: [&[S]; 2],

@@ -24,7 +24,7 @@ pub(super) struct Step<'a, Y, S: Scalar, const N: usize> {
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     /// What is given of a step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn read<C: Carry<S>>(
         &mut self,
         prepared: &Prepared<N>,
@@ -46,7 +46,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     }
 
     /// Its equations.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn step<'a, Y>(
         &'a self,
         source: &'a Y,
@@ -71,14 +71,14 @@ pub(super) struct Placement<'a, T> {
 
 impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// `t + c_i h` for the stages of a part.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(&self, part: usize) -> Part<S, N> {
         let [t, h] = [self.t, self.h].map(|number| S::Stages::<N>::same(S::from_f64(number)));
         S::Stages::weighted(h, &self.prepared.table().c, part) + t
     }
 
     /// `h b_i` for the stages of a part.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weights(&self, part: usize) -> Part<S, N> {
         let h = S::Stages::<N>::same(S::from_f64(self.h));
         S::Stages::weighted(h, &self.prepared.table().b, part)
@@ -86,7 +86,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
 
     /// The stages that follow from slopes at the same or other ones, by the columns of `once` (of integrals of the slopes) or, in
     /// Nyström form, `twice` (of the integrals of these). The observer learns of all that is replaced.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(
         &self,
         into: Placement<'_, S::Stages<N>>,
@@ -117,7 +117,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 
     /// In Nyström form: neither do the slopes by the momenta read the coordinates, nor those by the coordinates the momenta.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn place_coordinates(
         &self,
         into: Placement<'_, S::Stages<N>>,
@@ -161,7 +161,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 
     /// The stages to start from: what the slopes of the last step extrapolate to, else those of the state itself.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(
         &self,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
@@ -181,7 +181,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except of paths whose slopes are to stay.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn field(
         &self,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
@@ -224,7 +224,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 
     /// The new state from the slopes at the stages; where it is finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn finish<C: Carry<S>>(
         &self,
         [q, p]: [&[S]; 2],

@@ -118,13 +118,13 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fits(&self, noises: usize) -> bool {
         self.dw.as_ref().len() == noises
     }
 
     /// The lists, for the duration of a step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn take(&mut self) -> Self {
         let zero = S::from_f64(0.0);
         Self {
@@ -134,14 +134,14 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     }
 
     /// Takes them back.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn give_back(&mut self, given: Self) {
         give_back::<H, _, 2>(&mut self.start, given.start);
         W::give_back(&mut self.dw, given.dw);
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn give_back<H: Shape, T: Copy + std::fmt::Debug, const K: usize>(
     lists: &mut [H::Of<T>; K],
     room: [H::Of<T>; K],
@@ -166,13 +166,13 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fits(&self, degrees: usize) -> bool {
         self.spare.as_ref().len() == degrees
     }
 
     /// The lists, for the duration of a step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn take(&mut self) -> Self {
         let zero = S::from_f64(0.0);
         let zeros = S::Stages::<N>::splat(zero);
@@ -187,7 +187,7 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
     }
 
     /// Takes them back.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn give_back(&mut self, lists: Self) {
         give_back::<H, _, 2>(&mut self.at, lists.at);
         give_back::<H, _, 2>(&mut self.slopes, lists.slopes);
@@ -267,7 +267,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, 
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
     /// Whether there is room for so many degrees of freedom and noises.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn fits(&self, degrees: usize, noises: usize) -> bool {
         self.lists.fits(degrees) && self.given.fits(noises)
     }

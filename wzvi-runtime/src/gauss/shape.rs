@@ -34,15 +34,15 @@ impl<const D: usize> Shape for Fixed<D> {
     type Compensation<S: Scalar> = Compensation<S, D>;
     const IS_FIXED: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn list<T: Copy + Debug>(_: usize, fill: T) -> [T; D] {
         [fill; D]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<T: Copy + Debug>(_: &mut [T; D], fill: T) -> [T; D] {
         [fill; D]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn give_back<T: Copy + Debug>(_: &mut [T; D], _: [T; D]) {}
 }
 

@@ -45,12 +45,12 @@ pub(super) trait Source<S: Scalar> {
 impl<F: Field, S: Scalar> Source<S> for F {
     type Field = F;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn system(&self) -> Option<&F> {
         Some(self)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
         t: S,
@@ -64,7 +64,7 @@ impl<F: Field, S: Scalar> Source<S> for F {
         Field::step_slopes::<S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes_of_part<const N: usize, const BY_Q: bool, const BY_P: bool>(
         &self,
         t: Part<S, N>,
@@ -106,12 +106,12 @@ pub(super) fn beside<F: Field, const L: usize, const N: usize>(
 impl<F: Field, const L: usize, const M: usize> Source<Lanes<L>> for Systems<F, L, M> {
     type Field = F;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn system(&self) -> Option<&F> {
         None
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
         t: Lanes<L>,
@@ -125,7 +125,7 @@ impl<F: Field, const L: usize, const M: usize> Source<Lanes<L>> for Systems<F, L
         F::slopes_over::<Lanes<L>, Lanes<L>, BY_Q, BY_P>(&self.parameters, t, h, q, p, dw, by_q, by_p);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes_of_part<const N: usize, const BY_Q: bool, const BY_P: bool>(
         &self,
         t: Lanes<L>,

@@ -16,7 +16,7 @@ pub(super) trait Observer<T> {
 }
 
 impl<T> Observer<T> for () {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn see(&mut self, _half: usize, _d: usize, _old: T, _new: T) {}
 }
 
@@ -46,7 +46,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     /// A constant for each stage of a part.
     fn constants(constants: &[f64; N], part: usize) -> Self::Part;
     /// Each stage of a part times a constant of its own.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted(numbers: Self::Part, constants: &[f64; N], part: usize) -> Self::Part {
         numbers * Self::constants(constants, part)
     }
@@ -74,7 +74,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
         self
     }
     /// `self` times a number for each stage.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(mut self, factors: &[f64; N]) -> Self {
         for part in 0..Self::PARTS {
             self.set_part(part, Self::weighted(self.part(part), factors, part));
@@ -88,7 +88,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
         products
     }
     /// The sum over the stages.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn total(&self) -> S {
         let mut list = [S::from_f64(0.0); N];
         for (i, number) in list.iter_mut().enumerate() {
@@ -113,7 +113,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
 }
 
 /// All of a list as one, in pairs, so that few operations wait for one another.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T) -> T {
     let mut length = N;
     while length > 1 {
@@ -127,7 +127,7 @@ fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T)
 }
 
 /// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names: arrays would be in memory.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize) -> S {
     let term = |j: usize| numbers[j] * matrix[j][i];
     match N {
@@ -200,7 +200,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Parts<S, H, W, N> {
     /// The room, for the duration of a sweep.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn take(&mut self) -> Self {
         let zero = Part::<S, N>::from_f64(0.0);
         let Self { q, p, by_q, by_p, dw } = self;
@@ -214,7 +214,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Parts<S, H, W, N> {
     }
 
     /// Takes it back.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn give_back(&mut self, room: Self) {
         H::give_back(&mut self.q, room.q);
         H::give_back(&mut self.p, room.p);
@@ -229,52 +229,52 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
     type Part = Self;
     const PARTS: usize = 1;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(number: f64) -> Self {
         Self::new([number; N])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn get(&self, i: usize) -> f64 {
         self[i]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn set(&mut self, i: usize, number: f64) {
         Lanes::set(self, i, number);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn part(&self, _part: usize) -> Self {
         *self
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_part(&mut self, _part: usize, numbers: Self) {
         *self = numbers;
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn same(number: f64) -> Self {
         Self::new([number; N])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn constants(constants: &[f64; N], _part: usize) -> Self {
         Self::new(*constants)
     }
     /// As integers, which have the order of the numbers where these are not negative: the largest of many is found in any order, so in
     /// lanes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn largest(numbers: Self) -> f64 {
         f64::from_bits(in_pairs(numbers.to_array().map(f64::to_bits), u64::max))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<'a>(list: &'a [Self], _part: usize, _room: &'a mut [Self]) -> &'a [Self] {
         list
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts_mut<'a>(list: &'a mut [Self], _room: &'a mut [Self]) -> &'a mut [Self] {
         list
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(_list: &mut [Self], _part: usize, _room: &[Self], _stay: bool) {}
     /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they become vector code.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(&self, matrix: &[[f64; N]; N], _part: usize) -> Self {
         let numbers = self.to_array();
         let mut products = [0.0; N];
@@ -284,7 +284,7 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
         Self::new(products)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(
         system: &F,
         t: Self,
@@ -325,69 +325,69 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
     type Part = S;
     const PARTS: usize = N;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(number: S) -> Self {
         [number; N]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn get(&self, i: usize) -> S {
         self[i]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn set(&mut self, i: usize, number: S) {
         self[i] = number;
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn part(&self, part: usize) -> S {
         self[part]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_part(&mut self, part: usize, numbers: S) {
         self[part] = numbers;
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn same(number: S) -> S {
         number
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn constants(constants: &[f64; N], part: usize) -> S {
         S::from_f64(constants[part])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted(numbers: S, constants: &[f64; N], part: usize) -> S {
         numbers * constants[part]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn largest(numbers: S) -> S {
         numbers
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [S]) -> &'a [S] {
         for (own, all) in room.iter_mut().zip(list) {
             *own = all[part];
         }
         room
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts_mut<'a>(_list: &'a mut [Self], room: &'a mut [S]) -> &'a mut [S] {
         room
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(list: &mut [Self], part: usize, room: &[S], stay: S::Mask) {
         for (all, own) in list.iter_mut().zip(room) {
             all[part] = if S::IS_BESIDE { S::select(stay, all[part], *own) } else { *own };
         }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(&self, matrix: &[[f64; N]; N], part: usize) -> S {
         row(self, matrix, part)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(self, factors: &[f64; N]) -> Self {
         S::weighted(self, factors)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes<F: Field, const BY_Q: bool, const BY_P: bool>(
         system: &F,
         t: S,

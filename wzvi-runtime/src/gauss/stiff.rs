@@ -47,14 +47,14 @@ impl<T: Copy> Modal<T> {
     }
 
     /// Remembers the stages before a sweep.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn remember(&mut self, stages: &[T]) {
         self.before.clear();
         self.before.extend_from_slice(stages);
     }
 
     /// The stages before the last sweep.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn before(&self) -> &[T] {
         &self.before
     }
@@ -103,7 +103,7 @@ impl<const N: usize> Modes<N> {
     }
 
     /// Replaces what a sweep changed by what it changes with the linear force solved for.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn filter<S: Scalar>(&self, stages: &mut [S::Stages<N>], modal: &mut Modal<S::Stages<N>>) {
         let Modal { before, changes } = modal;
         let Self { filters, basis } = self;

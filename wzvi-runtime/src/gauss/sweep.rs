@@ -56,7 +56,7 @@ struct Relative<'a, S: Scalar, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Observer<Part<S, N>> for Relative<'_, S, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn see(&mut self, half: usize, d: usize, old: Part<S, N>, new: Part<S, N>) {
         let start = S::Stages::<N>::same(self.start[half][d]);
         let relative = (new - old).nearly_over(new.abs() + start.abs());
@@ -66,7 +66,7 @@ impl<S: Scalar, const N: usize> Observer<Part<S, N>> for Relative<'_, S, N> {
 
 impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// The stages that follow from the slopes at those that are there.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn follow(
         &self,
         lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
@@ -80,7 +80,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
 
     /// Sweeps from the stages that are there, until those of all paths that are wanted have ended. Slopes are then those of the sweep that
     /// was the last of each path.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn sweeps<const CAREFUL: bool>(
         &self,
         wanted: S::Mask,
@@ -157,7 +157,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     }
 
     /// One sweep: new slopes, except of paths whose slopes are to stay, and the stages that follow from them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sweep(
         &self,
         stay: S::Mask,
@@ -236,7 +236,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
 }
 
 /// Infinite where it is the largest number, at which [`Scalar::nearly_over`] ends.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn unbounded<S: Scalar>(change: S) -> S {
     S::select(change.less(S::from_f64(f64::MAX)), change, S::from_f64(f64::INFINITY))
 }

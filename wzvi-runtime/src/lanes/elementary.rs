@@ -35,7 +35,7 @@ pub(super) trait Unary {
     fn rare(x: f64) -> f64;
 
     /// The function of a usual number, NaN for any other, without branches.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn usual(x: f64) -> f64 {
         select(Self::is_usual(x), Self::fast(x), f64::NAN)
     }
@@ -47,7 +47,7 @@ pub(super) trait Unary {
     }
 
     /// The function of every number.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of<const L: usize>(x: [f64; L]) -> [f64; L] {
         let mut y = [0.0; L];
         for i in 0..L {
@@ -88,7 +88,7 @@ pub(super) trait Binary {
     fn rare(a: f64, b: f64) -> f64;
 
     /// The function of a usual pair, NaN for any other, without branches.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn usual(a: f64, b: f64) -> f64 {
         select(Self::is_usual(a, b), Self::fast(a, b), f64::NAN)
     }
@@ -100,7 +100,7 @@ pub(super) trait Binary {
     }
 
     /// The function of every pair.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of<const L: usize>(a: [f64; L], b: [f64; L]) -> [f64; L] {
         let mut y = [0.0; L];
         for i in 0..L {
@@ -138,11 +138,11 @@ macro_rules! functions {
         pub(in crate::lanes) struct $name;
 
         impl $trait for $name {
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn is_usual($($x: f64),*) -> bool {
                 $usual
             }
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn fast($($x: f64),*) -> f64 {
                 $fast
             }
@@ -162,26 +162,26 @@ const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// The nearest integer, and bits that end in it (two's complement).
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn nearest(x: f64) -> (f64, u64) {
     let shifted = x + ROUNDER;
     (shifted - ROUNDER, shifted.to_bits())
 }
 
 /// `2^k` for the bits of [`nearest`] and `-1022 <= k <= 1023`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn power_of_two(bits: u64) -> f64 {
     f64::from_bits(bits.wrapping_add(1023) << 52)
 }
 
 /// `2^-k`, as [`power_of_two`].
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn inverse_power_of_two(bits: u64) -> f64 {
     f64::from_bits(1023_u64.wrapping_sub(bits) << 52)
 }
 
 /// A positive normal number as `2^k m` with `m` between `√½` and `√2`: `k` and `m`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn exponent_and_mantissa(x: f64) -> (f64, f64) {
     const ONE: u64 = 0x3ff0_0000_0000_0000;
     const ROOT_HALF: u64 = 0x3fe6_a09e_0000_0000;
@@ -191,20 +191,20 @@ fn exponent_and_mantissa(x: f64) -> (f64, f64) {
 }
 
 /// An integer below 2^52 as a number; the conversion instruction has no vector form before AVX-512.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn small_integer(n: u64) -> f64 {
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     f64::from_bits(n | TWO_52.to_bits()) - TWO_52
 }
 
 /// The number without its last 32 bits: products of two such are exact.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn high(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0xffff_ffff_0000_0000)
 }
 
 /// `a` or `b`; a name for the branchless choice.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn select(condition: bool, a: f64, b: f64) -> f64 {
     if condition { a } else { b }
 }

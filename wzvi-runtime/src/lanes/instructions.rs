@@ -63,7 +63,7 @@ impl InstructionSet {
 }
 
 /// Work that is compiled for every instruction set: `run` and all functions that it calls on its way are
-/// `#[inline(always)]`.
+/// `#[cfg_attr(not(debug_assertions), inline(always))]`.
 ///
 /// That cannot be said of a closure. It is inlined all the same, and so compiled for the same instructions, if it is called in
 /// one place only: that is why each instruction set has a width of its own.

@@ -23,11 +23,11 @@ pub type Alone = Single<true>;
 pub type Usual = Single<false>;
 
 impl<const STANDS_ALONE: bool> Number<f64> for Single<STANDS_ALONE> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of(kept: f64) -> Self {
         Self(kept)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kept(self) -> f64 {
         self.0
     }
@@ -41,7 +41,7 @@ pub struct KnownTruth {
 }
 
 impl KnownTruth {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of<const STANDS_ALONE: bool>(truth: bool, a: Single<STANDS_ALONE>, b: Single<STANDS_ALONE>) -> Self {
         Self { truth, is_known: STANDS_ALONE | (!a.0.is_nan() & !b.0.is_nan()) }
     }
@@ -50,7 +50,7 @@ impl KnownTruth {
 impl BitAnd for KnownTruth {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn bitand(self, other: Self) -> Self {
         Self { truth: self.truth & other.truth, is_known: self.is_known & other.is_known }
     }
@@ -59,7 +59,7 @@ impl BitAnd for KnownTruth {
 impl BitOr for KnownTruth {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn bitor(self, other: Self) -> Self {
         Self { truth: self.truth | other.truth, is_known: self.is_known & other.is_known }
     }
@@ -68,7 +68,7 @@ impl BitOr for KnownTruth {
 impl Not for KnownTruth {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn not(self) -> Self {
         Self { truth: !self.truth, ..self }
     }
@@ -82,19 +82,19 @@ impl Numbers for KnownTruth {
 }
 
 impl Mask for KnownTruth {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_bool(truth: bool) -> Self {
         Self { truth, is_known: true }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_lane(_lane: usize) -> Self {
         Self::from_bool(true)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn all(self) -> bool {
         self.truth
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, _lane: usize) -> bool {
         self.truth
     }
@@ -105,7 +105,7 @@ macro_rules! arithmetic {
         impl<const STANDS_ALONE: bool> $trait for Single<STANDS_ALONE> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: Self) -> Self {
                 Self(self.0.$method(other.0))
             }
@@ -114,7 +114,7 @@ macro_rules! arithmetic {
         impl<const STANDS_ALONE: bool> $trait<f64> for Single<STANDS_ALONE> {
             type Output = Self;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, other: f64) -> Self {
                 Self(self.0.$method(other))
             }
@@ -127,7 +127,7 @@ arithmetic!(Add add Sub sub Mul mul Div div);
 impl<const STANDS_ALONE: bool> Neg for Single<STANDS_ALONE> {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn neg(self) -> Self {
         Self(-self.0)
     }
@@ -141,7 +141,7 @@ impl<const STANDS_ALONE: bool> Numbers for Single<STANDS_ALONE> {
 
 macro_rules! unary {
     ($($method:ident: $function:ident),*) => {$(
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn $method(self) -> Self {
             Self(match STANDS_ALONE {
                 true => elementary::$function::alone(self.0),
@@ -153,7 +153,7 @@ macro_rules! unary {
 
 macro_rules! exact {
     ($($method:ident)*) => {$(
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn $method(self) -> Self {
             Self(Scalar::$method(self.0))
         }
@@ -166,89 +166,89 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     type Solver = Together;
     type OfElements<T: Number<f64>> = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self(value)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
         self.0.abs()
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane(self, _lane: usize) -> f64 {
         self.0
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn relative_to(self, other: Self) -> f64 {
         self.0.relative_to(other.0)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_relative_to(self, other: Self) -> f64 {
         self.0.nearly_relative_to(other.0)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_identical(self, other: Self) -> bool {
         self.0.is_identical(other.0)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(self) -> KnownTruth {
         KnownTruth::from_bool(self.0.is_finite())
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, other: Self) -> KnownTruth {
         KnownTruth::of(self.0 < other.0, self, other)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less_equal(self, other: Self) -> KnownTruth {
         KnownTruth::of(self.0 <= other.0, self, other)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn equal(self, other: Self) -> KnownTruth {
         KnownTruth::of(self.0 == other.0, self, other)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: KnownTruth, then: Self, otherwise: Self) -> Self {
         let chosen = if mask.truth { then.0 } else { otherwise.0 };
         Self(if mask.is_known { chosen } else { f64::NAN })
     }
 
     /// In the order of [`Lanes`](super::Lanes).
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn powi(self, exponent: i32) -> Self {
         Self(super::Lanes::new([self.0]).powi(exponent).to_array()[0])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn powf(self, exponent: Self) -> Self {
         Self(match STANDS_ALONE {
             true => elementary::Pow::alone(self.0, exponent.0),
             false => elementary::Pow::usual(self.0, exponent.0),
         })
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hypot(self, other: Self) -> Self {
         Self(match STANDS_ALONE {
             true => elementary::Hypot::alone(self.0, other.0),
             false => elementary::Hypot::usual(self.0, other.0),
         })
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
         Self(match STANDS_ALONE {
             true => elementary::Atan2::alone(self.0, other.0),
             false => elementary::Atan2::usual(self.0, other.0),
         })
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
     /// Unknown if either is.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {
         Self::select(KnownTruth::of(true, self, other), Self(self.0.min(other.0)), self)
     }
     /// Unknown if either is.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn max(self, other: Self) -> Self {
         Self::select(KnownTruth::of(true, self, other), Self(self.0.max(other.0)), self)
     }

@@ -28,7 +28,7 @@ fn bytes(key: &[u32; 8]) -> [u8; 32] {
 }
 
 /// One block of 16 words.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn block(key: &[u32; 8], stream: u64, block: u64) -> [u32; 16] {
     let start = [
         // "expand 32-byte k"
@@ -58,7 +58,7 @@ pub(crate) fn block(key: &[u32; 8], stream: u64, block: u64) -> [u32; 16] {
     std::array::from_fn(|i| x[i].wrapping_add(start[i]))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn double_round(x: &mut [u32; 16]) {
     quarter_round(x, [0, 4, 8, 12]);
     quarter_round(x, [1, 5, 9, 13]);
@@ -70,7 +70,7 @@ fn double_round(x: &mut [u32; 16]) {
     quarter_round(x, [3, 4, 9, 14]);
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn quarter_round(x: &mut [u32; 16], [a, b, c, d]: [usize; 4]) {
     x[a] = x[a].wrapping_add(x[b]);
     x[d] = (x[d] ^ x[a]).rotate_left(16);

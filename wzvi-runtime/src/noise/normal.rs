@@ -6,7 +6,7 @@
 
 /// Two independent standard normals from 96 random bits: 53 for the radius, 43 for the angle. Both are finite and at most
 /// `sqrt(106 ln 2) = 8.57` in absolute value; the probability beyond is `1e-16`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn pair(words: [u32; 3]) -> [f64; 2] {
     let high = (u64::from(words[0]) << 32) | u64::from(words[1]);
     // In (0, 1] as (m + 1) / 2^53: the logarithm never sees zero.
@@ -17,7 +17,7 @@ pub(crate) fn pair(words: [u32; 3]) -> [f64; 2] {
 }
 
 /// `ln(x 2^shift)` for positive normal `x`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn ln_shifted(x: f64, shift: i64) -> f64 {
     const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
     const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -46,7 +46,7 @@ pub(super) fn ln_shifted(x: f64, shift: i64) -> f64 {
 }
 
 /// An integer below 2^52 as a number; the conversion instruction has no vector form before AVX-512.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn small_integer(n: u64) -> f64 {
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     f64::from_bits(n | TWO_52.to_bits()) - TWO_52
@@ -54,7 +54,7 @@ fn small_integer(n: u64) -> f64 {
 
 /// Sine and cosine of an angle uniform on the circle, from 43 bits: a quadrant and the middle of one of `2^41` cells of it, so
 /// that neither is ever zero and both are symmetric.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn sin_cos(angle: u64) -> (f64, f64) {
     const S: [f64; 6] = [
         -1.666_666_666_666_663_2e-1,

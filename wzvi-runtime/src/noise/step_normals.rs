@@ -39,14 +39,14 @@ pub(crate) fn key(seed: u64, process: u64, h: f64, level: u32) -> [u32; 8] {
 }
 
 /// The key of another process.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn of_process(key: &[u32; 8], process: u64) -> [u32; 8] {
     let [a, b, _, _, e, f, g, h] = *key;
     [a, b, process as u32, (process >> 32) as u32, e, f, g, h]
 }
 
 /// The normals of a block of random words.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn normals(words: &[u32; 16]) -> [f64; STEPS] {
     let mut to = [0.0; STEPS];
     for k in 0..STEPS / 2 {

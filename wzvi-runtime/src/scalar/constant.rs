@@ -38,38 +38,38 @@ pub trait Over<K: Constant>:
 }
 
 impl<S: Scalar> Over<f64> for S {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: f64) -> S {
         S::from_f64(constant)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn truth(truth: bool) -> S::Mask {
         Mask::from_bool(truth)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose(truth: bool, then: impl FnOnce() -> S, otherwise: impl FnOnce() -> S) -> S {
         if truth { then() } else { otherwise() }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve_factored<const N: usize>(factor: &Factor<f64, N>, b: [S; N]) -> [S; N] {
         factor.apply(b)
     }
 }
 
 impl<const L: usize> Over<Lanes<L>> for Lanes<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: Self) -> Self {
         constant
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn truth(truth: LaneMask<L>) -> LaneMask<L> {
         truth
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose(truth: LaneMask<L>, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
         Self::select(truth, then(), otherwise())
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve_factored<const N: usize>(factor: &FactorsByLane<L, N>, b: [Self; N]) -> [Self; N] {
         factor.apply(b)
     }

@@ -11,7 +11,7 @@ impl FailedLanes {
     pub const MOST: usize = u64::BITS as usize;
 
     /// Those of a mask.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of<S: Scalar>(mask: S::Mask) -> Self {
         let mut bits = 0;
         for lane in 0..S::LANES {
@@ -27,21 +27,21 @@ impl FailedLanes {
     }
 
     /// Those of either set.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
     /// Whether there are none.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
     /// Whether a lane is one of them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn has(self, lane: usize) -> bool {
         lane < Self::MOST && self.0 >> lane & 1 != 0

@@ -61,13 +61,13 @@ where
 {
     type Error = Halt;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, _: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
         let value = (node / self.tally.stride + 1).saturating_mul(self.tally.stride);
         value.min(self.asks.next()).min(self.keeper.next()).min(self.shown.next())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn look(&mut self, path: &mut OnePath<'_, 's, H, E, N>, node: u64) -> Result<(), Halt> {
         let has_value = node.is_multiple_of(self.tally.stride);
         let verdict = match has_value {

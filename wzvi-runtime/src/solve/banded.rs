@@ -62,7 +62,7 @@ impl<S: Scalar> Banded<S> {
     }
 
     /// Adds to one entry of the pattern.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn add(&mut self, row: usize, column: usize, value: S) {
         let (row, column) = match self.position.is_empty() {
             true => (row, column),
@@ -87,7 +87,7 @@ impl<S: Scalar> Banded<S> {
     }
 
     /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a chain, or of a ring. Blocks do not wait for each other.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn factor_in<const PARTED: bool>(&mut self, half: usize) -> Result<(), StepFailure> {
         let (width, upper) = (3 * half + 1, 2 * half + 1);
         let Self { rows, exchanges, scratch: taken, .. } = self;
@@ -172,7 +172,7 @@ impl<S: Scalar> Banded<S> {
     }
 
     /// [`Banded::solve`], as [`Banded::factor_in`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve_in<const PARTED: bool>(&mut self, half: usize, b: &mut [S]) {
         let (n, width) = (self.exchanges.len(), 3 * half + 1);
         let Self { rows, exchanges, position, scratch: x, .. } = self;
@@ -207,7 +207,7 @@ impl<S: Scalar> Banded<S> {
 }
 
 /// How many rows below one have entries in its column.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn reach<const PARTED: bool>(half: usize, row: usize) -> usize {
     if PARTED { half - row % (half + 1) } else { half }
 }

@@ -50,7 +50,7 @@ pub(crate) enum Verdict {
 }
 
 impl Convergence {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new(is_guess: bool) -> Self {
         let (curved, second) = if is_guess { (GUIDED, ASTRAY) } else { (0.0, FIRST) };
         let enough = ROUNDING * ROUNDING * ROUNDING;
@@ -69,7 +69,7 @@ impl Convergence {
     }
 
     /// The first correction.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self, relative: f64) {
         self.iterations = 1;
         self.expect(relative * relative);
@@ -78,7 +78,7 @@ impl Convergence {
 
     /// The verdict on the largest correction relative to its unknown, where that is all it takes; `None`, and nothing is noted, where it
     /// depends on the residuals.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn glance(&mut self, relative: f64) -> Option<Verdict> {
         let square = relative * relative;
         // `relative <= ROUNDING || relative (relative / last)² <= ROUNDING unseen` without dividing.
@@ -97,7 +97,7 @@ impl Convergence {
 
     /// `relative`: largest correction relative to its unknown. `beyond_rounding`: the same of the unknowns whose residual
     /// was more than its rounding; 0 if there are none.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn judge(&mut self, relative: f64, beyond_rounding: impl FnOnce() -> f64) -> Verdict {
         if let Some(verdict) = self.glance(relative) {
             return verdict;
@@ -136,7 +136,7 @@ impl Convergence {
     }
 
     /// Quadratic convergence from a correction of this size, with its square.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn expect(&mut self, square: f64) {
         self.curved = CURVATURE * square;
         // The correction is above `ROUNDING` here, so that neither product underflows.
@@ -152,7 +152,7 @@ impl Convergence {
 }
 
 /// What the next correction has to be below, from the part of the square of the last: half of that one, too.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn allowed(curved: f64) -> f64 {
     let half = curved.sqrt();
     half.min(curved.max(NEAR))

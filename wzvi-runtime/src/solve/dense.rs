@@ -17,7 +17,7 @@ pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 ///
 /// # Errors
 /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does; [`StepFailure::NonFinite`] where it is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
@@ -25,7 +25,7 @@ pub(super) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
 
 /// [`reciprocal`](super::reciprocal) of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
 /// 1 drowns in it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
     let is_usable = pivot.less(S::from_f64(LARGEST_PIVOT));
     S::select(is_usable, pivot.recip(), S::from_f64(f64::NAN))
@@ -40,7 +40,7 @@ fn unusable(pivot: f64) -> StepFailure {
 ///
 /// # Errors
 /// [`StepFailure::Singular`] as [`reciprocal`].
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
@@ -90,13 +90,13 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// The row that the column stands for.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn on_diagonal(k: usize, entry: f64) -> Self {
         Self { row: k, entry, through: entry, own: 1.0 }
     }
 
     /// The better of two; this one where nothing tells.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn or(self, other: Self) -> Self {
         let is_better = other.through * self.own > self.through * other.own;
         if is_better || (self.entry == 0.0 && other.entry > 0.0) { other } else { self }
@@ -108,7 +108,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     ///
     /// # Errors
     /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it; [`StepFailure::NonFinite`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
         let mut lu = matrix;
         let mut order: [usize; N] = std::array::from_fn(|i| i);
@@ -132,7 +132,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     }
 
     /// `A⁻¹ b`
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, b: [S; N]) -> [S; N] {
         substitute(&self.lu, self.order.map(|row| b[row]))
     }
@@ -155,7 +155,7 @@ impl<const N: usize> Factor<f64, N> {
     }
 
     /// `A⁻¹ b` for a right-hand side of any number type.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn apply<S: Scalar>(&self, b: [S; N]) -> [S; N] {
         substitute(&self.lu, self.order.map(|row| b[row]))
     }
@@ -178,7 +178,7 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
     ///
     /// # Errors
     /// [`StepFailure::Singular`] as [`Factor::new`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
         match Self::without_pivoting(matrix) {
             Some(factor) => Ok(factor),
@@ -189,7 +189,7 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn without_pivoting(matrix: [[S; N]; N]) -> Option<Self> {
         let mut l = matrix;
         for k in 0..N {
@@ -204,7 +204,7 @@ impl<S: Scalar, const N: usize> SymmetricFactor<S, N> {
     }
 
     /// `A⁻¹ b`
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, b: [S; N]) -> [S; N] {
         match self {
             Self::Symmetric(l) => substitute_symmetric(l, b),
@@ -224,7 +224,7 @@ pub(super) fn is_definite<S: Scalar, const N: usize>(matrix: &[[S; N]; N]) -> bo
 }
 
 /// Column `k` of `A = L U` in place, with the reciprocal of the pivot that stands on the diagonal.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usize) {
     let inverse = lu[k][k].recip();
     lu[k][k] = inverse;
@@ -238,7 +238,7 @@ pub(super) fn eliminate<S: Scalar, const N: usize>(lu: &mut [[S; N]; N], k: usiz
 }
 
 /// `U⁻¹ L⁻¹ x`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn substitute<S: Scalar + Mul<T, Output = S>, T: Copy, const N: usize>(
     lu: &[[T; N]; N],
     mut x: [S; N],
@@ -258,7 +258,7 @@ pub(super) fn substitute<S: Scalar + Mul<T, Output = S>, T: Copy, const N: usize
 }
 
 /// Column `k` of `A = L D Lᵀ` in place, from the lower triangle.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn eliminate_symmetric<S: Scalar, const N: usize>(l: &mut [[S; N]; N], k: usize) {
     let inverse = l[k][k].recip();
     for i in k + 1..N {
@@ -274,7 +274,7 @@ pub(super) fn eliminate_symmetric<S: Scalar, const N: usize>(l: &mut [[S; N]; N]
 }
 
 /// `L⁻ᵀ D⁻¹ L⁻¹ x`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn substitute_symmetric<S: Scalar, const N: usize>(l: &[[S; N]; N], mut x: [S; N]) -> [S; N] {
     for i in 1..N {
         for j in 0..i {

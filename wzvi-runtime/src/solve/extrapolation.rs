@@ -23,7 +23,7 @@ impl<S: Scalar, const N: usize> Default for Extrapolation<S, N> {
 
 impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     /// The starting value: zero, constant, linear or quadratic, by what is known; zero unless `USED`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn guess<const USED: bool>(&self) -> [S; N] {
         if !USED {
             return [S::from_f64(0.0); N];
@@ -38,7 +38,7 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     }
 
     /// Takes the solution of a step that succeeded; nothing unless `USED`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn record<const USED: bool>(&mut self, solution: [S; N]) {
         if !USED {
             return;
@@ -54,7 +54,7 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     }
 
     /// The same of the paths that have taken a step, and which have not; those remember what they did.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn record_in_part<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
         *self = self.recorded_in_part::<USED>(taken, solution);
     }
@@ -95,7 +95,7 @@ fn mask<S: Scalar>(mut holds: impl FnMut(usize) -> bool) -> S::Mask {
 }
 
 impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn hold(&mut self) {
         self.past = [self.past[0]; 3];
         (self.known[1], self.is_full) = (S::Mask::from_bool(false), false);

@@ -16,7 +16,7 @@ pub struct FactorsByLane<const L: usize, const N: usize> {
 
 impl<const L: usize, const N: usize> FactorsByLane<L, N> {
     /// `A⁻¹ b`, with the bits that each lane has alone.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn apply(&self, b: [Lanes<L>; N]) -> [Lanes<L>; N] {
         let mut ordered = b;
         for place in 0..N {

@@ -22,7 +22,7 @@ fn poison<const L: usize>() -> Lanes<L> {
 }
 
 /// `a > b`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
     b.less(a)
 }
@@ -40,7 +40,7 @@ struct LaneConvergence<const L: usize> {
 }
 
 impl<const L: usize> LaneConvergence<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(is_guess: bool) -> Self {
         Self {
             curved: Lanes::from_f64(if is_guess { GUIDED } else { f64::INFINITY }),
@@ -61,7 +61,7 @@ impl<const L: usize> LaneConvergence<L> {
     }
 
     /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn glance(&mut self, relative: Lanes<L>) -> bool {
         let square = relative * relative;
         // Of a lane that is done, too, unless what follows is not a number.
@@ -79,7 +79,7 @@ impl<const L: usize> LaneConvergence<L> {
 
     /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. The squares are finite: no
     /// difference is smaller than a rounding of what it is taken from.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn expect(&mut self, done: LaneMask<L>, square: Lanes<L>) {
         self.curved = square * CURVATURE;
         let predicted = square * (UNSEEN * ROUNDING);
@@ -88,7 +88,7 @@ impl<const L: usize> LaneConvergence<L> {
         self.enough = Lanes::select(done, Lanes::from_f64(f64::INFINITY), enough);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn done(&self) -> LaneMask<L> {
         self.enough.equal(Lanes::from_f64(f64::INFINITY))
     }
@@ -139,7 +139,7 @@ impl<const L: usize> LaneConvergence<L> {
 }
 
 /// `nearly_relative_to` of `f64`, by lane.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
     // One operation of all lanes after the other: compilers take the lanes of several at once apart.
     (correction * unknown.map(nearly_inverse)).abs()
@@ -149,7 +149,7 @@ fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
 ///
 /// It ends: relative to what it leads to, the second correction of a lane is at most an eighth, and each next one at most half of the last, or the
 /// lane goes astray; 2^-52 is the last.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn iterate<const L: usize, const N: usize>(
     start: [Lanes<L>; N],
     is_guess: bool,
@@ -211,7 +211,7 @@ fn resumed<const L: usize, const N: usize>(
 }
 
 /// `newton::corrected_end`, by lane.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn corrected_end<const L: usize, const N: usize>(
     x: &[Lanes<L>; N],
     correction: &[Lanes<L>; N],
@@ -226,13 +226,13 @@ fn corrected_end<const L: usize, const N: usize>(
 }
 
 /// The number by which `newton::is_upright` judges, and what it has to be above.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symmetric: bool) -> Lanes<L> {
     if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
 }
 
 /// An infinite slope corrects nothing, and a determinant that is not that of no step at all leads to another solution.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn accepted<const L: usize, const N: usize>(
     mut x: [Lanes<L>; N],
     level: Lanes<L>,
@@ -249,7 +249,7 @@ fn accepted<const L: usize, const N: usize>(
 }
 
 /// [`correction`], where no lane needs a pivot that others do not.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn safe_correction<const L: usize, const N: usize>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
@@ -263,7 +263,7 @@ fn safe_correction<const L: usize, const N: usize>(
 }
 
 /// Two unknowns by Cramer's rule, and where that is safe.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn of_pair<const L: usize, const N: usize>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
@@ -282,7 +282,7 @@ fn of_pair<const L: usize, const N: usize>(
 }
 
 /// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by elimination.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn correction<const L: usize, const N: usize>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
@@ -321,7 +321,7 @@ fn rarely<const L: usize, const N: usize>(
 
 /// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection. `UPRIGHT`: of a positive
 /// determinant, else NaN.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
@@ -368,13 +368,13 @@ pub(super) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
     substitute(&a, x).map(|x| Lanes::select(usable, x, poison()))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lanes<L>, Lanes<L>) {
     (Lanes::select(mask, b, a), Lanes::select(mask, a, b))
 }
 
 /// [`super::SymmetricFactor`], by lane; NaN where it is not definite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
     let mut l = *matrix;
     let (mut stable, mut definite) = (LaneMask::from_bool(true), LaneMask::from_bool(true));
@@ -396,7 +396,7 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
 }
 
 /// The pivot where it is usable, else NaN.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
     let size = pivot.abs();
     let is_usable = exceeds(size, Lanes::from_f64(PIVOT_ULPS)) & size.less(Lanes::from_f64(LARGEST_PIVOT));
@@ -408,7 +408,7 @@ pub(super) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
 pub struct LaneByLane;
 
 impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         x: &mut [Lanes<L>; N],
         equations: impl Equations<Lanes<L>, N>,
@@ -421,17 +421,17 @@ impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
         Ok(effort)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn linear<const N: usize>(matrix: Matrix<L, N>, b: [Lanes<L>; N]) -> Result<[Lanes<L>; N], StepFailure> {
         if L == 1 { Together::linear(matrix, b) } else { Ok(general::<L, N, false>(&matrix, &b)) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn reciprocal(pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
         if L == 1 { Together::reciprocal(pivot) } else { Ok(usable(pivot).recip()) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn quotient(rhs: Lanes<L>, pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
         if L == 1 { Together::quotient(rhs, pivot) } else { Ok(rhs / usable(pivot)) }
     }

@@ -53,12 +53,12 @@ where
     E: Fn(&[S; N]) -> ([S; N], [[S; N]; N]) + Copy,
     R: Fn(&[S; N], usize) -> [Rounded; N] + Copy,
 {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn evaluate(&self, x: &[S; N]) -> ([S; N], [[S; N]; N]) {
         (self.evaluate)(x)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N] {
         (self.rounded)(x, lane)
     }
@@ -83,14 +83,14 @@ pub struct Effort {
 
 impl Effort {
     /// A solution by the short way, or (0) without iterations.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn fast(iterations: u32) -> Self {
         Self { iterations, doubtful: false, is_far: false, is_reversed: false, is_indefinite: false }
     }
 
     /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of the whole
     /// Jacobian is that of the iterated part times the pivot.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn isolated<S: Scalar, const CAREFUL: bool>(inverse: S) -> Self {
         Self { is_reversed: CAREFUL && inverse.less(S::from_f64(0.0)).all(), ..Self::fast(0) }
     }
@@ -106,7 +106,7 @@ impl Effort {
     }
 
     /// With that of other equations, each of which have a determinant of their own.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn beside(self, other: Self) -> Self {
         Self { is_reversed: self.is_reversed | other.is_reversed, ..self + other }
@@ -116,7 +116,7 @@ impl Effort {
 impl Add for Effort {
     type Output = Self;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(self, other: Self) -> Self {
         Self {
             iterations: self.iterations + other.iterations,
@@ -142,7 +142,7 @@ pub(crate) fn larger(a: f64, b: f64) -> f64 {
 }
 
 /// [`beyond`] of all lanes.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn beyond_in_any_lane<S: Scalar, const N: usize>(
     equations: impl Equations<S, N>,
     x: &[S; N],
@@ -168,7 +168,7 @@ pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
 }
 
 /// `|correction| / |unknown|`, 0 for no correction.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
     correction.relative_to(unknown)
 }
@@ -179,7 +179,7 @@ pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn newton<
     S: Scalar,
     const N: usize,
@@ -224,7 +224,7 @@ pub(super) fn newton<
 
 /// The first iteration from zero, of few unknowns, by what is known of it: nothing was before, and its correction is all of what it leads to.
 /// `false`, and nothing is done, where it says more.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     x: &mut [S; N],
     convergence: &mut Convergence,
@@ -275,7 +275,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
 }
 
 /// `x - c`, and the largest part of `c` relative to it, nearly; NaN of an unknown may be lost in that: no step returns it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], f64) {
     let (mut end, mut largest) = (*x, 0.0_f64);
     for i in 0..N {
@@ -291,7 +291,7 @@ pub(super) const UPRIGHT: f64 = 0.5;
 
 /// Whether the solution is the one that continues the state, as far as the Jacobian tells. Of more than one unknown each correction has told, but that a
 /// symmetric pair of positive determinant is definite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; N]; N]) -> bool {
     match N {
         // An infinite slope corrects nothing. With more unknowns the factorisation says so.
@@ -304,7 +304,7 @@ fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; 
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn accepted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: &[[S; N]; N],
     convergence: Convergence,
@@ -332,7 +332,7 @@ fn explain<const N: usize>(iterations: u32, correction: f64, pivot: f64) -> Step
 }
 
 /// `J⁻¹ r`; `None` where two unknowns need pivots.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: &[[S; N]; N],
     residual: [S; N],
@@ -345,7 +345,7 @@ fn corrected<S: Scalar, const N: usize, const SYMMETRIC: bool>(
 }
 
 /// The same with pivots.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: [[S; N]; N],
     residual: [S; N],
@@ -355,7 +355,7 @@ fn pivoted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
 
 /// Two unknowns by Cramer's rule; `None` for another number of them, and where the determinant is negative or cancels so far that
 /// pivoting is worth its price.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn solve_pair<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     matrix: &[[S; N]; N],
     b: &[S; N],
@@ -382,7 +382,7 @@ fn factored<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result
     upright(&Factor::new(matrix)?, b)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn upright<S: Scalar, const N: usize>(factor: &Factor<S, N>, b: [S; N]) -> Result<[S; N], StepFailure> {
     if factor.is_reversed() { Err(turned(true)) } else { Ok(factor.solve(b)) }
 }

@@ -47,7 +47,7 @@ impl<S: Scalar> Half<S> {
         Self { starts, columns, entries }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn row(&self, row: usize) -> (&[u32], &[S]) {
         let range = self.starts[row]..self.starts[row + 1];
         (&self.columns[range.clone()], &self.entries[range])
@@ -58,7 +58,7 @@ impl<S: Scalar> Half<S> {
     }
 
     /// Adds to an entry, if there is one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(&mut self, row: usize, column: usize, value: S) {
         let first = self.starts[row];
         let columns = &self.columns[first..self.starts[row + 1]];
@@ -68,7 +68,7 @@ impl<S: Scalar> Half<S> {
     }
 
     /// `Σ a_ij x_j` of a row.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(&self, row: usize, x: &[S]) -> S {
         let (columns, entries) = self.row(row);
         let (mut sums, zero) = ([S::from_f64(0.0); 4], S::from_f64(0.0));
@@ -132,7 +132,7 @@ impl<S: Scalar> Sparse<S> {
     }
 
     /// Adds to one entry, if there is a place for it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn add(&mut self, row: usize, column: usize, value: S) {
         let (row, column) = (self.position[row], self.position[column]);
         match row.cmp(&column) {
@@ -168,7 +168,7 @@ impl<S: Scalar> Sparse<S> {
     }
 
     /// Eliminates what is before the diagonal of a row; its pivot, and the largest number on the way to it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn eliminate<const COMPLETE: bool>(&mut self, row: usize) -> (S, f64) {
         let Self { lower, upper, diagonal, work, filled, .. } = self;
         let mark = row as u32;

@@ -12,7 +12,7 @@ use crate::solve::Effort;
 ///
 /// # Errors
 /// Those of [`Scheme::advance`]; the state and `memory` are then as they were.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
     system: &H,
     prepared: &T::Prepared,
@@ -39,7 +39,7 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
 }
 
 /// From a memory that knows nothing: seldom, and out of line.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
     system: &H,
     prepared: &T::Prepared,

@@ -150,7 +150,7 @@ struct Field<'a, H, S> {
 }
 
 impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, c: f64, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
         let Self { system, t, h, dw } = *self;
         let (t, h) = (S::from_f64(t + c * h), S::from_f64(h));
@@ -182,7 +182,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         elements::prepare(system)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         (): &(),

@@ -129,7 +129,7 @@ pub trait Scheme<H: Hamiltonian> {
     ///
     /// # Errors
     /// Those of [`Scheme::advance`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared,

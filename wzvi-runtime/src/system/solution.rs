@@ -19,14 +19,14 @@ pub struct Solution<S, const D: usize> {
 impl<S: Scalar, const D: usize> Solution<S, D> {
     /// Where a solution goes. Not a result of the function that finds it: numbers that share their memory with a [`StepFailure`] are not kept
     /// in vector registers.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn nowhere() -> Self {
         let nan = S::from_f64(f64::NAN);
         Self { q: [(nan, nan); D], p: [(nan, nan); D], effort: Effort::fast(0) }
     }
 
     /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new<C: Carry<S>>(carry: &C, [q, p]: [[S; D]; 2], [dq, dp]: [[S; D]; 2], effort: Effort) -> Self {
         // Plain loops: closures would be compiled without the vector instructions of the caller.
         let zero = S::from_f64(0.0);
@@ -39,19 +39,19 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     }
 
     /// Whether every component is finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn is_finite(&self) -> bool {
         S::are_finite([self.q, self.p]).all()
     }
 
     /// The paths beside each other of which every component is finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn are_finite(&self) -> S::Mask {
         S::are_finite([self.q, self.p])
     }
 
     /// Why a step has no finite end: paths beside each other whose end is finite have taken it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn failure(&self) -> StepFailure {
         StepFailure::but_of::<S>(self.are_finite())
     }
@@ -60,7 +60,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     ///
     /// # Errors
     /// What the solution says.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn arrive<C: Carry<S>>(
         self,
         solved: Result<(), StepFailure>,
@@ -80,7 +80,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     }
 
     /// Written out where it is called: the solution has no address, and stays in registers where all is well.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn store_in_part<C: Carry<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
         let are_finite = self.are_finite();
         let mut lost = [[S::from_f64(0.0); D]; 2];
@@ -94,7 +94,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
     }
 
     /// Moves the state.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
         let mut lost = [[S::from_f64(0.0); D]; 2];
         for i in 0..D {
@@ -110,14 +110,14 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
 ///
 /// # Errors
 /// [`StepFailure::Dimension`] if its length is another.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], StepFailure> {
     let got = slice.len();
     slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
 }
 
 /// Fills `by_q` and `by_p` with a gradient; NaN where they have another length.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q: [S; D], of_p: [S; D]) {
     if by_q.len() == D && by_p.len() == D {
         by_q.copy_from_slice(&of_q);
@@ -129,7 +129,7 @@ pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q:
 }
 
 /// Fills `into` with a covector; NaN where it has another length.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
     if into.len() == D {
         into.copy_from_slice(&components);
@@ -142,7 +142,7 @@ pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
 ///
 /// # Errors
 /// [`StepFailure::Increments`] if its length is another.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
     dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
 }

@@ -59,7 +59,7 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
 pub struct Straight<E, const D: usize, const N: usize>(PhantomData<E>);
 
 /// A step by what is prepared of one system, or of one in each lane.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn advance<H, E, K, S, C, const D: usize, const N: usize, const CAREFUL: bool>(
     prepared: &H::Prepared<K>,
     At { t, h, q, p, dw }: At<'_, S>,
@@ -104,7 +104,7 @@ where
         system.prepare(h)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
         _: &H,
         prepared: &Self::Prepared,
@@ -119,7 +119,7 @@ where
         Some(H::gather(prepared))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_beside<const L: usize>(
         beside: &Self::Beside<L>,
         at: At<'_, Lanes<L>>,

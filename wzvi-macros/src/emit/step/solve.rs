@@ -202,7 +202,7 @@ impl SolveBody<'_> {
         };
         self.functions.extend(quote! {
             /// The equations of a block, and their Jacobian by rows.
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn #equations<#generics>(
                 #parameters
                 __iterate: [__S; #n],

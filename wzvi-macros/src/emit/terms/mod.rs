@@ -386,7 +386,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool) -> TokenStre
             type Exact = #exact;
             type Usual = #usual;
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn slopes<
                 __S: __wzvi::Scalar,
                 __T: __wzvi::Number<__S>,

@@ -12,7 +12,7 @@ pub(super) const BLOCK: usize = 2 * LANES;
 pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 
 /// Slopes of a body and the first `few` of a block of partners in columns.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn fill<
     T: Number<f64>,
     K: Pair<O, P, D, M, F>,
@@ -59,7 +59,7 @@ pub(in crate::elements) struct Block<const B: usize, const D: usize, const F: us
 impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
     /// Those of the first `most` of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
     /// know the result.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
         &mut self,
         most: usize,
@@ -105,7 +105,7 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
     }
 
     /// Whether the first `few` of all slopes are finite. By bits without signs: no sum waits for another one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(&self, few: usize) -> bool {
         let mut poison = 0;
         for numbers in self.by_own.iter().chain(&self.by_partner) {
@@ -118,7 +118,7 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
 }
 
 /// `sums += slopes`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N]) {
     let (mut new, slopes) = (*sums, *slopes);
     for lane in 0..N {
@@ -128,7 +128,7 @@ pub(super) fn add<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N]) {
 }
 
 /// The same of the first `few`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_few<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N], few: usize) {
     let mut slopes = *slopes;
     for lane in 0..N {

@@ -29,13 +29,13 @@ struct Columns<'a, U> {
 const LINE: usize = 8;
 
 /// Numbers from one column to the next: those of the points, and a block, to the end of a line.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn stride<const D: usize>(degrees: usize) -> usize {
     (degrees / D + BLOCK).next_multiple_of(LINE)
 }
 
 /// The room from the beginning of a line on.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn on_lines(room: &mut [f64]) -> &mut [f64] {
     let first = room.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
     &mut room[first..]
@@ -53,33 +53,33 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         Self: 'r;
     type Beside<T: Number<f64>, const M: usize, const F: usize> = InBlocks<T, U, M, F>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, variable: usize, values: Range<isize>) -> Range<isize> {
         self.sums.outer(variable, values)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         self.sums.clip::<D, N>(len, first)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> Places<'_, f64> {
         self.sums.run(first, len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, f64, D> {
         self.sums.points(first, len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         self.sums.add(place, value);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gathers(&self, low: isize, end: isize) -> bool {
         end - low >= LEAST_BESIDE
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_rows<const D: usize>(&mut self, q: &[f64]) {
         let stride = stride::<D>(q.len());
         self.room.resize(2 * D * stride + LINE, 0.0);
@@ -92,7 +92,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<
         T: Number<f64>,
         K: Pair<O, P, D, M, F>,
@@ -125,7 +125,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn end_rows<const D: usize>(&mut self) {
         let stride = stride::<D>(self.sums.len());
         let slopes = self.sums.as_chunks_mut::<D>().0;
@@ -142,7 +142,7 @@ pub(in crate::elements) const fn may_take_vectors<H: Elements>() -> bool {
 
 /// Whether slopes of so many degrees of freedom are taken in vector instructions: [rows](Elements::HAS_PAIRS) in columns, and what
 /// [gathers](Elements::GATHERS) in blocks.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::elements) fn takes_vectors<H: Elements>(wanted: Slopes, degrees: usize) -> bool {
     let by_q = wanted.by_q && (H::HAS_PAIRS || H::GATHERS.by_q);
     (by_q || (wanted.by_p && H::GATHERS.by_p)) && degrees >= LEAST_IN_COLUMNS
@@ -162,7 +162,7 @@ struct InColumns<'a, H: Elements> {
 impl<H: Elements> Kernel for InColumns<'_, H> {
     type Output = ();
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
         let Self { system, part, weight, at, wanted, mut by_q, mut by_p } = self;
         system.slopes::<f64, H::Exact, [f64], _, _>(part, weight, at, wanted, &mut by_q, &mut by_p);

@@ -17,7 +17,7 @@ pub(super) struct Partners<'r, const D: usize, const M: usize> {
 }
 
 /// The first numbers of lists, of which each has as many.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn heads<'a, const B: usize, const N: usize>(lists: &[&'a [f64]; N], first: usize) -> [&'a [f64; B]; N] {
     let mut heads = [&[0.0; B]; N];
     for k in 0..N {
@@ -27,7 +27,7 @@ fn heads<'a, const B: usize, const N: usize>(lists: &[&'a [f64]; N], first: usiz
 }
 
 /// The same of lists that may have less: the last number again.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn filled<const B: usize, const N: usize>(lists: &[&[f64]; N], first: usize) -> [[f64; B]; N] {
     let mut filled = [[0.0; B]; N];
     for k in 0..N {
@@ -41,14 +41,14 @@ fn filled<const B: usize, const N: usize>(lists: &[&[f64]; N], first: usize) -> 
 
 impl<const D: usize, const M: usize> Partners<'_, D, M> {
     /// The sums by component `k` of a block.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sums<const B: usize>(&mut self, k: usize, first: usize) -> &mut [f64; B] {
         &mut self.sums[self.first + k * self.stride + first..].as_chunks_mut().0[0]
     }
 
     /// Adds the slopes by a block of partners, or the first `few` of them, to their sums, and those by the body to the sums of lanes as far as
     /// lanes are full; all of these slopes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet_block<T, U, K, const O: usize, const P: usize, const F: usize, const B: usize>(
         &mut self,
         row: &Row<'_, T, O, P, M, F>,
@@ -90,7 +90,7 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
     }
 
     /// Adds the slopes by all partners to their sums; the sums of those by the body.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn meet<T, U, K, const O: usize, const P: usize, const F: usize>(
         mut self,
         row: &Row<'_, T, O, P, M, F>,

@@ -8,7 +8,7 @@ const BESIDE: usize = 16;
 pub(super) struct Check([f64; BESIDE]);
 
 /// Zero for each finite number.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn add_zeros(zeros: &mut [f64; BESIDE], numbers: &[f64; BESIDE]) {
     for i in 0..BESIDE {
         zeros[i] += numbers[i] * 0.0;
@@ -16,7 +16,7 @@ fn add_zeros(zeros: &mut [f64; BESIDE], numbers: &[f64; BESIDE]) {
 }
 
 impl Check {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn look(&mut self, numbers: &[f64]) {
         let (groups, rest) = numbers.as_chunks::<BESIDE>();
         let mut zeros = self.0;
@@ -30,7 +30,7 @@ impl Check {
     }
 
     /// `into = sum(base, term)`, one by one; without a base `into = sum(into, term)`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn store(
         &mut self,
         into: &mut [f64],
@@ -44,7 +44,7 @@ impl Check {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn combine<const IN_PLACE: bool>(
         &mut self,
         into: &mut [f64],
@@ -72,7 +72,7 @@ impl Check {
         self.look(into_rest);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_finite(&self) -> bool {
         self.0.iter().sum::<f64>() == 0.0
     }

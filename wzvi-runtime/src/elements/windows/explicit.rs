@@ -12,20 +12,20 @@ use crate::scalar::Number;
 /// Whether steps of so many degrees of freedom go window by window.
 ///
 /// Only for [`Elements::HAS_WINDOWS`], which is asked beforehand, so that nothing is compiled for the others.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::elements) fn takes_windows(scheme: &Quadrature, degrees: usize) -> bool {
     let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
     degrees >= LEAST_IN_WINDOWS && is_explicit && (kicks_first(scheme) || kicks_last(scheme))
 }
 
 /// `DeltaPlus`: the new momentum is `P`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn kicks_first(scheme: &Quadrature) -> bool {
     scheme.update == MomentumUpdate::Multiple(1.0)
 }
 
 /// `DeltaMinus`: `P` is the old momentum.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn kicks_last(scheme: &Quadrature) -> bool {
     let is_last = |stage: &Stage| stage.start == 0.0 && (stage.end == 1.0 && stage.point == 1.0);
     scheme.update == MomentumUpdate::Slopes && scheme.stages.iter().all(is_last)
@@ -36,7 +36,7 @@ impl<H: Shared> Step<'_, H, f64> {
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn advance_windows<'p>(
         mut self,
         plan: &'p mut WindowPlan,
@@ -46,7 +46,7 @@ impl<H: Shared> Step<'_, H, f64> {
     }
 
     /// Adds the slopes of the stages with a weight.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
         &self,
         weight_of: impl Fn(&Stage) -> f64,
@@ -83,12 +83,12 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
     const IS_WORD: bool = false;
     const CHANGES: bool = false;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn share(&mut self) -> Self {
         *self
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, _: usize) -> [Self; 2] {
         [self; 2]
     }
@@ -104,12 +104,12 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
     }
 
     /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         if kicks_first(self.scheme) { 2 } else { 3 }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kind(&self, number: usize) -> Move {
         match number {
             0 => Move::Kick(Kick::Minus),
@@ -118,12 +118,12 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, _: usize) -> Option<Origin> {
         None
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
     where
         T: Number<f64>,
@@ -134,7 +134,7 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
         self.slopes_of::<T, V, A>(weight_of, q, Slopes::BY_COORDINATES, into);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_velocities<T, V, A>(&self, _: usize, p: &V, into: &mut A)
     where
         T: Number<f64>,
@@ -144,9 +144,9 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
         self.slopes_of::<T, V, A>(|_| 1.0, p, Slopes::BY_MOMENTA, into);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, _: usize, _: Range<usize>, _: &mut [f64]) {}
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, _: usize, _: Range<usize>, _: &mut [f64], _: &mut [f64]) {}
 }

@@ -30,7 +30,7 @@ pub(super) type Values<'a> = Flatten<Cloned<slice::Iter<'a, Range<isize>>>>;
 
 impl<'a> Strip<'a> {
     /// As [`Sums::outer`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn outer(self, variable: usize) -> Values<'a> {
         let rows = self.plan.rows.iter().find(|rows| rows.variable == variable);
         let own = rows.and_then(|rows| rows.of_window.get(self.number)).map_or(&[][..], |own| &own[..]);
@@ -38,7 +38,7 @@ impl<'a> Strip<'a> {
     }
 
     /// As [`Sums::clip`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn clip<const D: usize, const N: usize>(
         self,
         len: usize,
@@ -49,20 +49,20 @@ impl<'a> Strip<'a> {
     }
 
     /// Where the sums of the window are, in a list of [`Windows::room`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn own(self) -> Range<usize> {
         let margin = self.plan.margin;
         margin..margin + (self.end - self.start)
     }
 
     /// Where sums that nobody reads begin.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn unread(self) -> usize {
         self.plan.size + 2 * self.plan.margin
     }
 
     /// Where the sums of `len` places from `first` on are.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn position(self, first: usize, len: usize) -> usize {
         let margin = self.plan.margin;
         let is_near = first + margin >= self.start && first + len <= self.end + margin;
@@ -71,7 +71,7 @@ impl<'a> Strip<'a> {
 }
 
 /// As [`Sums::clip`], to what writes into `places`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> (usize, usize) {
     // Rows of a lattice mostly lie in a window: looking at one stretch of them is enough. Chains, with one or two stretches, do not.
     if N > 2 && first.iter().any(|&first| places.start <= first && first + len <= places.end) {
@@ -269,7 +269,7 @@ impl Windows {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(&self, number: usize) -> (usize, usize) {
         (number * self.size, ((number + 1) * self.size).min(self.degrees))
     }
@@ -280,7 +280,7 @@ impl Windows {
     }
 
     /// Entries before those of a window.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn margin(&self) -> usize {
         self.margin
     }
@@ -298,7 +298,7 @@ impl Windows {
     }
 
     /// A window by its number.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn strip(&self, number: usize) -> Strip<'_> {
         let (start, end) = self.bounds(number);
         Strip { start, end, number, plan: self }

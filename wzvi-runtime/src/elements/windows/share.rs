@@ -29,7 +29,7 @@ pub(super) struct Room<'a> {
 }
 
 impl<'a> Room<'a> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Room<'_> {
         let Self { first, even, odd, momenta, kept: [q, force] } = self;
         Room { first: *first, even, odd, momenta, kept: [q, force] }
@@ -116,7 +116,7 @@ impl<'a, M: Moves, T: Number<f64>, const WHOLE: bool> Job<'a, M, T, WHOLE> {
 impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE> {
     type Output = bool;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> bool {
         let mut room = self.room;
         let Self { step, mut moves, turns, sums, .. } = self;
@@ -197,13 +197,13 @@ struct OneTurn<'t, M, const WHOLE: bool> {
 
 impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
     /// Where its places are in the room.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn own(&self) -> Range<usize> {
         self.strip.start - self.first..self.strip.end - self.first
     }
 
     /// Momenta that no kick has stored.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn store_base(&mut self) {
         if let Some(base) = self.base.take() {
             let own = self.own();
@@ -212,7 +212,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
     }
 
     /// With the force of the step before.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick_again(&mut self, force: &[f64]) {
         let own = self.own();
         let p = &mut self.momenta[own];
@@ -220,7 +220,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
     }
 
     /// Adds forces to momenta; the sums.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick<T: Number<f64>>(&mut self, number: usize, kick: Kick) -> &[f64] {
         let own = self.own();
         let p = &mut self.momenta[own];
@@ -243,7 +243,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
     }
 
     /// Adds velocities to coordinates.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift<T: Number<f64>>(&mut self, number: usize) {
         let own = self.own();
         let Self { strip, first, from, to, momenta, has_drifted, .. } = self;
@@ -275,7 +275,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
         *has_drifted = true;
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, number: usize) {
         let own = self.own();
         let p = &mut self.momenta[own];
@@ -283,7 +283,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
         self.check.look(p);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, number: usize) {
         let places = self.strip.start..self.strip.end;
         let own = self.own();

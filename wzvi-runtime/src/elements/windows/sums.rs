@@ -20,7 +20,7 @@ pub(super) struct Stretch<'a> {
 impl Index<usize> for Stretch<'_> {
     type Output = f64;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn index(&self, place: usize) -> &f64 {
         &self.numbers[place - self.first]
     }
@@ -29,14 +29,14 @@ impl Index<usize> for Stretch<'_> {
 impl Index<Range<usize>> for Stretch<'_> {
     type Output = [f64];
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn index(&self, places: Range<usize>) -> &[f64] {
         &self.numbers[places.start - self.first..places.end - self.first]
     }
 }
 
 impl Given<f64> for Stretch<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn degrees(&self) -> usize {
         self.degrees
     }
@@ -51,13 +51,13 @@ pub(super) struct Window<'a> {
 
 impl<'a> Window<'a> {
     /// Sums without terms.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn empty(strip: Strip<'a>, sums: &'a mut [f64]) -> Self {
         Self { strip, sums, filled: 0 }
     }
 
     /// Sums that begin with the numbers of the window.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn onto(strip: Strip<'a>, sums: &'a mut [f64], numbers: &[f64]) -> Self {
         let (own, filled) = (strip.own(), strip.unread());
         sums[..own.start].fill(nothing());
@@ -67,7 +67,7 @@ impl<'a> Window<'a> {
     }
 
     /// Where the sums of `len` places from `first` on are, and whether they have no term yet.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn open(&mut self, first: usize, len: usize) -> (usize, bool) {
         let position = self.strip.position(first, len);
         let end = position + len;
@@ -81,7 +81,7 @@ impl<'a> Window<'a> {
     }
 
     /// The sums of the window.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn finish(self) -> &'a [f64] {
         let Self { strip, sums, filled } = self;
         let own = strip.own();
@@ -104,20 +104,20 @@ impl<'a> Sums<f64> for Window<'a> {
         Self: 'r;
     type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
         self.strip.outer(variable)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         self.strip.clip::<D, N>(len, first)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> Gathered<'_> {
         let (position, is_fresh) = self.open(first, len);
         Gathered { sums: &mut self.sums[position..position + len], is_fresh }
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, f64, D> {
         let (position, is_fresh) = self.open(first, D * len);
         let points = self.sums.points(position, len);
@@ -126,7 +126,7 @@ impl<'a> Sums<f64> for Window<'a> {
         }
         points
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         self.run(place, 1).add(0, value);
     }
@@ -139,12 +139,12 @@ pub(super) struct Gathered<'r> {
 }
 
 impl Run<f64> for Gathered<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         let sum = if self.is_fresh { nothing() } else { self.sums[place] };
         self.sums[place] = (T::of(sum) + value).kept();
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<f64>>(&mut self, place: usize, part: usize, value: T) {
         self.add(place + part, value);
     }
@@ -171,25 +171,25 @@ impl<'a> Sums<f64> for Moved<'a> {
         Self: 'r;
     type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
         self.strip.outer(variable)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         self.strip.clip::<D, N>(len, first)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> OntoRun<'_, f64, 1> {
         self.points::<1>(first, len)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> OntoRun<'_, f64, D> {
         let places = first..first + D * len;
         let next = &mut self.next[places.start - self.first..places.end - self.first];
         OntoRun::new(&self.base[places], next)
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         if (self.strip.start..self.strip.end).contains(&place) {
             self.run(place, 1).add(0, value);

@@ -80,7 +80,7 @@ impl Sweeps {
 
 impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// The guess of so many steps before, with its `u` and `P`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
         if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
@@ -93,7 +93,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// `x ← φ(x)`, or Newton's iteration with a diagonal Jacobian that was factored, with the new `u` and `P` from those of before.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Swept {
         if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
@@ -114,7 +114,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         Swept { relative, change: None }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn takes_vectors(&self, scratch: &Scratch<'_, S>) -> bool {
         H::HAS_WINDOWS
             && S::plain(&[]).is_some()
@@ -125,13 +125,13 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 
     /// Whether an iteration may have failed for arguments of functions that loops over neighbours do not know.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn may_have_been_unusual(&self, scratch: &Scratch<'_, S>) -> bool {
         TypeId::of::<H::Usual>() != TypeId::of::<H::Exact>() && self.takes_vectors(scratch)
     }
 
     /// The same step, if its numbers are `f64`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(&self) -> Option<Step<'_, H, f64>> {
         let &Self { system, scheme, t, h, q, p, dw, increment } = self;
         let (q, p, dw, increment) = (S::plain(q)?, S::plain(p)?, S::plain(dw)?, increment.and_then(S::plain));
@@ -187,7 +187,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
 
 impl<H: Shared> Step<'_, H, f64> {
     /// The sums of a window, of slopes at coordinates or momenta.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn window<'w, T: Number<f64>, V: Given<f64> + ?Sized>(
         &self,
         strip: Strip<'w>,
@@ -201,7 +201,7 @@ impl<H: Shared> Step<'_, H, f64> {
     }
 
     /// `c` in `Q = q + c u`, and the weight of forces.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weights(&self) -> [f64; 2] {
         self.scheme.stages.first().map_or([0.0; 2], |stage| [stage.point, stage.start])
     }
@@ -209,7 +209,7 @@ impl<H: Shared> Step<'_, H, f64> {
 
 impl Lists<'_, f64> {
     /// What an iteration writes; the coordinates at which it takes forces; `u` of the one before.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn parted(&mut self) -> (Part<'_>, &[f64], &[f64]) {
         let Self { x, correction, u, by_p: before, momentum, stages, .. } = self;
         let (now, next) = stages.at_mut(0);
@@ -219,7 +219,7 @@ impl Lists<'_, f64> {
 
 impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// Whether the last iteration went in windows and leads to a state that is finite: then [`Scratch::store_windows`] ends the step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
         let is_known =
@@ -230,7 +230,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
 
 impl<S: Scalar> Scratch<'_, S> {
     /// The unknowns change in another way than in windows.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::elements) fn leave_windows(&mut self) {
         if let Some(sweeps) = self.sweeps.as_deref_mut() {
             sweeps.is_ready = false;
@@ -279,7 +279,7 @@ impl<H: Shared> Start<'_, '_, H> {
 impl<H: Shared> Kernel for Start<'_, '_, H> {
     type Output = ();
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
         let Self { step, windows, portion, part, past, known } = self;
         let [point, _] = step.weights();
@@ -323,7 +323,7 @@ impl<H: Shared> Sweep<'_, '_, H> {
 impl<H: Shared> Kernel for Sweep<'_, '_, H> {
     type Output = Found;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Found {
         let Self { step, windows, portion, part, now, before, inverses } = self;
         let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);

@@ -76,13 +76,13 @@ pub trait Word {
     fn letter(&self, number: usize) -> Letter<'_>;
 
     /// Changes the momenta of some places one by one, and may be called again.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
         let _ = (number, places, p);
     }
 
     /// Changes coordinates and momenta of some places one by one, and may be called again.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         let _ = (number, places, q, p);
     }
@@ -99,7 +99,7 @@ struct Spoken<'a, H, W> {
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn take_windows<'p, H: Shared, W: Word>(
     system: &H,
     word: &mut W,
@@ -125,12 +125,12 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
     const IS_WORD: bool = true;
     const CHANGES: bool = W::CHANGES;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn share(&mut self) -> Self::Share<'_> {
         Spoken { system: self.system, word: self.word.share(), degrees: self.degrees }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { system, word, degrees } = self;
         word.divide(place).map(|word| Self { system, word, degrees })
@@ -158,12 +158,12 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         self.word.count()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn kind(&self, number: usize) -> Move {
         match self.word.letter(number) {
             Letter::Kick(_) => Move::Kick(Kick::Terms),
@@ -174,7 +174,7 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, number: usize) -> Option<Origin> {
         match self.word.letter(number) {
             Letter::KickAtEnd(_, origin) => origin,
@@ -182,7 +182,7 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
     where
         T: Number<f64>,
@@ -194,7 +194,7 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_velocities<T, V, A>(&self, number: usize, p: &V, into: &mut A)
     where
         T: Number<f64>,
@@ -206,12 +206,12 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
         self.word.change_momenta(number, places, p);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         self.word.change_state(number, places, q, p);
     }

@@ -35,7 +35,7 @@ pub(super) struct Pairs<'j, 'a, H: Discretized<E>, E, const WIDTH: usize> {
 impl<H: Discretized<E>, E, const WIDTH: usize> Kernel for Pairs<'_, '_, H, E, WIDTH> {
     type Output = Result<Samples, Halt>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         if const { WIDTH != 0 } {
             self.of_width::<WIDTH>()
@@ -57,7 +57,7 @@ struct Coupled<'j, 'a, H: Discretized<E>, E, const L: usize> {
 impl<H: Discretized<E>, E, const L: usize> Advance for Coupled<'_, '_, H, E, L> {
     type Error = Error;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         let Self { fine, coarse } = self;
         fine.draw(step)?;
@@ -87,12 +87,12 @@ struct Patrol<'j> {
 impl<P: Advance<Error = Error>> Monitor<P> for Patrol<'_> {
     type Error = Halt;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, _path: &P, node: u64) -> u64 {
         node.saturating_add(self.pace.left())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn look(&mut self, _path: &mut P, node: u64) -> Result<(), Halt> {
         self.pace.done(node - self.seen)?;
         self.seen = node;
@@ -101,7 +101,7 @@ impl<P: Advance<Error = Error>> Monitor<P> for Patrol<'_> {
 }
 
 impl<H: Discretized<E>, E, const WIDTH: usize> Pairs<'_, '_, H, E, WIDTH> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_width<const L: usize>(self) -> Result<Samples, Halt> {
         let mut samples = Samples::default();
         let still = || vec![Lanes::from_f64(0.0); self.fine.processes()];

@@ -52,7 +52,7 @@ impl StatisticsNode {
     }
 
     /// The observables of the next path, if it has not failed before.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::ensemble) fn tally(
         &mut self,
         values: Option<&[f64]>,

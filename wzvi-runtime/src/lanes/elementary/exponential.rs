@@ -12,7 +12,7 @@ functions! {
 }
 
 /// `r - r² (P_0 + P_1 r² + ...)`, which is `c` in `e^r = 1 + r + r c/(2 - c)` for `|r| <= ln 2 / 2`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn remainder(r: f64) -> f64 {
     const P: [f64; 5] = [
         1.666_666_666_666_660_2e-1,
@@ -26,7 +26,7 @@ fn remainder(r: f64) -> f64 {
 }
 
 /// `e^x` for `|x| <= 708`, from `x = k ln 2 + r`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn exp(x: f64) -> f64 {
     let (k, bits) = nearest(x * std::f64::consts::LOG2_E);
     let (upper, lower) = (x - k * LN2_HIGH, k * LN2_LOW);
@@ -36,7 +36,7 @@ pub(super) fn exp(x: f64) -> f64 {
 }
 
 /// `2^(x + tail)` for `|x| <= 1021` and a small tail.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn exp2_sum(x: f64, tail: f64) -> f64 {
     const LN2: f64 = std::f64::consts::LN_2;
     // The first 24 bits of it, and the rest.
@@ -54,7 +54,7 @@ pub(super) fn exp2_sum(x: f64, tail: f64) -> f64 {
 }
 
 /// `e^x - 1` for `-36 <= x <= 708`: with `x = k ln 2 + r`, `2^k (e^r - 1) + (2^k - 1)`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn exp_m1(x: f64) -> f64 {
     const Q: [f64; 5] = [
         -3.333_333_333_333_313e-2,

@@ -19,7 +19,7 @@ functions! {
     Atanh(x): atanh(x), where x.abs() < 1.0, else libm::atanh;
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn sinh(x: f64) -> f64 {
     let size = x.abs();
     let t = exp_m1(size);
@@ -28,13 +28,13 @@ fn sinh(x: f64) -> f64 {
     (0.5 * doubled).copysign(x)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn cosh(x: f64) -> f64 {
     let e = exp(x.abs());
     0.5 * (e + 1.0 / e)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn tanh(x: f64) -> f64 {
     // One to the last digit from here on.
     let size = select(x.abs() < 22.0, x.abs(), 22.0);
@@ -44,20 +44,20 @@ fn tanh(x: f64) -> f64 {
     select(is_large, 1.0 - ratio, ratio).copysign(x)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn asinh(x: f64) -> f64 {
     let size = x.abs();
     let square = size * size;
     ln_1p(size + square / ((square + 1.0).sqrt() + 1.0)).copysign(x)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn acosh(x: f64) -> f64 {
     let above = x - 1.0;
     ln_1p(above + (above * above + 2.0 * above).sqrt())
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn atanh(x: f64) -> f64 {
     let size = x.abs();
     let ratio = size / (1.0 - size);

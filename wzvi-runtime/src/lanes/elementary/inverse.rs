@@ -19,7 +19,7 @@ functions! {
 const FRAC_PI_2_LOW: f64 = 6.123_233_995_736_766e-17;
 
 /// `(asin(x) - x)/x` as a function of `z = x²`, for `|x| <= 1/2`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn excess(z: f64) -> f64 {
     const P: [f64; 6] = [
         1.666_666_666_666_666_6e-1,
@@ -41,7 +41,7 @@ fn excess(z: f64) -> f64 {
 }
 
 /// `asin(x) = π/2 - 2 asin √((1 - x)/2)` above one half.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn asin(x: f64) -> f64 {
     let size = x.abs();
     let is_small = size < 0.5;
@@ -57,7 +57,7 @@ fn asin(x: f64) -> f64 {
     select(is_small, x + x * r, large.copysign(x))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn acos(x: f64) -> f64 {
     let size = x.abs();
     let is_small = size < 0.5;
@@ -73,7 +73,7 @@ fn acos(x: f64) -> f64 {
 }
 
 /// `atan(x) = atan(c) + atan((x - c)/(1 + c x))` with `c` one of 0, 1/2, 1, 3/2, ∞.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn atan(x: f64) -> f64 {
     const T: [f64; 11] = [
         3.333_333_333_333_293e-1,
@@ -113,12 +113,12 @@ fn atan(x: f64) -> f64 {
 }
 
 /// Whether quotients of two such numbers are normal.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn is_moderate(x: f64) -> bool {
     (1e-150..1e150).contains(&x.abs())
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn atan2(y: f64, x: f64) -> f64 {
     const PI_LOW: f64 = 1.224_646_799_147_353_2e-16;
     let angle = atan((y / x).abs());

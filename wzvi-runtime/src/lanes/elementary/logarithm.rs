@@ -13,13 +13,13 @@ functions! {
     Log10(x): log10(x), where is_normal_and_positive(x), else libm::log10;
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn is_normal_and_positive(x: f64) -> bool {
     (f64::MIN_POSITIVE..f64::INFINITY).contains(&x)
 }
 
 /// `f²/2` and `s (f²/2 + R)`
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn series(f: f64) -> (f64, f64) {
     const L: [f64; 7] = [
         6.666_666_666_666_735e-1,
@@ -40,7 +40,7 @@ fn series(f: f64) -> (f64, f64) {
 }
 
 /// `ln x` of a positive normal number.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn ln(x: f64) -> f64 {
     let (k, mantissa) = exponent_and_mantissa(x);
     let f = mantissa - 1.0;
@@ -49,7 +49,7 @@ pub(super) fn ln(x: f64) -> f64 {
 }
 
 /// `ln(1 + x)` for `-1 < x < 1e300`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn ln_1p(x: f64) -> f64 {
     let sum = 1.0 + x;
     let (k, mantissa) = exponent_and_mantissa(sum);
@@ -67,7 +67,7 @@ pub(super) fn ln_1p(x: f64) -> f64 {
 }
 
 /// `ln(1 + f)` as a sum whose first part has 21 bits.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn split(f: f64) -> (f64, f64) {
     let (half, rest) = series(f);
     let upper = high(f - half);
@@ -75,7 +75,7 @@ fn split(f: f64) -> (f64, f64) {
 }
 
 /// `log₂ x` of a positive normal number.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log2(x: f64) -> f64 {
     const HIGH: f64 = 1.442_695_040_721_446_3;
     const LOW: f64 = 1.675_171_316_488_651_2e-10;
@@ -88,7 +88,7 @@ pub(super) fn log2(x: f64) -> f64 {
 }
 
 /// `log₁₀ x` of a positive normal number.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn log10(x: f64) -> f64 {
     const HIGH: f64 = 4.342_944_818_781_689e-1;
     const LOW: f64 = 2.508_294_671_164_527_5e-11;

@@ -14,7 +14,7 @@ functions! {
 }
 
 /// Whether `x^y` is far from overflow: `|log₂ x|` is below its exponent plus one.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn is_moderate(x: f64, y: f64) -> bool {
     let exponent = small_integer((x.to_bits() >> 52) & 0x7ff) - 1023.0;
     is_normal_and_positive(x) & (y.abs() * (exponent.abs() + 1.0) <= 1020.0)
@@ -22,7 +22,7 @@ fn is_moderate(x: f64, y: f64) -> bool {
 
 /// `2^(y log₂ x)` with the logarithm in two parts: 2/(3 ln 2) times `3 ln(x) / 2` by its series in `s = (m - b)/(m + b)`,
 /// where `x = 2^n m` and `b` is 1 or 3/2.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn pow(x: f64, y: f64) -> f64 {
     const L: [f64; 6] = [
         5.999_999_999_999_946e-1,
@@ -76,7 +76,7 @@ fn pow(x: f64, y: f64) -> f64 {
 }
 
 /// Whether squares neither overflow nor lose digits.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn squares_fit(x: f64, y: f64) -> bool {
     const SMALL: f64 = 1e-135;
     const LARGE: f64 = 1e150;
@@ -86,7 +86,7 @@ fn squares_fit(x: f64, y: f64) -> bool {
 }
 
 /// `√(x² + y²)` with the rounding of the squares put back.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn hypot(x: f64, y: f64) -> f64 {
     let (x, y) = (x.abs(), y.abs());
     let (larger, smaller) = (select(x < y, y, x), select(x < y, x, y));
@@ -96,7 +96,7 @@ fn hypot(x: f64, y: f64) -> f64 {
 }
 
 /// `x²` and what rounding takes from it (Dekker).
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn square(x: f64) -> (f64, f64) {
     let upper = {
         let scaled = x * 134_217_729.0;
@@ -108,7 +108,7 @@ fn square(x: f64) -> (f64, f64) {
 }
 
 /// `∛x`: a third of the exponent, a polynomial good to 23 bits, and one step of Newton's method.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn cbrt(x: f64) -> f64 {
     const P: [f64; 5] = [
         1.875_951_824_271_77,

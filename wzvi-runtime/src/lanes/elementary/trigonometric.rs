@@ -19,7 +19,7 @@ functions! {
 ///
 /// `π/2` in three parts of 33 bits and a rest (W. J. Cody, W. Waite, "Software Manual for the Elementary Functions",
 /// 1980): their products with `n` are exact.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn reduce(x: f64) -> (f64, f64, u64) {
     const FIRST: f64 = 1.570_796_326_734_125_6;
     const SECOND: f64 = 6.077_100_506_303_966e-11;
@@ -32,7 +32,7 @@ fn reduce(x: f64) -> (f64, f64, u64) {
 }
 
 /// `a - b` and what rounding takes from it (Knuth).
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn difference(a: f64, b: f64) -> (f64, f64) {
     let rounded = a - b;
     let taken = a - rounded;
@@ -40,7 +40,7 @@ fn difference(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// `sin(x + tail)` for `|x| <= π/4`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn sine(x: f64, tail: f64) -> f64 {
     const S: [f64; 6] = [
         -1.666_666_666_666_663_2e-1,
@@ -58,7 +58,7 @@ fn sine(x: f64, tail: f64) -> f64 {
 }
 
 /// `cos(x + tail)` for `|x| <= π/4`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn cosine(x: f64, tail: f64) -> f64 {
     const C: [f64; 6] = [
         4.166_666_666_666_66e-2,
@@ -77,12 +77,12 @@ fn cosine(x: f64, tail: f64) -> f64 {
 }
 
 /// The value with its sign turned if bit 1 of `bits` is set.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn turned(value: f64, bits: u64) -> f64 {
     f64::from_bits(value.to_bits() ^ ((bits & 2) << 62))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn sin(x: f64) -> f64 {
     let (head, tail, n) = reduce(x);
     let y = turned(select(n & 1 == 0, sine(head, tail), cosine(head, tail)), n);
@@ -90,14 +90,14 @@ fn sin(x: f64) -> f64 {
     select(x == 0.0, x, y)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn cos(x: f64) -> f64 {
     let (head, tail, n) = reduce(x);
     turned(select(n & 1 == 0, cosine(head, tail), sine(head, tail)), n.wrapping_add(n & 1))
 }
 
 /// `tan(x)`, and `-1/tan` of the reduced argument for odd `n`.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn tan(x: f64) -> f64 {
     const T: [f64; 13] = [
         3.333_333_333_333_341e-1,

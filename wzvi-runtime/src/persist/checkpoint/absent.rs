@@ -22,7 +22,7 @@ impl Keeping {
         false
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N>(
         self,
         _stepper: &mut Stepper<'_, H, E, C>,
@@ -36,23 +36,23 @@ impl Keeping {
 
 impl Keeper {
     /// Every run starts at its start.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn first(&self) -> u64 {
         0
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn keeps(&self) -> bool {
         false
     }
 
     /// No node is looked at.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next(&self) -> u64 {
         u64::MAX
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_due(&mut self, _node: u64) -> bool {
         false
     }
@@ -61,7 +61,7 @@ impl Keeper {
         None
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn save<H: Discretized<E>, E, C: Carry<f64>>(
         &mut self,
         _stepper: &mut Stepper<'_, H, E, C>,

@@ -92,19 +92,19 @@ impl Keeper {
     }
 
     /// Whether it keeps anything.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn keeps(&self) -> bool {
         self.file.is_some()
     }
 
     /// The next node at which it may be time to save.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next(&self) -> u64 {
         self.file.as_ref().map_or(u64::MAX, |file| file.due.next())
     }
 
     /// Whether to save at `node`, the number of steps taken.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_due(&mut self, node: u64) -> bool {
         self.file.as_mut().is_some_and(|file| file.due.is_due(node))
     }

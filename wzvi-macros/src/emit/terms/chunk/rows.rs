@@ -104,7 +104,7 @@ impl Interaction<'_> {
         quote! {
             struct __Interaction;
             impl #elements::Pair<#(#sizes),*> for __Interaction {
-                #[inline(always)]
+                #[cfg_attr(not(debug_assertions), inline(always))]
                 fn slopes<#number: __wzvi::Scalar>(
                     [#(#own),*]: [#number; #of_own],
                     [#(#constants),*]: [#f64; #of_constants],

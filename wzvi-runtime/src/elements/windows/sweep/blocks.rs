@@ -46,14 +46,14 @@ impl Parted for Store<'_> {
 impl Kernel for Store<'_> {
     type Output = ();
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(mut self) {
         in_blocks::<HALF>(self.x.len(), &mut self);
     }
 }
 
 impl Block for Store<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let (mut q, mut p) = (load::<_, N>(self.q, first), load::<_, N>(self.p, first));
         let (u, x) = (load::<_, N>(self.u, first), load::<_, N>(self.x, first));
@@ -67,7 +67,7 @@ impl Block for Store<'_> {
 }
 
 /// The state after a step.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn move_on<const N: usize>([q, p]: [&mut [f64; N]; 2], u: &[f64; N], v: &[f64; N], factor: f64) {
     for i in 0..N {
         q[i] += u[i];
@@ -87,7 +87,7 @@ pub(super) struct Guess<'a> {
 }
 
 impl Block for Guess<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let [a, b, c] = self.past;
         let mut x = [0.0; N];
@@ -130,7 +130,7 @@ pub(super) struct Kick<'a, const L: usize> {
 }
 
 impl<const L: usize> Block for Kick<'_, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let (forces, mut x) = (load::<_, N>(self.forces, first), load::<_, N>(self.x, first));
         let mut momentum = load::<_, N>(self.p, first);
@@ -168,7 +168,7 @@ pub(super) struct Follow<'a> {
 }
 
 impl<'a> Follow<'a> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new<H: Shared>(
         step: &Step<'a, H, f64>,
         places: &Range<usize>,
@@ -182,7 +182,7 @@ impl<'a> Follow<'a> {
 }
 
 impl Block for Follow<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let (u, mut next) = (load::<_, N>(self.velocities, first), load::<_, N>(self.q, first));
         for i in 0..N {
@@ -206,7 +206,7 @@ pub(super) struct Compared<'a, const L: usize> {
 }
 
 impl<const L: usize> Block for Compared<'_, L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, first: usize) {
         let Follow { velocities: u, q, point, .. } = self.follow;
         Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);

@@ -48,13 +48,13 @@ pub(super) struct Part<'a> {
 
 impl Part<'_> {
     /// The places of a window in it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn own(&self, strip: Strip<'_>) -> Range<usize> {
         strip.start - self.first..strip.end - self.first
     }
 
     /// `P`, of a system of so many degrees of freedom.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn momenta(&self, degrees: usize) -> Stretch<'_> {
         Stretch { numbers: self.momentum, first: self.first, degrees }
     }
@@ -110,7 +110,7 @@ impl Found {
 }
 
 /// Does the work on the part of each portion, on a thread each if there are several; what all found.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn on_threads<P: Parted>(
     portions: &mut [Portion],
     part: P,
