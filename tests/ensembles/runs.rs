@@ -65,13 +65,13 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
     let hard = every_split!(
         well.ensemble::<Midpoint>(0.5)
             .start(State::new([0.5], [2.0]))
-            .paths(530)
+            .paths(270)
             .seed(4)
             .allow_losses(1.0)
-            .steps(30)
+            .steps(20)
             .record_every(10)
     );
-    assert!(hard.last().unwrap().count() + hard.failed() == 530 && hard.failed() > 0);
+    assert!(hard.last().unwrap().count() + hard.failed() == 270 && hard.failed() > 0);
     let edge = Edge { a: 1.0, sigma: 1.0 };
     let run = every_split!(
         edge.ensemble::<DeltaPlus>(0.1)
@@ -229,12 +229,12 @@ fn a_path_is_replayed() {
 #[test]
 fn failing_steps_are_halved() {
     let well = DoubleWell { sigma: 1.5 };
-    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(150).seed(4).steps(60);
+    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(60).seed(4).steps(60);
     let whole = run().allow_losses(1.0).keep_paths(1 << 20).run().unwrap();
     assert!(whole.failed() > 1, "{}", whole.failed());
     let halved = every_split!(run().retry(Retry::halving(12)).keep_paths(1 << 20));
     assert_eq!(halved.failed(), 0);
-    for path in 0..150 {
+    for path in 0..60 {
         let kept = whole.paths().unwrap().at(path, 1).unwrap();
         if !kept[0].is_nan() {
             assert_eq!(kept, halved.paths().unwrap().at(path, 1).unwrap());

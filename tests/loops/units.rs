@@ -111,7 +111,7 @@ where
     };
     let one = run([0; 3]);
     assert!(one.0.iter().all(Result::is_ok), "{:?}", one.0);
-    for units in all_units().into_iter().take(3) {
+    for units in all_units().into_iter().take(2) {
         assert!(one == run(units), "units {units:?}, h = {h}: {:?} for {:?}", run(units).0, one.0);
     }
     one.2
@@ -119,16 +119,16 @@ where
 
 #[test]
 fn bands_and_sweeps() {
-    for h in [0.1, 0.6, 2.0] {
+    for h in [0.1, 2.0] {
         compare::<_, Midpoint>(chain, 24, h, 4);
         compare::<_, Lambda<1, 3>>(chain, 24, h, 4);
         compare::<_, Gauss<2>>(chain, 24, h, 4);
         compare::<_, Gauss<4>>(chain, 24, h, 4);
     }
     // In windows.
-    compare::<_, Midpoint>(chain, 300, 0.2, 4);
-    compare::<_, Verlet>(chain, 300, 0.2, 4);
-    compare::<_, Gauss<4>>(chain, 300, 0.2, 4);
+    compare::<_, Midpoint>(chain, 300, 0.2, 2);
+    compare::<_, Verlet>(chain, 300, 0.2, 2);
+    compare::<_, Gauss<4>>(chain, 300, 0.2, 2);
 }
 
 #[test]

@@ -135,17 +135,17 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let start = State::new(wave(5, 0.2), wave(5, 1.1));
     let wells =
         |s, stiffness: f64| DoubleWells { s, stiffness: (0..5).map(|i| stiffness + i as f64).collect() };
-    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 40, 100);
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 20, 50);
     assert_eq!((hard, failed), (0, 0));
-    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 100, 20);
-    assert!(hard > 900 && failed < 100, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 30, 20);
+    assert!(hard > 270 && failed < 30, "{hard} {failed}");
     let start = State {
         q: nalgebra::SVector::from_vec(wave(7, 0.2)),
         p: nalgebra::SVector::from_vec(wave(7, 1.1)),
         t: 0.0,
     };
     let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
-    as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 40, 100);
+    as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 20, 50);
     as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 10, 20);
 }
 

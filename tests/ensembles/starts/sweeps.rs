@@ -141,11 +141,11 @@ where
     Well: Discretized<E, Vector = SVector<f64, 1>>,
     <Well as Discretized<E>>::Prepared: Send + Sync,
 {
-    const PATHS: u64 = 40;
+    const PATHS: u64 = 20;
     let start = State::new([-0.7], [0.2]);
-    let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.1 * path as f64 }).collect();
+    let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.2 * path as f64 }).collect();
     // Steppers do not look at the energy.
-    let run = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.1 * draw.path() as f64 });
+    let run = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.2 * draw.path() as f64 });
     let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(100);
     let reference = run().run().unwrap();
     let mut hard = 0;

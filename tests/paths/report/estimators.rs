@@ -61,7 +61,7 @@ fn kubo_has_its_moments_and_its_strong_error() {
     let (a, s) = (KUBO.a, KUBO.sigma);
     let damping = (-0.5 * s * s).exp();
     let report = kubo()
-        .paths(2000)
+        .paths(500)
         .repetitions(0)
         .expectation("q", |state| state.q[0], damping * a.sin())
         .expectation("p", |state| state.p[0], damping * a.cos())
@@ -80,7 +80,7 @@ fn kubo_has_its_moments_and_its_strong_error() {
         let off = (cell.strong.value - expected).abs();
         assert!(off < 0.05 * expected + 4.0 * cell.strong.standard_error, "{:?} {expected}", cell.strong);
         assert!(cell.energy_trend.value < 1e-13 && cell.energy_oscillation.value < 1e-13);
-        assert_eq!((cell.paths, cell.failures, cell.time), (2000, 0, None));
+        assert_eq!((cell.paths, cell.failures, cell.time), (500, 0, None));
     }
     for scheme in ["Midpoint", "Corrected<DeltaPlus>"] {
         let (order, _) = report.slope(scheme).order().unwrap();
@@ -92,8 +92,8 @@ fn kubo_has_its_moments_and_its_strong_error() {
 
 #[test]
 fn a_finer_run_serves_as_reference() {
-    let finer = kubo().paths(60).reference::<Midpoint>(2f64.powi(-12)).run().unwrap();
-    let exact = kubo().paths(60).run().unwrap();
+    let finer = kubo().paths(20).reference::<Midpoint>(2f64.powi(-12)).run().unwrap();
+    let exact = kubo().paths(20).run().unwrap();
     assert_eq!(
         finer.reference,
         "Midpoint with h = 2.44e-4 on the same Wiener path".replace("2.44e-4", "0.000244")

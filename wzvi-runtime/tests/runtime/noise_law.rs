@@ -66,8 +66,8 @@ fn increments_and_areas_over_any_interval() {
     ];
     for (a, b) in intervals {
         let length: f64 = b - a;
-        let w = samples(4000, 1, |w| w.increment(0, a, b).unwrap() / length.sqrt());
-        let chord = samples(4000, 1, |w| {
+        let w = samples(1500, 1, |w| w.increment(0, a, b).unwrap() / length.sqrt());
+        let chord = samples(1500, 1, |w| {
             let w1 = w.increment(0, a, b).unwrap();
             (w.area(0, a, b).unwrap() - 0.5 * length * w1) / (length.powi(3) / 12.0).sqrt()
         });

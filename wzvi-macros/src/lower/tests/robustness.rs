@@ -277,8 +277,10 @@ fn towers_of_powers_stay_as_small_as_their_text() {
             let model = super::model_of(&attribute, STRUCT).unwrap();
             let nodes = model.graph.reachable(&[model.drift]).len();
             assert!(nodes <= 8 * lines + 40, "{lines} of {step}: {nodes} nodes");
-            let output = expand(attribute.parse().unwrap(), STRUCT.parse().unwrap()).to_string();
-            assert!(output.len() < 4_000_000, "{lines} of {step}: {} characters", output.len());
+            if lines == 64 {
+                let output = expand(attribute.parse().unwrap(), STRUCT.parse().unwrap()).to_string();
+                assert!(output.len() < 4_000_000, "{step}: {} characters", output.len());
+            }
         }
     }
 }
