@@ -2,12 +2,12 @@
 
 use core::marker::PhantomData;
 
-use wzvi_runtime::carry::{Carry, Plain};
+use wzvi_runtime::algebra::carry::{Carry, Plain};
+use wzvi_runtime::algebra::scalar::Scalar;
+use wzvi_runtime::algebra::solve::Effort;
 use wzvi_runtime::error::{ConfigError, StepFailure};
-use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scalar::Scalar;
-use wzvi_runtime::solve::Effort;
-use wzvi_runtime::system::{At, Hamiltonian, Scheme};
+use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
+use wzvi_runtime::scheme::system::{At, Hamiltonian, Scheme};
 
 /// A system whose closures are checked.
 pub trait Checked {

@@ -141,11 +141,10 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
-#[cfg(feature = "serde")]
-pub use wzvi_runtime::checkpoint;
+pub use wzvi_runtime::algebra::{lanes, memory, scalar, state};
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::ensemble;
-pub use wzvi_runtime::error::Error;
+pub use wzvi_runtime::ground::{calculus, numbers, variables};
 /// The crate that [`Ensemble::run_on`](ensemble::Ensemble::run_on) takes its communicators from.
 #[cfg(feature = "mpi")]
 pub use wzvi_runtime::mpi;
@@ -154,15 +153,23 @@ pub use wzvi_runtime::mpi;
 pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
+pub use wzvi_runtime::path::Error;
+#[cfg(feature = "serde")]
+pub use wzvi_runtime::path::checkpoint;
+pub use wzvi_runtime::path::{retry, section, series, simulate, step, trajectory};
 #[cfg(feature = "plot")]
 pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;
-pub use wzvi_runtime::{
-    bath, calculus, compose, dense, elements, embedding, error, increments, integrate, lanes, memory,
-    modified, numbers, plan, retry, scalar, section, series, simulate, state, step, system, table,
-    trajectory, variables,
-};
+pub use wzvi_runtime::saving::table;
+pub use wzvi_runtime::scheme::{bath, compose, dense, elements, embedding, modified, plan, system};
+pub use wzvi_runtime::{increments, integrate};
+
+/// Errors. Each says where, why and what to do; none leaves a state changed.
+pub mod error {
+    pub use wzvi_runtime::error::*;
+    pub use wzvi_runtime::path::Error;
+}
 
 #[cfg(not(all(feature = "report", feature = "serde")))]
 #[doc(hidden)]
@@ -180,26 +187,26 @@ pub mod prelude {
     #[doc(hidden)]
     pub use crate::absent::WorkPrecision;
     pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
-    #[cfg(feature = "serde")]
-    pub use wzvi_runtime::checkpoint::Checkpoint;
-    pub use wzvi_runtime::elements::Iteration;
-    pub use wzvi_runtime::embedding::{
-        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
-        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Splitting, Srkn6, Suzuki4,
-        SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
-    };
+    pub use wzvi_runtime::algebra::state::State;
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
     #[cfg(feature = "noise")]
     pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
-    pub use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+    #[cfg(feature = "serde")]
+    pub use wzvi_runtime::path::checkpoint::Checkpoint;
+    pub use wzvi_runtime::path::retry::Retry;
+    pub use wzvi_runtime::path::step::Stepper;
+    pub use wzvi_runtime::path::trajectory::Trajectory;
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
-    pub use wzvi_runtime::retry::Retry;
-    pub use wzvi_runtime::state::State;
-    pub use wzvi_runtime::step::Stepper;
-    pub use wzvi_runtime::system::{Discretized, Hamiltonian, SystemState};
-    pub use wzvi_runtime::trajectory::Trajectory;
+    pub use wzvi_runtime::scheme::elements::Iteration;
+    pub use wzvi_runtime::scheme::embedding::{
+        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
+        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Splitting, Srkn6, Suzuki4,
+        SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
+    };
+    pub use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
+    pub use wzvi_runtime::scheme::system::{Discretized, Hamiltonian, SystemState};
 }
 
 /// What generated code names. Its version is pinned to that of the macro; nothing here is for people.
@@ -219,24 +226,24 @@ pub mod __private {
     pub use crate::checks;
     pub use wzvi_macros::__continue;
 
-    pub use wzvi_runtime::bath;
-    pub use wzvi_runtime::carry::{Carry, Compensation, Plain};
-    pub use wzvi_runtime::compose;
-    pub use wzvi_runtime::elements;
-    pub use wzvi_runtime::embedding;
+    pub use wzvi_runtime::algebra::carry::{Carry, Compensation, Plain};
+    pub use wzvi_runtime::algebra::lanes::Lanes;
+    pub use wzvi_runtime::algebra::scalar::{Beside, Constant, Mask, Number, Over, Rounded, Scalar};
+    pub use wzvi_runtime::algebra::solve::*;
+    pub use wzvi_runtime::algebra::state::{State, Vector};
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
-    pub use wzvi_runtime::gauss;
-    pub use wzvi_runtime::lanes::Lanes;
-    pub use wzvi_runtime::modified::Conservative;
+    pub use wzvi_runtime::ground::variables::{Labels, Variables};
     pub use wzvi_runtime::nalgebra::{DVector, SVector};
-    pub use wzvi_runtime::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
-    pub use wzvi_runtime::scalar::{Apart, Beside, Constant, Mask, Number, Over, Rounded, Scalar};
-    pub use wzvi_runtime::solve::*;
-    pub use wzvi_runtime::state::{State, Vector};
-    pub use wzvi_runtime::system::{
-        Gradient, Hamiltonian, Listed, Scheme, Solution, Straight, StraightLine, covector, gradient,
+    pub use wzvi_runtime::scheme::bath;
+    pub use wzvi_runtime::scheme::compose;
+    pub use wzvi_runtime::scheme::elements;
+    pub use wzvi_runtime::scheme::embedding;
+    pub use wzvi_runtime::scheme::gauss;
+    pub use wzvi_runtime::scheme::modified::Conservative;
+    pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
+    pub use wzvi_runtime::scheme::system::{
+        Apart, Gradient, Hamiltonian, Listed, Scheme, Solution, Straight, StraightLine, covector, gradient,
     };
-    pub use wzvi_runtime::variables::{Labels, Variables};
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
     /// constant.

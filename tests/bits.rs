@@ -193,7 +193,7 @@ const PATHS: u64 = 19;
 
 fn named<E>(name: &str, degrees: usize) -> String {
     let scheme = std::any::type_name::<E>();
-    let rooms = ["wzvi_runtime::", "embedding::", "compose::", "gauss::", "bath::"];
+    let rooms = ["wzvi_runtime::", "scheme::", "embedding::", "compose::", "gauss::", "bath::"];
     format!(
         "{name} {degrees} {}",
         rooms.iter().fold(scheme.to_owned(), |scheme, room| scheme.replace(room, ""))

@@ -1,14 +1,14 @@
 //! Many paths at once: their statistics at the price of their noise.
 //!
-//! Paths run in the lanes of vector registers ([`crate::lanes`]), in blocks of fixed size that threads take one after the
+//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in blocks of fixed size that threads take one after the
 //! other; blocks are merged in the order of their numbers. So the result is the same, bit for bit, for any number of
 //! threads, any width of the lanes and any [`InstructionSet`]. Increments are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for
 //! each (seed, step size, process, path, step), truncated where that is asked for, unless another noise is given
 //! ([`Ensemble::noise`]). They are no Wiener tree: another step size is another sample, except beside each other on the levels of
 //! [`Multilevel`].
 //!
-//! A path is that of [`Stepper::plain`](crate::step::Stepper::plain) with the same increments: to the last bit if `H` has
-//! arithmetic and roots only; elementary functions of lanes ([`crate::lanes`]) are not those of `std`. A step that the
+//! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments: to the last bit if `H` has
+//! arithmetic and roots only; elementary functions of lanes ([`crate::algebra::lanes`]) are not those of `std`. A step that the
 //! short way does not solve is the one that the stepper then takes, with the functions of `std`.
 //!
 //! A path whose step fails is halved there if that is allowed ([`Ensemble::retry`]), and ends there if not, with its number and error in
@@ -20,12 +20,10 @@ mod checks;
 #[cfg(feature = "mpi")]
 pub mod cluster;
 mod control;
-mod crossings;
 mod draws;
-mod error;
+pub(crate) mod execution;
 mod group;
 mod halt;
-mod histogram;
 mod increments;
 mod job;
 #[cfg(feature = "serde")]
@@ -33,58 +31,51 @@ mod keeping;
 #[cfg(not(feature = "serde"))]
 #[path = "ensemble/keeping/absent.rs"]
 mod keeping;
-mod moments;
 mod multilevel;
 mod observation;
 mod origin;
 mod pace;
-mod passage;
-mod paths;
 mod piece;
-mod quantiles;
 mod replay;
+pub(crate) mod schedule;
 mod source;
 mod starts;
-mod statistics;
-mod table;
 
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-pub use crate::lanes::instructions::{InstructionSet, Kernel};
+pub use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+pub use crate::error::{FileError, StatisticsError};
+pub use crate::statistics::{
+    Crossings, Histogram, LossError, Passage, Passages, PathCrossing, PathFailure, Paths, Quantiles,
+    Statistics, StatisticsNode, TargetStatus,
+};
 use account::Account;
 use block::Block;
 use control::Control;
-pub use crossings::{Crossings, PathCrossing};
 pub use draws::Normals;
-pub use error::{LossError, StatisticsError};
-pub use histogram::Histogram;
 use job::Inspector;
 pub use multilevel::{Level, LevelError, LevelFailure, Multilevel, MultilevelEstimate, Nothing, Observed};
-pub use passage::{Passage, Passages};
-pub use paths::Paths;
-pub use quantiles::Quantiles;
 use source::{Settings, Source};
 use starts::ByPath;
 pub use starts::{Draw, OneSystem, SystemByPath, Systems};
-pub use statistics::{PathFailure, Statistics, StatisticsNode, TargetStatus};
 
-use crate::checkpoint::Keeping;
-use crate::error::{ConfigError, Error};
-use crate::execution::Execution;
+use crate::algebra::state::State;
+use crate::ensemble::execution::Execution;
+use crate::ensemble::schedule::in_order;
+use crate::error::ConfigError;
+use crate::ground::interrupt::Interrupt;
 use crate::increments::Noise;
-use crate::interrupt::Interrupt;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
-use crate::options::{Observables, OwnObservable, elsewhere, options};
-pub use crate::persist::FileError;
-pub use crate::persist::table::{Column, Table};
-use crate::recording::Request;
-use crate::retry::{Halved, Retry, Serves, Whole};
-use crate::schedule::in_order;
-use crate::section::Sections;
-use crate::span::Span;
-use crate::state::State;
-use crate::system::{Discretized, Hamiltonian};
+use crate::path::Error;
+use crate::path::checkpoint::Keeping;
+use crate::path::options::{Observables, OwnObservable, elsewhere, options};
+use crate::path::recording::Request;
+use crate::path::retry::{Halved, Retry, Serves, Whole};
+use crate::path::section::Sections;
+use crate::path::span::Span;
+pub use crate::saving::table::{Column, Table};
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
@@ -180,7 +171,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
 
 impl<'a, H: Discretized<E>, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
     /// Whether the increments of a seed are truncated; if this is not called, with `k = 4` where
-    /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments). Another noise truncates by itself, as in
+    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments). Another noise truncates by itself, as in
     /// `Wiener::seed(7).truncated(4)`.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
         self.setup.settings.truncation = truncation;
@@ -287,7 +278,7 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self.marked()
     }
 
-    /// Halves steps that fail ([`crate::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for, and not with
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for, and not with
     /// a noise that has no increments between the nodes.
     ///
     /// Where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) its path ends, and so does one
@@ -330,7 +321,7 @@ impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy: what
-    /// [`Trajectory::work`](crate::trajectory::Trajectory::work), its shadow part, and [`Trajectory::heat`](crate::trajectory::Trajectory::heat) are of a single
+    /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) are of a single
     /// one. For systems with a bath, forces or friction; each path is then stepped by itself, which takes the time of single paths. Not together with
     /// `retry`, `exactly`, or times between nodes.
     pub fn observe_work(mut self) -> Self {

@@ -4,25 +4,53 @@
 mod words;
 
 mod bath;
+#[cfg(feature = "serde")]
+pub(crate) mod checkpoint;
+#[cfg(feature = "mpi")]
+mod cluster;
+mod failed;
 mod failure;
+pub(crate) mod file;
 mod index;
 mod internal;
+#[cfg(feature = "ensemble")]
+mod level;
+mod noise;
+#[cfg(feature = "plot")]
+mod plot;
+#[cfg(feature = "report")]
+mod report;
+mod series;
+#[cfg(feature = "ensemble")]
+mod statistics;
 
 use std::fmt;
 
-use crate::digits::Brief;
+use crate::ground::digits::Brief;
 pub use bath::BathError;
 
-pub use crate::calculus::DomainError;
-pub use crate::increments::NoiseError;
-pub use crate::persist::FileError;
-pub use crate::scalar::FailedLanes;
-pub use crate::series::SeriesError;
+pub use crate::ground::calculus::DomainError;
+#[cfg(feature = "serde")]
+pub use checkpoint::{CheckpointError, Damage, Difference};
+#[cfg(feature = "mpi")]
+pub use cluster::ClusterError;
+pub use failed::FailedLanes;
 pub use failure::StepFailure;
+pub use file::FileError;
 #[doc(hidden)]
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
 pub use internal::InternalError;
+#[cfg(feature = "ensemble")]
+pub use level::{LevelError, LevelFailure};
+pub use noise::NoiseError;
+#[cfg(feature = "plot")]
+pub use plot::PlotError;
+#[cfg(feature = "report")]
+pub use report::ReportError;
+pub use series::SeriesError;
+#[cfg(feature = "ensemble")]
+pub use statistics::StatisticsError;
 
 /// A step that failed. The state is bit for bit what it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -238,85 +266,6 @@ impl fmt::Display for UnknownName {
 }
 
 impl std::error::Error for UnknownName {}
-
-/// An enum of errors, each of which it is made of: its messages are theirs.
-macro_rules! any_of {
-    ($(#[$meta:meta])* $name:ident: $($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $variant:ident($error:ty),)+) => {
-        $(#[$meta])*
-        pub enum $name {
-            $($(#[doc = $doc])* $(#[cfg($cfg)])? $variant($error),)+
-        }
-
-        impl fmt::Display for $name {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                match self {
-                    $($(#[cfg($cfg)])? Self::$variant(error) => error.fmt(f),)+
-                }
-            }
-        }
-
-        $($(#[cfg($cfg)])?
-        impl From<$error> for $name {
-            fn from(error: $error) -> Self {
-                Self::$variant(error)
-            }
-        })+
-    };
-}
-
-any_of! {
-    /// Anything that can go wrong, for `main` and `?`: its `Debug` is its `Display`, which is what a `main` that returns it shows.
-    ///
-    /// The message of an error contains those of its causes: [`source`](std::error::Error::source) has nothing to add.
-    #[derive(Clone, PartialEq)]
-    #[non_exhaustive]
-    Error:
-    /// The run could not start.
-    Config(ConfigError),
-    /// A step failed.
-    Step(StepError),
-    /// The source of the increments had none for this run or this step.
-    Noise(NoiseError),
-    /// A recorded path cannot answer.
-    Path(PathError),
-    /// A run was asked for something by a name that it does not have.
-    Name(UnknownName),
-    /// A discrete function was evaluated off its time scale, or combined with one on another.
-    Domain(DomainError),
-    /// A mistake of the library.
-    Internal(InternalError),
-    /// A file could not be written.
-    File(FileError),
-    /// A path of a multilevel run has no value.
-    #[cfg(feature = "ensemble")]
-    Level(crate::ensemble::LevelError),
-    /// More paths of an ensemble failed than it allows.
-    #[cfg(feature = "ensemble")]
-    Losses(Box<crate::ensemble::LossError>),
-    /// The statistics of an ensemble cannot answer a question.
-    #[cfg(feature = "ensemble")]
-    Statistics(crate::ensemble::StatisticsError),
-    /// A checkpoint could not be written, or is not one of this run.
-    #[cfg(feature = "serde")]
-    Checkpoint(crate::checkpoint::CheckpointError),
-    /// A run on several ranks ended on all of them.
-    #[cfg(feature = "mpi")]
-    Cluster(crate::ensemble::cluster::ClusterError),
-    /// A plot could not be drawn or written.
-    #[cfg(feature = "plot")]
-    Plot(crate::plot::PlotError),
-    /// A measurement could not be made or written.
-    #[cfg(feature = "report")]
-    Report(crate::report::ReportError),
-}
-
-impl fmt::Debug for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
-}
-
-impl std::error::Error for Error {}
 
 impl From<DomainError> for PathError {
     fn from(error: DomainError) -> Self {

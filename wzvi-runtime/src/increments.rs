@@ -3,12 +3,11 @@
 //! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. Given numbers are [`Increments`]; everything random is another
 //! module's business, so that a scene without noise compiles no generator.
 
-mod error;
 mod identity;
 
-use crate::checksum::Checksum;
-use crate::plan::Plan;
-pub use error::NoiseError;
+pub use crate::error::NoiseError;
+use crate::ground::checksum::Checksum;
+use crate::scheme::plan::Plan;
 pub use identity::Identity;
 
 /// One step of a run, `[start + n h, start + (n + 1) h]`. Times are computed from the number of the step, never
@@ -87,7 +86,7 @@ pub trait Noise {
 }
 
 /// A source whose increments are those of a path that can be asked for any interval: then the parts of a step add up to the step, and a
-/// step that fails can be subdivided ([`Retry`](crate::retry::Retry)). Rows of numbers are none.
+/// step that fails can be subdivided ([`Retry`](crate::path::retry::Retry)). Rows of numbers are none.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
     label = "this noise cannot drive steps that are halved",

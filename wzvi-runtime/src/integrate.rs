@@ -1,15 +1,15 @@
 //! What every system can do with its schemes.
 
+use crate::algebra::state::State;
 #[cfg(feature = "ensemble")]
 use crate::ensemble::{Ensemble, Multilevel};
 use crate::error::ConfigError;
-use crate::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
+use crate::path::simulate::Simulation;
+use crate::path::step::Stepper;
 #[cfg(feature = "report")]
 use crate::report::WorkPrecision;
-use crate::simulate::Simulation;
-use crate::state::State;
-use crate::step::Stepper;
-use crate::system::{Discretized, Hamiltonian};
+use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// Runs a system by one of its schemes, `Scheme`: the only parameter to name, as in `kubo.simulate::<Midpoint>(0.02)`.
 pub trait Integrate: Hamiltonian {

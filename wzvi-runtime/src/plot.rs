@@ -6,21 +6,20 @@
 //! path.plot().energy_drift(&kubo).write("drift.png")?;
 //! ```
 //!
-//! [`Trajectory::plot`](crate::trajectory::Trajectory::plot) makes the figures that a path is looked at with; a [`Figure`] of your own takes any points, and a [`Sheet`] puts
+//! [`Trajectory::plot`](crate::path::trajectory::Trajectory::plot) makes the figures that a path is looked at with; a [`Figure`] of your own takes any points, and a [`Sheet`] puts
 //! several into one file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
 
 mod axes;
 mod drawing;
-mod error;
 mod figure;
 mod layout;
 mod path;
 mod sheet;
 mod ticks;
 
+pub use crate::error::PlotError;
 #[cfg(feature = "report")]
 pub(crate) use drawing::Plot;
-pub use error::PlotError;
 pub use figure::{Axis, Colour, Figure, Look, Series};
 #[cfg(feature = "report")]
 pub(crate) use layout::Layout;
@@ -29,5 +28,5 @@ pub use sheet::Sheet;
 
 /// A number with three significant digits, for people.
 pub fn number(value: f64) -> String {
-    crate::digits::number(value)
+    crate::ground::digits::number(value)
 }

@@ -10,7 +10,7 @@ use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
 use wzvi::system::{At, Listed, Scheme, SchemeOf};
-use wzvi_runtime::carry::Carry;
+use wzvi_runtime::algebra::carry::Carry;
 
 use super::real::{Real, error_in_ulps, with_precision};
 

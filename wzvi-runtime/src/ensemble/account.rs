@@ -7,13 +7,13 @@ use super::control::{Control, Targets, unless_lost};
 use super::halt::Halt;
 use super::job::Job;
 use super::keeping::BlockKeeper;
-use super::origin::Origin;
 use super::piece::{self, Piece};
-use super::statistics::{Statistics, StatisticsNode, Wanted};
-use crate::checkpoint::Keeping;
-use crate::error::Error;
-use crate::progress::Progress;
-use crate::system::Discretized;
+use crate::ground::progress::Progress;
+use crate::path::Error;
+use crate::path::checkpoint::Keeping;
+use crate::scheme::system::Discretized;
+use crate::statistics::Origin;
+use crate::statistics::{Statistics, StatisticsNode, Wanted};
 
 /// Takes the blocks of a run in the order of their numbers.
 pub(super) struct Account<'j> {

@@ -9,9 +9,9 @@ use super::job::Job;
 use super::observation::Observation;
 use super::piece::Piece;
 use super::starts::Systems;
-use crate::lanes::instructions::{InstructionSet, Kernel};
-use crate::steps::take_steps;
-use crate::system::Discretized;
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::path::steps::take_steps;
+use crate::scheme::system::Discretized;
 
 /// Paths in a block.
 pub(super) const PATHS: u64 = 512;

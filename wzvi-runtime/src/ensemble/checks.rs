@@ -2,21 +2,22 @@
 
 use std::sync::Arc;
 
-use super::histogram::Histogram;
 use super::job::{Job, Stop};
-use super::passage::{Passage, Watch};
-use super::paths::Paths;
 use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
-use super::statistics::Wanted;
 use super::{Ensemble, Extras};
-use crate::error::{ConfigError, Error, UnknownName};
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, UnknownName};
 use crate::increments::Interval;
 use crate::noise::StepNormals;
-use crate::options::{Observables, elsewhere};
-use crate::span::Grid;
-use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::path::Error;
+use crate::path::options::{Observables, elsewhere};
+use crate::path::span::Grid;
+use crate::scheme::system::Discretized;
+use crate::statistics::Histogram;
+use crate::statistics::Paths;
+use crate::statistics::Wanted;
+use crate::statistics::{Passage, Watch};
 
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
@@ -143,7 +144,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         }
         Ok(Job {
             system,
-            prepared: crate::step::prepared(system, h)?,
+            prepared: crate::path::step::prepared(system, h)?,
             h,
             start,
             starts,

@@ -10,7 +10,6 @@
 //!
 //! The guide with a Slurm script is `docs/cluster.md`.
 
-mod error;
 mod orders;
 mod ranks;
 mod serve;
@@ -20,7 +19,7 @@ use std::sync::OnceLock;
 use mpi::environment::{Threading, threading_support};
 use mpi::traits::Communicator;
 
-pub use error::ClusterError;
+pub use crate::error::ClusterError;
 use orders::Orders;
 use ranks::{AbortOnPanic, agree, same};
 use serve::Hands;
@@ -31,13 +30,14 @@ use super::block::{Block, PATHS};
 use super::halt::Halt;
 use super::keeping::described;
 use super::starts::Systems;
-use super::statistics::Statistics;
-use crate::error::{ConfigError, Error};
+use crate::ensemble::schedule::Queue;
+use crate::error::ConfigError;
+use crate::ground::interrupt::Interrupt;
 use crate::increments::Noise;
-use crate::interrupt::Interrupt;
-use crate::retry::Serves;
-use crate::schedule::Queue;
-use crate::system::Discretized;
+use crate::path::Error;
+use crate::path::retry::Serves;
+use crate::scheme::system::Discretized;
+use crate::statistics::Statistics;
 
 impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where

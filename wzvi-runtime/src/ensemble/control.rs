@@ -1,8 +1,8 @@
 //! What ends a run before all its paths are done.
 
-use super::error::LossError;
-use super::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
 use crate::error::ConfigError;
+use crate::statistics::LossError;
+use crate::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
 
 /// An error that is estimated from fewer paths is not trusted.
 const LEAST_PATHS: u64 = 1024;
@@ -105,10 +105,10 @@ pub(super) fn unless_lost(statistics: Statistics, allowed: f64) -> Result<Statis
 
 #[cfg(test)]
 mod tests {
-    use super::super::statistics::Wanted;
     use super::*;
     use crate::noise::chacha;
     use crate::noise::step_normals::normals;
+    use crate::statistics::Wanted;
 
     /// Normals and uniform numbers, ten of the one or sixteen of the other from a block.
     struct Draws {

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::noise::chacha;
 use crate::noise::normal::pair;
 pub(crate) use crate::noise::step_normals::STEPS;

@@ -11,20 +11,21 @@ use alone::checks_anew;
 use super::increments::LaneIncrements;
 use super::job::Job;
 use super::starts::Systems;
-use super::statistics::PathFailure;
-use crate::carry::Plain;
-use crate::continuation::Hard;
-use crate::error::{ConfigError, Error, InternalError, StepError, StepFailure};
+use crate::algebra::carry::Plain;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::memory::StepMemory;
+use crate::algebra::scalar::Scalar;
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
-use crate::lanes::Lanes;
-use crate::memory::StepMemory;
-use crate::retry::Subdivision;
-use crate::scalar::Scalar;
-use crate::state::{State, Vector};
-use crate::step::Stepper;
-use crate::steps::Advance;
-use crate::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
-use crate::watch::{Room, Watch, keeps_energy};
+use crate::path::Error;
+use crate::path::retry::Subdivision;
+use crate::path::step::Stepper;
+use crate::path::steps::Advance;
+use crate::path::watch::{Room, Watch, keeps_energy};
+use crate::scheme::continuation::Hard;
+use crate::scheme::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
+use crate::statistics::PathFailure;
 
 /// A step to check, with room for what that leaves.
 type Checked<'j, H, E> = (Hard<'j, H, E, Plain>, MemoryOf<H, E, f64>);
@@ -59,7 +60,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     own: Vec<PreparedOf<H, E>>,
     /// The same beside each other, where systems go so.
     beside: Option<<SchemeOf<H, E> as Scheme<H>>::Beside<L>>,
-    /// Where steps are no matter of lanes ([`Properties::in_lanes`](crate::system::Properties::in_lanes)), or systems of paths are not, or somebody looks inside steps of which
+    /// Where steps are no matter of lanes ([`Properties::in_lanes`](crate::scheme::system::Properties::in_lanes)), or systems of paths are not, or somebody looks inside steps of which
     /// lanes keep less than a stepper: one for each.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
@@ -199,7 +200,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// What is prepared of the system of a lane.
     fn prepared(&self, lane: usize) -> Result<PreparedOf<H, E>, ConfigError> {
         let path = self.source_of(lane);
-        let prepared = crate::step::prepared(self.job.system_of(path), self.job.h);
+        let prepared = crate::path::step::prepared(self.job.system_of(path), self.job.h);
         prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
     }
 

@@ -1,6 +1,6 @@
 //! Why a block of paths has no result.
 
-use crate::error::Error;
+use crate::path::Error;
 
 /// What ends a block of paths early.
 #[derive(Debug)]

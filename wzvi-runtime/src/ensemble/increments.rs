@@ -2,10 +2,10 @@
 
 use super::draws::{STEPS, normals, normals_at, normals_of_processes};
 use super::source::Source;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::scalar::Scalar;
 use crate::increments::{Interval, NoiseError};
-use crate::lanes::Lanes;
 use crate::noise::Paths;
-use crate::scalar::Scalar;
 
 /// Processes whose normals are drawn beside each other for a path that goes alone.
 const BESIDE: usize = 16;

@@ -5,15 +5,15 @@ use std::ops::Range;
 use super::block::PATHS;
 use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS};
-use super::statistics::Wanted;
+use crate::algebra::state::{State, Vector};
 use crate::error::ConfigError;
-use crate::options::{Observable, OwnObservable};
-use crate::recording::Recorded;
-use crate::retry::Retry;
-use crate::section::Sections;
-use crate::span::Grid;
-use crate::state::{State, Vector};
-use crate::system::{Discretized, PreparedOf};
+use crate::path::options::{Observable, OwnObservable};
+use crate::path::recording::Recorded;
+use crate::path::retry::Retry;
+use crate::path::section::Sections;
+use crate::path::span::Grid;
+use crate::scheme::system::{Discretized, PreparedOf};
+use crate::statistics::Wanted;
 
 /// A run of paths that are known by their numbers.
 pub(super) struct Job<'a, H: Discretized<E>, E> {

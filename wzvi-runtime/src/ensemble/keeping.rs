@@ -3,14 +3,15 @@
 use super::Ensemble;
 use super::block::PATHS;
 use super::job::Job;
-use super::statistics::{Statistics, Wanted};
-use crate::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
-use crate::error::{ConfigError, Error, FileError};
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, FileError};
 use crate::increments::{Identity, Noise};
-use crate::state::{State, Vector};
-use crate::step::Stepper;
-use crate::steps::{Account, Monitor, Single, TakeStep, take_steps};
-use crate::system::Discretized;
+use crate::path::Error;
+use crate::path::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
+use crate::path::step::Stepper;
+use crate::path::steps::{Account, Monitor, Single, TakeStep, take_steps};
+use crate::scheme::system::Discretized;
+use crate::statistics::{Statistics, Wanted};
 
 /// Steps after which observables are compared.
 const COMPARED_STEPS: u64 = 3;
@@ -21,7 +22,7 @@ const MOST_LISTED: usize = 32;
 
 impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
     /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
-    /// see [`crate::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
+    /// see [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
     /// bit. The number of paths may grow from one run to the next, all else stays the same.
     ///
     /// A run until an error is small enough ([`Ensemble::until_error`]) ends at once if that of the checkpoint is, and goes on

@@ -28,28 +28,30 @@ mod pairs;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-pub use estimate::{Level, LevelError, LevelFailure, MultilevelEstimate};
+pub use crate::error::{LevelError, LevelFailure};
+pub use estimate::{Level, MultilevelEstimate};
 use estimate::{Samples, bias, variance_bounds, variance_slope};
 use pairs::{Pairs, block_size};
 
 use super::halt::Halt;
 use super::job::{Job, Stop};
 use super::source::Source;
-use crate::error::{ConfigError, Error, InternalError};
-use crate::execution::Execution;
+use crate::algebra::lanes::instructions::InstructionSet;
+use crate::algebra::state::{State, Vector};
+use crate::ensemble::execution::Execution;
+use crate::ensemble::schedule::in_order;
+use crate::error::{ConfigError, InternalError};
+use crate::ground::interrupt::Interrupt;
+use crate::ground::progress::Progress;
 use crate::increments::Noise as _;
-use crate::interrupt::Interrupt;
-use crate::lanes::instructions::InstructionSet;
 use crate::noise::{Paths as _, StepNormals, Truncation};
-use crate::options::{Observable, Observables, options};
-use crate::plan::NoiseClass;
-use crate::progress::Progress;
-use crate::retry::Retry;
-use crate::schedule::in_order;
-use crate::section::Sections;
-use crate::span::{End, Grid, MOST_STEPS, Span};
-use crate::state::{State, Vector};
-use crate::system::{Discretized, Hamiltonian};
+use crate::path::Error;
+use crate::path::options::{Observable, Observables, options};
+use crate::path::retry::Retry;
+use crate::path::section::Sections;
+use crate::path::span::{End, Grid, MOST_STEPS, Span};
+use crate::scheme::plan::NoiseClass;
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// The part `θ` of the squared error that is left to the bias.
 const BIAS_PART: f64 = 0.25;
@@ -143,7 +145,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     }
 
     /// Whether increments are truncated; if this is not called, with `k = 4` where
-    /// [`Plan::truncates_increments`](crate::plan::Plan::truncates_increments).
+    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments).
     pub fn truncation(mut self, truncation: Truncation) -> Self {
         self.setup.truncation = truncation;
         self
@@ -369,7 +371,7 @@ where
         normals.prepare(&H::PLAN, h, system.increments(start.q.components().len()), start.t)?;
         let job = Job {
             system: *system,
-            prepared: crate::step::prepared(*system, h)?,
+            prepared: crate::path::step::prepared(*system, h)?,
             h,
             start: start.clone(),
             starts: None,

@@ -4,15 +4,15 @@ use super::group::Group;
 use super::halt::Halt;
 use super::job::Job;
 use super::pace::Pace;
-use super::passage::{Passage, crossing};
 use super::piece::Piece;
 use super::starts::Systems;
-use crate::dense::{DenseOutput, copy_state};
-use crate::error::Error;
-use crate::section::{Sections, Watch, first_zero};
-use crate::state::{State, Vector};
-use crate::steps::Monitor;
-use crate::system::Discretized;
+use crate::algebra::state::{State, Vector};
+use crate::path::Error;
+use crate::path::section::{Sections, Watch, first_zero};
+use crate::path::steps::Monitor;
+use crate::scheme::dense::{DenseOutput, copy_state};
+use crate::scheme::system::Discretized;
+use crate::statistics::{Passage, crossing};
 
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {

@@ -1,29 +1,9 @@
-//! What a run of paths was asked for: what its results are of.
+//! What a run of paths was asked for.
 
 use super::job::Job;
-use crate::names::short_name;
-use crate::system::Discretized;
-
-/// The settings without which a result means nothing.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Origin {
-    pub(super) system: String,
-    pub(super) scheme: String,
-    pub(super) h: f64,
-    /// Time of the first state.
-    pub(super) start: f64,
-    pub(super) steps: u64,
-    /// 0 for a noise without one.
-    pub(super) seed: u64,
-    /// What the increments are of, in words; `none` where the steps take none.
-    pub(super) noise: String,
-    /// Paths that were asked for, at most.
-    pub(super) paths: u64,
-    /// Parameters by name that are those of all paths.
-    pub(super) parameters: Vec<(String, f64)>,
-    /// Those that are not, path by path, where paths are kept.
-    pub(super) varying: Vec<(String, Vec<f64>)>,
-}
+use crate::ground::names::short_name;
+use crate::scheme::system::Discretized;
+use crate::statistics::Origin;
 
 impl Origin {
     pub(super) fn of<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Self {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::halt::Halt;
 use super::job::Stop;
-use crate::clock::{self, Moment};
+use crate::ground::clock::{self, Moment};
 
 /// About how long a run works between two questions: a tenth of what a person notices.
 const WANTED: Duration = Duration::from_millis(10);

@@ -3,8 +3,8 @@
 //! Sums over the paths of a block are added in the order of the paths. So that a block may be shared by threads, each notes what its paths
 //! add, and whoever has all the parts adds it: the bits are those of a block that one thread works on.
 
-use super::passage::Passage;
-use super::statistics::{PathTally, Statistics, Wanted};
+use crate::statistics::Passage;
+use crate::statistics::{PathTally, Statistics, Wanted};
 
 /// A block that is shared is noted if that takes no more bytes.
 const MOST_BYTES: u128 = 1 << 26;

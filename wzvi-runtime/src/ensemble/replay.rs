@@ -3,17 +3,18 @@
 use super::Ensemble;
 use super::group::Group;
 use super::starts::Systems;
-use crate::between::{Between, Part};
-use crate::dense::DenseOutput;
-use crate::error::{ConfigError, Error};
+use crate::algebra::state::State;
+use crate::error::ConfigError;
 use crate::increments::Noise;
-use crate::retry::Serves;
-use crate::simulate::Partial;
-use crate::state::State;
-use crate::step::StepInfo;
-use crate::steps::{Monitor, take_steps};
-use crate::system::{Discretized, Hamiltonian};
-use crate::trajectory::Recorder;
+use crate::path::Error;
+use crate::path::between::{Between, Part};
+use crate::path::retry::Serves;
+use crate::path::simulate::Partial;
+use crate::path::step::StepInfo;
+use crate::path::steps::{Monitor, take_steps};
+use crate::path::trajectory::Recorder;
+use crate::scheme::dense::DenseOutput;
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where

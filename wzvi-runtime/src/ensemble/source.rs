@@ -1,9 +1,9 @@
 //! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each member.
 
-use crate::error::Error;
 use crate::increments::{Identity, Interval, Noise};
 use crate::noise::{Driver, Paths, StepNormals, Truncation};
-use crate::plan::Plan;
+use crate::path::Error;
+use crate::scheme::plan::Plan;
 
 /// Where the increments of an ensemble come from.
 pub(super) enum Source<'a> {
@@ -50,7 +50,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The noise of one path, which drives a [`Simulation`](crate::simulate::Simulation) just so.
+    /// The noise of one path, which drives a [`Simulation`](crate::path::simulate::Simulation) just so.
     pub(super) fn path(&self, path: u64) -> Box<dyn Paths + '_> {
         let mut noise: Box<dyn Paths + '_> = match self {
             Self::Normals(normals) => Box::new(normals.clone()),

@@ -1,10 +1,10 @@
 //! What each path of an ensemble may have of its own: the state where it starts, and its system.
 
+use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::noise::chacha;
 use crate::noise::normal::pair;
-use crate::state::{State, Vector};
-use crate::system::Discretized;
+use crate::scheme::system::Discretized;
 
 /// A function from the generator of a path.
 pub(super) type Sampler<'a, T> = Box<dyn Fn(&mut Draw) -> T + Send + Sync + 'a>;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::digits::Brief;
+use crate::ground::digits::Brief;
 
 /// Why a system has no Langevin equation.
 #[derive(Clone, Copy, Debug, PartialEq)]

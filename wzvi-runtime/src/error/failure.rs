@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::{BathError, FailedLanes, IndexError};
-use crate::scalar::Scalar;
 
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,14 +62,6 @@ pub enum StepFailure {
 }
 
 impl StepFailure {
-    /// Of a step that the paths of some lanes have taken: those of the others could not. Nothing but
-    /// [`StepFailure::NonFinite`] for numbers that are not beside each other, of which none has moved.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    #[must_use]
-    pub fn but_of<S: Scalar>(taken: S::Mask) -> Self {
-        if S::GOES_IN_PART { Self::Lanes(FailedLanes::of::<S>(!taken)) } else { Self::NonFinite }
-    }
-
     /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
     pub(crate) fn is_of_arguments(&self) -> bool {
         matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_) | Self::Bath(_))

@@ -1,7 +1,7 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
 use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepFailure};
-use crate::numbers::Tape;
+use crate::ground::numbers::Tape;
 
 /// Where those of a bath begin.
 const BATH: u64 = 9;

@@ -23,12 +23,12 @@ use super::truncation::{Truncation, clip_bound, truncation_setters};
 use super::wiener::check_step;
 use super::{Divisible, Interval, Noise, NoiseError, Paths};
 use crate::increments::Identity;
-use crate::plan::Plan;
+use crate::scheme::plan::Plan;
 
 /// Steps whose normals one block of random words makes.
 pub(crate) const STEPS: usize = 10;
 const VERSION: u32 = 0x8000_0002;
-/// Halvings of a step, at most: as many as [`Retry`](crate::retry::Retry) allows.
+/// Halvings of a step, at most: as many as [`Retry`](crate::path::retry::Retry) allows.
 const MOST_HALVINGS: u32 = 30;
 
 /// The key of the normals of one process in steps of size `h`, on one level of a multilevel run.
@@ -69,7 +69,7 @@ fn cut_normal(mut key: [u32; 8], path: u64, step: u64, halving: u32, cut: u64) -
 /// `√|h|`. [`Wiener`](super::Wiener) is the noise whose path is the same for every step size.
 ///
 /// They are what [`Ensemble::seed`](crate::ensemble::Ensemble::seed) draws, and cost a small part of a Wiener path's increments: path `n` of an
-/// ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit for bit. A step that a [`Retry`](crate::retry::Retry) halves gets
+/// ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit for bit. A step that a [`Retry`](crate::path::retry::Retry) halves gets
 /// the halves of its increment, by the Brownian bridge.
 ///
 /// ```

@@ -9,7 +9,7 @@ use super::stream::Source;
 use super::truncation::truncation_setters;
 use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
-use crate::plan::Plan;
+use crate::scheme::plan::Plan;
 
 /// Independent standard Wiener processes `W_k`, two-sided in time, `W_k(0) = 0`.
 ///

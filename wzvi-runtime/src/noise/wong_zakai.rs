@@ -16,7 +16,7 @@ use super::truncation::truncation_setters;
 use super::wiener::{NOWHERE, Wiener, check_step};
 use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
 use crate::increments::Identity;
-use crate::plan::Plan;
+use crate::scheme::plan::Plan;
 
 /// Which increments a step of length h from t_i gets. With rho = eps / h and f the fractional part of rho, the sampled ones converge
 /// for h -> 0 at fixed rho to noises multiplied by `sqrt(v)`, `v = 1 + f (1 - f) / rho^2`: right iff rho is an integer (and `v = 1 / rho` for

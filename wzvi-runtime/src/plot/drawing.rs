@@ -11,10 +11,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
 use super::axes::ranges;
-use super::error::PlotError;
 use super::figure::{Colour, Figure, Look, Series};
 use super::layout::{Entry, INDENT, KEY, Layout};
 use super::ticks::{Tick, ticks};
+use crate::error::PlotError;
 
 /// Pixels of a PNG of one figure for one of its SVG.
 #[cfg(feature = "report")]

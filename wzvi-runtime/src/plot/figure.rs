@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 #[cfg(feature = "report")]
-use crate::persist::table::Cell::{Number, Text};
+use crate::saving::table::Cell::{Number, Text};
 #[cfg(feature = "report")]
-use crate::persist::table::{NUMBER, TEXT, Table};
+use crate::saving::table::{NUMBER, TEXT, Table};
 
 /// One axis.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! The figures that a path is looked at with.
 
 use super::figure::{Colour, Figure, Look};
-use crate::state::{State, Vector};
-use crate::system::Hamiltonian;
-use crate::trajectory::Trajectory;
+use crate::algebra::state::{State, Vector};
+use crate::path::trajectory::Trajectory;
+use crate::scheme::system::Hamiltonian;
 
 /// Degrees of freedom that are shown unless asked otherwise: as many as there are colours.
 const SHOWN: usize = 6;
@@ -80,7 +80,7 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure
     }
 
-    /// The crossings of the sections of the run ([`Simulation::section`](crate::simulate::Simulation::section)): momenta against coordinates, a
+    /// The crossings of the sections of the run ([`Simulation::section`](crate::path::simulate::Simulation::section)): momenta against coordinates, a
     /// colour for each section. Of the first degree of freedom that is shown.
     pub fn section(&self) -> Figure {
         let Some((degree, [q, p])) = self.named().next() else { return Figure::panel("Section", "", "") };

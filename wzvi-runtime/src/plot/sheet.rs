@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::Path;
 
 use super::drawing::{Plot, drawn_png, drawn_svg};
-use super::error::PlotError;
 use super::figure::Figure;
 use super::layout::Layout;
-use crate::persist::file;
+use crate::error::PlotError;
+use crate::saving::file;
 
 /// Pixels of the file for one of the layout.
 const SCALE: i32 = 2;

@@ -1,6 +1,6 @@
 //! Where an axis has its marks.
 
-use crate::digits::{number, power_of_ten};
+use crate::ground::digits::{number, power_of_ten};
 
 /// One mark of an axis.
 pub(crate) struct Tick {

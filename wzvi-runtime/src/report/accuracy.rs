@@ -8,11 +8,12 @@ use super::measure::{Reference, WorkPrecision};
 use super::method::{Method, Paths};
 use super::run::{Run, Settings, TIMED_STEPS, Work};
 use super::statistics::{Estimate, Trend};
-use crate::error::{Error, InternalError};
+use crate::algebra::state::{State, Vector};
+use crate::ensemble::schedule::in_order;
+use crate::error::InternalError;
 use crate::noise::{Driver as _, Paths as _};
-use crate::schedule::in_order;
-use crate::state::{State, Vector};
-use crate::system::Hamiltonian;
+use crate::path::Error;
+use crate::scheme::system::Hamiltonian;
 
 /// Nodes of a path at which the energy is looked at, about.
 const LOOKS: u64 = 256;

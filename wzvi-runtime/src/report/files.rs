@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::ReportError;
-use crate::persist::file;
+use crate::saving::file;
 
 /// Creates a folder and what leads to it.
 ///

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde::{Deserialize, Serialize};
 
-use crate::clock;
+use crate::ground::clock;
 
 /// The program, the machine and the time of a measurement.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,14 +2,14 @@
 
 use super::Overlay;
 use super::method::{Embedded, Method};
-use crate::error::Error;
-use crate::execution::Execution;
-use crate::names::short_name;
+use crate::algebra::state::State;
+use crate::ensemble::execution::Execution;
+use crate::ground::names::short_name;
 use crate::noise::{Driver, Paths, Wiener};
-use crate::options::options;
-use crate::span::{End, Span};
-use crate::state::State;
-use crate::system::{Discretized, Hamiltonian};
+use crate::path::Error;
+use crate::path::options::options;
+use crate::path::span::{End, Span};
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
 type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
@@ -39,7 +39,7 @@ pub(super) struct Setup<'a, V> {
 /// How much error several schemes make for how much time: [`WorkPrecision::run`] measures it.
 ///
 /// A start, an end, step sizes, a reference and at least one scheme are needed. The paths are those of one seed: every
-/// scheme, every step size and the reference see the same Wiener paths: [thermostats](crate::bath), too, whose normals are increments of one Wiener
+/// scheme, every step size and the reference see the same Wiener paths: [thermostats](crate::scheme::bath), too, whose normals are increments of one Wiener
 /// process for each degree of freedom, after those of the noises.
 #[must_use = "nothing is measured before `run`"]
 pub struct WorkPrecision<'a, H: Hamiltonian> {

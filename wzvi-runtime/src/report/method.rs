@@ -5,16 +5,17 @@ use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 use super::noise::Shifted;
-use crate::error::{ConfigError, Error, NoiseError};
+use crate::algebra::state::{State, Vector};
+use crate::ensemble::Ensemble;
+use crate::error::{ConfigError, NoiseError};
+use crate::ground::names::short_name;
 use crate::increments::{Interval, Noise};
-use crate::integrate::Integrate;
-use crate::names::short_name;
-use crate::plan::Plan;
-use crate::simulate::Node;
-use crate::state::{State, Vector};
-use crate::step::{StepInfo, Stepper};
-use crate::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
-use crate::system::{Discretized, Hamiltonian};
+use crate::path::Error;
+use crate::path::simulate::{Node, Simulation};
+use crate::path::step::{StepInfo, Stepper};
+use crate::path::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
+use crate::scheme::plan::Plan;
+use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// Sees a path, by its number in the run, at a recorded node.
 type See<'a, V> = &'a (dyn Fn(u64, &State<V>) + Sync);
@@ -143,13 +144,14 @@ where
     ) -> Result<Option<Option<Error>>, Error> {
         let Paths { start, h, steps, stride, number, noise } = paths;
         if system.increments(start.q.components().len()) == 0 {
-            let run = system.simulate::<E>(h).start(start.clone()).steps(steps);
+            let run = Simulation::<H, E>::new(system, h).start(start.clone()).steps(steps);
             let run = run.record_every(if stride == 0 { steps.max(1) } else { stride });
             let run = run.inspect(|state: &State<H::Vector>, _: &Node<'_>| see(0, state));
             let (_, failure) = run.run_partial()?;
             return Ok(Some(failure));
         }
-        let run = system.ensemble::<E>(h).start(start.clone()).paths(number).noise(noise).steps(steps);
+        let run =
+            Ensemble::<H, E>::new(system, h).start(start.clone()).paths(number).noise(noise).steps(steps);
         let run = run.record_every(stride).allow_losses(1.0).covariances(false).threads(1).quiet();
         match run.observe("t", |state| state.t).inspect(see).run() {
             Ok(statistics) if statistics.is_partial() => Ok(None),

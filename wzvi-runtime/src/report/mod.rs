@@ -30,7 +30,6 @@
 mod accuracy;
 mod data;
 mod document;
-mod error;
 mod figures;
 mod files;
 pub mod fit;
@@ -45,9 +44,9 @@ pub mod statistics;
 mod table;
 mod write;
 
+pub use crate::error::ReportError;
 pub use data::{Cell, Report, Weak};
 pub use document::Document;
-pub use error::ReportError;
 pub use files::{create_folder, write_file};
 pub use machine::Machine;
 pub use measure::WorkPrecision;

@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::increments::{Identity, Interval, Noise, NoiseError};
 use crate::noise::{Driver, Paths};
-use crate::plan::Plan;
+use crate::scheme::plan::Plan;
 
 /// A noise whose path 0 is path `first` of another, for a system of so many degrees of freedom and noises beside its bath.
 pub(super) struct Shifted<'a> {

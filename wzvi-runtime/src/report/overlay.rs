@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::ReportError;
-use crate::persist::FileError;
+use crate::error::FileError;
 
 /// A point that another program measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -9,14 +9,15 @@ use super::method::{Given, Iterations, Method};
 use super::noise::Shifted;
 use super::number;
 use super::statistics::Spread;
-use crate::error::{ConfigError, Error, InternalError};
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, InternalError};
+use crate::ground::interrupt::Interrupt;
+use crate::ground::progress::Progress;
 use crate::increments::{Interval, Noise as _};
-use crate::interrupt::Interrupt;
 use crate::noise::{Driver, Paths as _, Wiener};
-use crate::progress::Progress;
-use crate::span::{End, sized, steps_between};
-use crate::state::{State, Vector};
-use crate::system::Hamiltonian;
+use crate::path::Error;
+use crate::path::span::{End, sized, steps_between};
+use crate::scheme::system::Hamiltonian;
 
 /// Steps that one timing takes at least, if there are paths enough.
 pub(super) const TIMED_STEPS: usize = 20_000;

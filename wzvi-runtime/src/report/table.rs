@@ -3,7 +3,7 @@
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
 use super::{Cell, Report, duration, number};
-use crate::digits::estimate;
+use crate::ground::digits::estimate;
 
 impl Report {
     /// Prints [`Report::text`].

@@ -1,8 +1,8 @@
 //! A measurement as CSV and JSON.
 
 use super::{Cell, Report, ReportError};
-use crate::persist::table::Cell::{Count, Number, Text};
-use crate::persist::table::{COUNT, Column, NUMBER, TEXT, Table};
+use crate::saving::table::Cell::{Count, Number, Text};
+use crate::saving::table::{COUNT, Column, NUMBER, TEXT, Table};
 
 /// Columns of every measurement.
 const COLUMNS: [(&str, Column); 17] = [

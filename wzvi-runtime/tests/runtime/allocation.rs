@@ -2,10 +2,10 @@
 
 use super::systems::{Kubo, Pendulum, Rotors, path};
 use allocation_counter::measure;
-use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
+use wzvi_runtime::algebra::state::State;
 use wzvi_runtime::increments::Increments;
 use wzvi_runtime::integrate::Integrate;
-use wzvi_runtime::state::State;
+use wzvi_runtime::scheme::embedding::{DeltaPlus, Midpoint};
 
 /// Allocations (and reallocations) of `f` on this thread, and its value.
 fn count<T>(f: impl FnOnce() -> T) -> (u64, T) {

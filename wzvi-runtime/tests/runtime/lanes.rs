@@ -1,7 +1,7 @@
 //! Lanes: special arguments, and that a lane depends on nothing but itself.
 
-use wzvi_runtime::lanes::Lanes;
-use wzvi_runtime::scalar::{Mask, Scalar};
+use wzvi_runtime::algebra::lanes::Lanes;
+use wzvi_runtime::algebra::scalar::{Mask, Scalar};
 
 /// Every function of one number with the one of `std`.
 macro_rules! unary {

@@ -1,11 +1,11 @@
 //! The elementary functions of lanes over their whole range against arithmetic of 256 bits.
 //!
-//! The bounds are those of the table in the documentation of `wzvi_runtime::lanes`. With `WZVI_SAMPLES=1000000` in the
+//! The bounds are those of the table in the documentation of `wzvi_runtime::algebra::lanes`. With `WZVI_SAMPLES=1000000` in the
 //! environment every function is measured at so many arguments per range, and `--nocapture` prints what was found.
 
 use astro_float_num::{BigFloat, Consts, RoundingMode};
-use wzvi_runtime::lanes::Lanes;
-use wzvi_runtime::scalar::Scalar;
+use wzvi_runtime::algebra::lanes::Lanes;
+use wzvi_runtime::algebra::scalar::Scalar;
 
 const L: usize = 8;
 const BITS: usize = 256;

@@ -1,7 +1,7 @@
 //! Wong-Zakai increments against the path that they approximate.
 
 use wzvi_runtime::noise::{Interval, Noise, Sampling, Truncation, Wiener, WongZakai};
-use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
+use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
 
 const KINDS: [Sampling; 5] =
     [Sampling::Left, Sampling::Centred, Sampling::Literal, Sampling::Exact, Sampling::ExactCentred];

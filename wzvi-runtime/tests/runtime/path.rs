@@ -3,14 +3,15 @@
 use std::cell::Cell;
 
 use super::systems::{Kubo, Pendulum, Rotors, V1, path};
-use wzvi_runtime::calculus::{DomainError, Nodes};
-use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
-use wzvi_runtime::error::{ConfigError, Error, NoiseError, PathError, StepFailure};
+use wzvi_runtime::algebra::state::State;
+use wzvi_runtime::error::{ConfigError, NoiseError, PathError, StepFailure};
+use wzvi_runtime::ground::calculus::{DomainError, Nodes};
 use wzvi_runtime::increments::{Increments, Interval, Noise};
 use wzvi_runtime::integrate::Integrate;
-use wzvi_runtime::plan::Plan;
-use wzvi_runtime::state::State;
-use wzvi_runtime::trajectory::Trajectory;
+use wzvi_runtime::path::Error;
+use wzvi_runtime::path::trajectory::Trajectory;
+use wzvi_runtime::scheme::embedding::{DeltaPlus, Midpoint};
+use wzvi_runtime::scheme::plan::Plan;
 
 const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
 const PENDULUM: Pendulum = Pendulum { omega: 1.3 };

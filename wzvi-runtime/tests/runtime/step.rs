@@ -2,13 +2,13 @@
 
 use super::systems::{Kubo, Pendulum, Rotors, V1, path};
 use nalgebra::{DVector, SMatrix};
-use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
+use wzvi_runtime::algebra::scalar::Dual;
+use wzvi_runtime::algebra::state::State;
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::integrate::Integrate;
-use wzvi_runtime::scalar::Dual;
-use wzvi_runtime::state::State;
-use wzvi_runtime::step::Stepper;
-use wzvi_runtime::system::Discretized;
+use wzvi_runtime::path::step::Stepper;
+use wzvi_runtime::scheme::embedding::{DeltaPlus, Midpoint};
+use wzvi_runtime::scheme::system::Discretized;
 
 const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
 const PENDULUM: Pendulum = Pendulum { omega: 1.3 };

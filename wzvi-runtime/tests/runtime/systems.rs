@@ -1,14 +1,14 @@
 //! Systems written by hand, as the compiler would write them: fixtures for the runtime.
 
 use nalgebra::{DVector, SVector};
-use wzvi_runtime::carry::{Carry, Plain};
-use wzvi_runtime::embedding::{DeltaPlus, Midpoint};
+use wzvi_runtime::algebra::carry::{Carry, Plain};
+use wzvi_runtime::algebra::scalar::{Mask, Rounded, Scalar};
+use wzvi_runtime::algebra::solve::{Block, Effort, Extrapolation, newton};
+use wzvi_runtime::algebra::state::State;
 use wzvi_runtime::error::{ConfigError, StepFailure};
-use wzvi_runtime::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scalar::{Mask, Rounded, Scalar};
-use wzvi_runtime::solve::{Block, Effort, Extrapolation, newton};
-use wzvi_runtime::state::State;
-use wzvi_runtime::system::{At, Hamiltonian, LagrangianGradient, Listed, Scheme, Segment};
+use wzvi_runtime::scheme::embedding::{DeltaPlus, Midpoint};
+use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
+use wzvi_runtime::scheme::system::{At, Hamiltonian, LagrangianGradient, Listed, Scheme, Segment};
 
 pub(crate) type V1 = SVector<f64, 1>;
 

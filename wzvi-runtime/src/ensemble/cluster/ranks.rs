@@ -3,7 +3,7 @@
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
 use super::error::ClusterError;
-use crate::error::Error;
+use crate::path::Error;
 
 /// What a process that panics ends with.
 const PANICKED: i32 = 101;

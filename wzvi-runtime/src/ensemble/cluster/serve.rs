@@ -10,10 +10,10 @@ use mpi::traits::Communicator;
 use super::error::ClusterError;
 use super::orders::{Answer, Answers, Order, Orders};
 use super::ranks::end_all;
-use crate::ensemble::statistics::Statistics;
-use crate::error::Error;
-use crate::numbers::Tape;
-use crate::schedule::{PATIENCE, Pace, Queue, Shared, StopOnPanic, in_order};
+use crate::ensemble::schedule::{PATIENCE, Pace, Queue, Shared, StopOnPanic, in_order};
+use crate::ground::numbers::Tape;
+use crate::path::Error;
+use crate::statistics::Statistics;
 
 /// Batches that a rank has: one to work on, one to go on with.
 const HELD: usize = 2;

@@ -1,19 +1,20 @@
 //! A lane of a group that goes alone: where the short way fails, and each remembers by itself.
 
 use super::{Group, Systems};
-use crate::carry::Plain;
-use crate::continuation::{Hard, Taken, solve_by_continuation};
+use crate::algebra::carry::Plain;
+use crate::algebra::few::List;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::memory::{StepMemory, Threads};
+use crate::algebra::state::State;
 use crate::ensemble::job::Job;
-use crate::error::{ConfigError, Error, FailedLanes, InternalError, StepError, StepFailure};
-use crate::few::List;
+use crate::error::{ConfigError, FailedLanes, InternalError, StepError, StepFailure};
+use crate::ground::numbers::{Numbers, Tape};
 use crate::increments::Interval;
-use crate::lanes::Lanes;
-use crate::memory::{StepMemory, Threads};
-use crate::numbers::{Numbers, Tape};
-use crate::plan::{NoiseClass, Solver};
-use crate::retry::{Subdivision, is_curable};
-use crate::state::State;
-use crate::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
+use crate::path::Error;
+use crate::path::retry::{Subdivision, is_curable};
+use crate::scheme::continuation::{Hard, Taken, solve_by_continuation};
+use crate::scheme::plan::{NoiseClass, Solver};
+use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
     /// The step of those lanes that could not take it the short way.

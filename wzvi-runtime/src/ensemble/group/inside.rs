@@ -2,12 +2,13 @@
 
 use super::alone::subdivision_of;
 use super::{Group, Systems};
-use crate::dense::DenseOutput;
-use crate::error::{Error, StepError};
+use crate::algebra::state::State;
+use crate::error::StepError;
 use crate::increments::Interval;
-use crate::state::State;
-use crate::step::Stepper;
-use crate::system::Discretized;
+use crate::path::Error;
+use crate::path::step::Stepper;
+use crate::scheme::dense::DenseOutput;
+use crate::scheme::system::Discretized;
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
     /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.

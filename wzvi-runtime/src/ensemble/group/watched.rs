@@ -1,8 +1,8 @@
 //! The energy of paths beside each other: each is watched as if it were alone.
 
 use super::{Group, Systems};
-use crate::system::Discretized;
-use crate::watch::{Watch, keeps_energy};
+use crate::path::watch::{Watch, keeps_energy};
+use crate::scheme::system::Discretized;
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
     /// Of all paths, from their starts.

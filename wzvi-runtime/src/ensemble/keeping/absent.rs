@@ -1,10 +1,11 @@
 //! Without the feature `serde` no ensemble keeps anything.
 
 use super::job::Job;
-use super::statistics::Statistics;
-use crate::checkpoint::Keeping;
-use crate::error::{Error, FileError};
-use crate::system::Discretized;
+use crate::error::FileError;
+use crate::path::Error;
+use crate::path::checkpoint::Keeping;
+use crate::scheme::system::Discretized;
+use crate::statistics::Statistics;
 
 /// Keeps nothing.
 pub(super) struct BlockKeeper;

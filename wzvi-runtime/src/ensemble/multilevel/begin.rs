@@ -6,8 +6,8 @@ use super::{Multilevel, Observed, Setup};
 use crate::ensemble::control::Control;
 use crate::ensemble::source::{Settings, Source};
 use crate::ensemble::{self, Ensemble, Extras};
-use crate::recording::Request;
-use crate::system::Discretized;
+use crate::path::recording::Request;
+use crate::scheme::system::Discretized;
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from

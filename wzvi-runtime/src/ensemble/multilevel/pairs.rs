@@ -7,14 +7,15 @@ use super::super::halt::Halt;
 use super::super::job::Job;
 use super::super::pace::Pace;
 use super::super::starts::OneSystem;
-use super::estimate::{LevelError, LevelFailure, Samples};
-use crate::error::Error;
-use crate::lanes::Lanes;
-use crate::lanes::instructions::Kernel;
-use crate::options::Observable;
-use crate::scalar::Scalar;
-use crate::steps::{Advance, Monitor, take_steps};
-use crate::system::Discretized;
+use super::estimate::Samples;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::lanes::instructions::Kernel;
+use crate::algebra::scalar::Scalar;
+use crate::error::{LevelError, LevelFailure};
+use crate::path::Error;
+use crate::path::options::Observable;
+use crate::path::steps::{Advance, Monitor, take_steps};
+use crate::scheme::system::Discretized;
 
 /// Brownian paths in a block of a level: few on the finest, which need few; on the coarsest as many as make the steps of a block
 /// about as many.

@@ -1,0 +1,25 @@
+//! A point at which a path crosses a section.
+
+use super::state::State;
+
+/// To which side a path crosses a section, in the order in which it is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Direction {
+    /// From negative values to positive ones.
+    Rising,
+    /// From positive values to negative ones.
+    Falling,
+}
+
+/// A point at which a path crosses a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Crossing<V> {
+    /// Which section, in the order in which they were asked for, from 0.
+    pub section: usize,
+    /// To which side.
+    pub direction: Direction,
+    /// The state there, with its time.
+    pub state: State<V>,
+}

@@ -1,0 +1,70 @@
+//! Short lists by value.
+//!
+//! State, increments and stepper of a small system stay in registers only where no function is given their address, not even one that is
+//! called once in a million steps. What a rare call needs of them therefore goes there as a copy.
+
+use std::ops::{Deref, DerefMut};
+
+use crate::algebra::scalar::Scalar;
+
+/// The longest list that is copied: no number of it is in a register anyway where there are more.
+const MOST: usize = 16;
+
+/// A copy of a short list.
+#[derive(Clone, Copy)]
+pub(crate) struct Few<S> {
+    numbers: [S; MOST],
+    length: usize,
+}
+
+impl<S: Scalar> Few<S> {
+    /// A copy; `None` if the list is long.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn of(list: &[S]) -> Option<Self> {
+        let mut numbers = [S::from_f64(0.0); MOST];
+        numbers.get_mut(..list.len())?.copy_from_slice(list);
+        Some(Self { numbers, length: list.len() })
+    }
+}
+
+impl<S> Deref for Few<S> {
+    type Target = [S];
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn deref(&self) -> &[S] {
+        &self.numbers[..self.length]
+    }
+}
+
+impl<S> DerefMut for Few<S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn deref_mut(&mut self) -> &mut [S] {
+        &mut self.numbers[..self.length]
+    }
+}
+
+/// A list, short or not.
+#[derive(Clone, Copy)]
+pub(crate) enum List<'a, S> {
+    Short(Few<S>),
+    Long(&'a [S]),
+}
+
+impl<'a, S: Scalar> List<'a, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn of(list: &'a [S]) -> Self {
+        Few::of(list).map_or(Self::Long(list), Self::Short)
+    }
+}
+
+impl<S> Deref for List<'_, S> {
+    type Target = [S];
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn deref(&self) -> &[S] {
+        match self {
+            Self::Short(few) => few,
+            Self::Long(list) => list,
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Elementary functions whose bits are the same on every machine.
+//!
+//! The functions of `std` are those of the platform and differ in the last bit between targets. These do not: they are
+//! made of IEEE additions, multiplications, divisions and square roots in a fixed order, without fused operations, so that
+//! SSE2, AVX2, AVX-512 and NEON agree. They have no branches where arguments are usual, and a loop of them over an array
+//! becomes vector code. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take the functions of the crate
+//! `libm`, one number at a time, which are as portable. So every result is a function of its argument alone.
+//!
+//! The formulas and polynomials are those of fdlibm:
+//!
+//! > Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Permission to use, copy, modify, and
+//! > distribute this software is freely granted, provided that this notice is preserved.
+
+mod exponential;
+mod hyperbolic;
+mod inverse;
+mod logarithm;
+mod power;
+mod trigonometric;
+
+pub(super) use exponential::{Exp, Exp2, ExpM1};
+pub(super) use hyperbolic::{Acosh, Asinh, Atanh, Cosh, Sinh, Tanh};
+pub(super) use inverse::{Acos, Asin, Atan, Atan2};
+pub(super) use logarithm::{Ln, Ln1p, Log2, Log10};
+pub(super) use power::{Cbrt, Hypot, Pow};
+pub(super) use trigonometric::{Cos, Sin, Tan};
+
+/// A function of one number.
+pub(super) trait Unary {
+    /// Where [`Unary::fast`] is right.
+    fn is_usual(x: f64) -> bool;
+    /// The function of a usual number, without branches; anything elsewhere.
+    fn fast(x: f64) -> f64;
+    /// The function of any other number.
+    fn rare(x: f64) -> f64;
+
+    /// The function of a usual number, NaN for any other, without branches.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn usual(x: f64) -> f64 {
+        select(Self::is_usual(x), Self::fast(x), f64::NAN)
+    }
+
+    /// The function of any number, as a call.
+    #[inline(never)]
+    fn alone(x: f64) -> f64 {
+        Self::of([x])[0]
+    }
+
+    /// The function of every number.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of<const L: usize>(x: [f64; L]) -> [f64; L] {
+        let mut y = [0.0; L];
+        for i in 0..L {
+            y[i] = Self::fast(x[i]);
+        }
+        let mut all = true;
+        for &x in &x {
+            all &= Self::is_usual(x);
+        }
+        if !all {
+            // Copies: what a function that is not inlined gets is in memory.
+            let (arguments, mut repaired) = (x, y);
+            Self::repair(&arguments, &mut repaired);
+            y = repaired;
+        }
+        y
+    }
+
+    /// Puts in what `fast` cannot do.
+    #[cold]
+    #[inline(never)]
+    fn repair(x: &[f64], y: &mut [f64]) {
+        for (&x, y) in x.iter().zip(y) {
+            if !Self::is_usual(x) {
+                *y = Self::rare(x);
+            }
+        }
+    }
+}
+
+/// A function of two numbers, as [`Unary`].
+pub(super) trait Binary {
+    /// Where [`Binary::fast`] is right.
+    fn is_usual(a: f64, b: f64) -> bool;
+    /// The function of a usual pair, without branches; anything elsewhere.
+    fn fast(a: f64, b: f64) -> f64;
+    /// The function of any other pair.
+    fn rare(a: f64, b: f64) -> f64;
+
+    /// The function of a usual pair, NaN for any other, without branches.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn usual(a: f64, b: f64) -> f64 {
+        select(Self::is_usual(a, b), Self::fast(a, b), f64::NAN)
+    }
+
+    /// The function of any pair, as a call.
+    #[inline(never)]
+    fn alone(a: f64, b: f64) -> f64 {
+        Self::of([a], [b])[0]
+    }
+
+    /// The function of every pair.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of<const L: usize>(a: [f64; L], b: [f64; L]) -> [f64; L] {
+        let mut y = [0.0; L];
+        for i in 0..L {
+            y[i] = Self::fast(a[i], b[i]);
+        }
+        let mut all = true;
+        for i in 0..L {
+            all &= Self::is_usual(a[i], b[i]);
+        }
+        if !all {
+            // Copies: what a function that is not inlined gets is in memory.
+            let (first, second, mut repaired) = (a, b, y);
+            Self::repair(&first, &second, &mut repaired);
+            y = repaired;
+        }
+        y
+    }
+
+    /// Puts in what `fast` cannot do.
+    #[cold]
+    #[inline(never)]
+    fn repair(a: &[f64], b: &[f64], y: &mut [f64]) {
+        for ((&a, &b), y) in a.iter().zip(b).zip(y) {
+            if !Self::is_usual(a, b) {
+                *y = Self::rare(a, b);
+            }
+        }
+    }
+}
+
+/// `Name: fast where condition, else rare`
+macro_rules! functions {
+    ($($trait:ident $(#[$doc:meta])* $name:ident($($x:ident),*): $fast:expr, where $usual:expr, else $rare:path;)*) => {$(
+        $(#[$doc])*
+        pub(in crate::algebra::lanes) struct $name;
+
+        impl $trait for $name {
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn is_usual($($x: f64),*) -> bool {
+                $usual
+            }
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn fast($($x: f64),*) -> f64 {
+                $fast
+            }
+            fn rare($($x: f64),*) -> f64 {
+                $rare($($x),*)
+            }
+        }
+    )*};
+}
+use functions;
+
+/// `ln 2` in two parts: products of the first with integers below 2^20 are exact.
+const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
+const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// Added to a number below 2^51 it leaves the nearest integer in the last bits.
+const ROUNDER: f64 = 6_755_399_441_055_744.0;
+
+/// The nearest integer, and bits that end in it (two's complement).
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn nearest(x: f64) -> (f64, u64) {
+    let shifted = x + ROUNDER;
+    (shifted - ROUNDER, shifted.to_bits())
+}
+
+/// `2^k` for the bits of [`nearest`] and `-1022 <= k <= 1023`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn power_of_two(bits: u64) -> f64 {
+    f64::from_bits(bits.wrapping_add(1023) << 52)
+}
+
+/// `2^-k`, as [`power_of_two`].
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn inverse_power_of_two(bits: u64) -> f64 {
+    f64::from_bits(1023_u64.wrapping_sub(bits) << 52)
+}
+
+/// A positive normal number as `2^k m` with `m` between `√½` and `√2`: `k` and `m`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn exponent_and_mantissa(x: f64) -> (f64, f64) {
+    const ONE: u64 = 0x3ff0_0000_0000_0000;
+    const ROOT_HALF: u64 = 0x3fe6_a09e_0000_0000;
+    let bits = x.to_bits().wrapping_add(ONE - ROOT_HALF);
+    let mantissa = f64::from_bits((bits & 0x000f_ffff_ffff_ffff).wrapping_add(ROOT_HALF));
+    (small_integer(bits >> 52) - 1023.0, mantissa)
+}
+
+/// An integer below 2^52 as a number; the conversion instruction has no vector form before AVX-512.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn small_integer(n: u64) -> f64 {
+    const TWO_52: f64 = 4_503_599_627_370_496.0;
+    f64::from_bits(n | TWO_52.to_bits()) - TWO_52
+}
+
+/// The number without its last 32 bits: products of two such are exact.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn high(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0xffff_ffff_0000_0000)
+}
+
+/// `a` or `b`; a name for the branchless choice.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn select(condition: bool, a: f64, b: f64) -> f64 {
+    if condition { a } else { b }
+}

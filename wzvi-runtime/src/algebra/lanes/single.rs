@@ -1,0 +1,260 @@
+//! One number with the functions of [`Lanes`](super::Lanes), bit for bit: alone, or in a loop that becomes vector code.
+//!
+//! Alone, functions are calls of code that is there once. In a loop over neighbours they are written out, and a branch to the
+//! rare arguments of a function would keep the loop from vector registers. There is none: what depends on a rare argument is
+//! NaN, comparisons included, so that a result is either that of [`Lanes`](super::Lanes) or not a number. Whoever finds it
+//! computes it again, alone.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use super::elementary::{self, Binary, Unary};
+use crate::algebra::scalar::{Mask, Number, Scalar};
+use crate::algebra::solve::Together;
+use crate::ground::numbers::{Numbers, Tape};
+
+/// A number; unless it `STANDS_ALONE`, NaN where it takes more than the usual arithmetic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Single<const STANDS_ALONE: bool>(f64);
+
+/// A number by itself.
+pub type Alone = Single<true>;
+
+/// A number in a loop over neighbours.
+pub type Usual = Single<false>;
+
+impl<const STANDS_ALONE: bool> Number<f64> for Single<STANDS_ALONE> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of(kept: f64) -> Self {
+        Self(kept)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kept(self) -> f64 {
+        self.0
+    }
+}
+
+/// The truth of a comparison, where its operands are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KnownTruth {
+    truth: bool,
+    is_known: bool,
+}
+
+impl KnownTruth {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of<const STANDS_ALONE: bool>(truth: bool, a: Single<STANDS_ALONE>, b: Single<STANDS_ALONE>) -> Self {
+        Self { truth, is_known: STANDS_ALONE | (!a.0.is_nan() & !b.0.is_nan()) }
+    }
+}
+
+impl BitAnd for KnownTruth {
+    type Output = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bitand(self, other: Self) -> Self {
+        Self { truth: self.truth & other.truth, is_known: self.is_known & other.is_known }
+    }
+}
+
+impl BitOr for KnownTruth {
+    type Output = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bitor(self, other: Self) -> Self {
+        Self { truth: self.truth | other.truth, is_known: self.is_known & other.is_known }
+    }
+}
+
+impl Not for KnownTruth {
+    type Output = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn not(self) -> Self {
+        Self { truth: !self.truth, ..self }
+    }
+}
+
+impl Numbers for KnownTruth {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.flag(&mut self.truth);
+        tape.flag(&mut self.is_known);
+    }
+}
+
+impl Mask for KnownTruth {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_bool(truth: bool) -> Self {
+        Self { truth, is_known: true }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_lane(_lane: usize) -> Self {
+        Self::from_bool(true)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn all(self) -> bool {
+        self.truth
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lane(self, _lane: usize) -> bool {
+        self.truth
+    }
+}
+
+macro_rules! arithmetic {
+    ($($trait:ident $method:ident)*) => {$(
+        impl<const STANDS_ALONE: bool> $trait for Single<STANDS_ALONE> {
+            type Output = Self;
+
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+
+        impl<const STANDS_ALONE: bool> $trait<f64> for Single<STANDS_ALONE> {
+            type Output = Self;
+
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn $method(self, other: f64) -> Self {
+                Self(self.0.$method(other))
+            }
+        }
+    )*};
+}
+
+arithmetic!(Add add Sub sub Mul mul Div div);
+
+impl<const STANDS_ALONE: bool> Neg for Single<STANDS_ALONE> {
+    type Output = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<const STANDS_ALONE: bool> Numbers for Single<STANDS_ALONE> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.0.pass(tape);
+    }
+}
+
+macro_rules! unary {
+    ($($method:ident: $function:ident),*) => {$(
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn $method(self) -> Self {
+            Self(match STANDS_ALONE {
+                true => elementary::$function::alone(self.0),
+                false => elementary::$function::usual(self.0),
+            })
+        }
+    )*};
+}
+
+macro_rules! exact {
+    ($($method:ident)*) => {$(
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn $method(self) -> Self {
+            Self(Scalar::$method(self.0))
+        }
+    )*};
+}
+
+impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
+    type Stages<const N: usize> = [Self; N];
+    type Mask = KnownTruth;
+    type Solver = Together;
+    type OfElements<T: Number<f64>> = Self;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_f64(value: f64) -> Self {
+        Self(value)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn magnitude(self) -> f64 {
+        self.0.abs()
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lane(self, _lane: usize) -> f64 {
+        self.0
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn relative_to(self, other: Self) -> f64 {
+        self.0.relative_to(other.0)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        self.0.nearly_relative_to(other.0)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_identical(self, other: Self) -> bool {
+        self.0.is_identical(other.0)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_finite(self) -> KnownTruth {
+        KnownTruth::from_bool(self.0.is_finite())
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less(self, other: Self) -> KnownTruth {
+        KnownTruth::of(self.0 < other.0, self, other)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less_equal(self, other: Self) -> KnownTruth {
+        KnownTruth::of(self.0 <= other.0, self, other)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(self, other: Self) -> KnownTruth {
+        KnownTruth::of(self.0 == other.0, self, other)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn select(mask: KnownTruth, then: Self, otherwise: Self) -> Self {
+        let chosen = if mask.truth { then.0 } else { otherwise.0 };
+        Self(if mask.is_known { chosen } else { f64::NAN })
+    }
+
+    /// In the order of [`Lanes`](super::Lanes).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn powi(self, exponent: i32) -> Self {
+        Self(super::Lanes::new([self.0]).powi(exponent).to_array()[0])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn powf(self, exponent: Self) -> Self {
+        Self(match STANDS_ALONE {
+            true => elementary::Pow::alone(self.0, exponent.0),
+            false => elementary::Pow::usual(self.0, exponent.0),
+        })
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn hypot(self, other: Self) -> Self {
+        Self(match STANDS_ALONE {
+            true => elementary::Hypot::alone(self.0, other.0),
+            false => elementary::Hypot::usual(self.0, other.0),
+        })
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn atan2(self, other: Self) -> Self {
+        Self(match STANDS_ALONE {
+            true => elementary::Atan2::alone(self.0, other.0),
+            false => elementary::Atan2::usual(self.0, other.0),
+        })
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+    /// Unknown if either is.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn min(self, other: Self) -> Self {
+        Self::select(KnownTruth::of(true, self, other), Self(self.0.min(other.0)), self)
+    }
+    /// Unknown if either is.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn max(self, other: Self) -> Self {
+        Self::select(KnownTruth::of(true, self, other), Self(self.0.max(other.0)), self)
+    }
+
+    exact!(recip sqrt abs signum);
+    unary!(cbrt: Cbrt, exp: Exp, exp2: Exp2, exp_m1: ExpM1, ln: Ln, ln_1p: Ln1p, log2: Log2, log10: Log10);
+    unary!(sin: Sin, cos: Cos, tan: Tan, asin: Asin, acos: Acos, atan: Atan);
+    unary!(sinh: Sinh, cosh: Cosh, tanh: Tanh, asinh: Asinh, acosh: Acosh, atanh: Atanh);
+}

@@ -1,0 +1,399 @@
+//! The number type that generated steps are generic over.
+//!
+//! One emitted step serves `f64`, dual numbers (tests, sensitivities) and lanes of trajectories.
+
+mod constant;
+mod dual;
+mod failed;
+mod rounded;
+
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+pub use constant::{Beside, Constant, Over};
+pub use dual::Dual;
+pub use rounded::Rounded;
+
+use super::stages::Stages;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::solve::{Solve, Together};
+use crate::error::FailedLanes;
+use crate::ground::numbers::Numbers;
+
+/// The truth of a comparison: `bool` for one number, a mask for several at once.
+pub trait Mask:
+    Copy + Debug + Numbers + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// The same truth in every lane.
+    fn from_bool(truth: bool) -> Self;
+    /// True in one lane.
+    fn of_lane(lane: usize) -> Self;
+    /// Whether every lane is true.
+    fn all(self) -> bool;
+    /// Whether any lane is true.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn any(self) -> bool {
+        !(!self).all()
+    }
+    /// The truth of one lane.
+    fn lane(self, lane: usize) -> bool;
+}
+
+impl Mask for bool {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_bool(truth: bool) -> Self {
+        truth
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_lane(_lane: usize) -> Self {
+        true
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn all(self) -> bool {
+        self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lane(self, _lane: usize) -> bool {
+        self
+    }
+}
+
+/// A real number as generated code computes with it.
+///
+/// Functions have the meaning and the domain of the methods of `f64` with the same name.
+#[rustfmt::skip]
+pub trait Scalar:
+    Copy + Debug + Numbers + 'static + Neg<Output = Self>
+    + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+    + Add<f64, Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
+{
+    /// The truth of a comparison.
+    type Mask: Mask;
+    /// One number for each of the `N` stages of a step.
+    type Stages<const N: usize>: Stages<Self, N>;
+    /// How the equations of a step are solved in numbers of this type.
+    type Solver: Solve<Self>;
+    /// What elements compute with in vectors of this type: `T` for `f64`, else the type itself.
+    type OfElements<T: Number<f64>>: Number<Self>;
+
+    /// Whether they may be `f64`: of others nothing is compiled for lists of `f64`.
+    #[doc(hidden)]
+    const MAY_BE_PLAIN: bool = size_of::<Self>() == size_of::<f64>();
+    /// A list of such numbers, if they are `f64`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn plain(_list: &[Self]) -> Option<&[f64]> {
+        None
+    }
+    /// The same, to be written.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn plain_mut(_list: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
+
+    /// A constant.
+    fn from_f64(value: f64) -> Self;
+    /// The absolute value, without what the number carries besides (derivatives); the largest of several lanes.
+    fn magnitude(self) -> f64;
+    /// Numbers that it holds side by side.
+    const LANES: usize = 1;
+    /// Whether each of them is a matter of its own: paths beside each other.
+    const IS_BESIDE: bool = false;
+    /// Whether some of them take a step that others cannot: a [set](FailedLanes) says which.
+    const GOES_IN_PART: bool = Self::IS_BESIDE && 1 < Self::LANES && Self::LANES <= FailedLanes::MOST;
+
+    /// The number of one lane, without derivatives.
+    fn lane(self, lane: usize) -> f64;
+    /// How large the number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part
+    /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
+    /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
+    fn relative_to(self, other: Self) -> f64;
+    /// The same without a division: within a nineteenth, and not finite where that is larger than all numbers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        self.relative_to(other)
+    }
+    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for what is larger, and
+    /// for NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_over(self, size: Self) -> Self {
+        Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
+    }
+    /// Where every part of the number is zero.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vanishes(self) -> Self::Mask {
+        self.equal(Self::from_f64(0.0))
+    }
+    /// The larger absolute value, part by part; NaN where either is.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn larger(self, other: Self) -> Self {
+        let (own, other) = (self.abs(), other.abs());
+        Self::select(own.less(other) | !other.equal(other), other, own)
+    }
+    /// Whether both are the same to the last bit, in every part (derivatives, lanes).
+    fn is_identical(self, other: Self) -> bool;
+    /// Where every part of the number is finite.
+    fn is_finite(self) -> Self::Mask;
+    /// Where every part of the first of each pair is finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> Self::Mask {
+        let mut all = Self::Mask::from_bool(true);
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                all = all & x.is_finite();
+            }
+        }
+        all
+    }
+    /// Each of several numbers times a constant of its own.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
+        for (number, weight) in numbers.iter_mut().zip(weights) {
+            *number = *number * *weight;
+        }
+        numbers
+    }
+    /// `self < other`
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`
+    fn less_equal(self, other: Self) -> Self::Mask;
+    /// `self == other`
+    fn equal(self, other: Self) -> Self::Mask;
+    /// `if mask { then } else { otherwise }`, by lane.
+    fn select(mask: Self::Mask, then: Self, otherwise: Self) -> Self;
+
+    /// `1 / self`
+    fn recip(self) -> Self;
+    /// `self^exponent` for an integer exponent.
+    fn powi(self, exponent: i32) -> Self;
+    /// `self^exponent`
+    fn powf(self, exponent: Self) -> Self;
+    /// `√self`
+    fn sqrt(self) -> Self;
+    /// `∛self`
+    fn cbrt(self) -> Self;
+    /// `√(self² + other²)` without overflow.
+    fn hypot(self, other: Self) -> Self;
+    /// `e^self`
+    fn exp(self) -> Self;
+    /// `2^self`
+    fn exp2(self) -> Self;
+    /// `e^self - 1`
+    fn exp_m1(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// `ln(1 + self)`
+    fn ln_1p(self) -> Self;
+    /// Logarithm to base 2.
+    fn log2(self) -> Self;
+    /// Logarithm to base 10.
+    fn log10(self) -> Self;
+    /// Sine.
+    fn sin(self) -> Self;
+    /// Cosine.
+    fn cos(self) -> Self;
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self);
+    /// Tangent.
+    fn tan(self) -> Self;
+    /// Arc sine.
+    fn asin(self) -> Self;
+    /// Arc cosine.
+    fn acos(self) -> Self;
+    /// Arc tangent.
+    fn atan(self) -> Self;
+    /// The angle of the point (`other`, `self`).
+    fn atan2(self, other: Self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Inverse hyperbolic sine.
+    fn asinh(self) -> Self;
+    /// Inverse hyperbolic cosine.
+    fn acosh(self) -> Self;
+    /// Inverse hyperbolic tangent.
+    fn atanh(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The sign: 1 or -1.
+    fn signum(self) -> Self;
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two.
+    fn max(self, other: Self) -> Self;
+}
+
+/// What is computed with where numbers are kept as `S`.
+pub trait Number<S>: Scalar {
+    /// A number that is kept.
+    fn of(kept: S) -> Self;
+    /// As it is kept.
+    fn kept(self) -> S;
+}
+
+impl<S: Scalar> Number<S> for S {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of(kept: S) -> S {
+        kept
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kept(self) -> S {
+        self
+    }
+}
+
+macro_rules! forward {
+    ($($function:ident)*) => { $(#[cfg_attr(not(debug_assertions), inline(always))] fn $function(self) -> Self { f64::$function(self) })* };
+}
+
+/// `1 / size` within a nineteenth: the bits of a number are nearly its logarithm. At most `1.9 / f64::MIN_POSITIVE`, for zero; and no number for
+/// sizes above `8.5e307`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn nearly_inverse(size: f64) -> f64 {
+    const TWICE_ONE: u64 = 0x7fde_6238_22fc_16e6;
+    f64::from_bits(TWICE_ONE.wrapping_sub(size.to_bits()))
+}
+
+impl Scalar for f64 {
+    type Mask = bool;
+    type Stages<const N: usize> = Lanes<N>;
+    type Solver = Together;
+    type OfElements<T: Number<f64>> = T;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn plain(list: &[f64]) -> Option<&[f64]> {
+        Some(list)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn plain_mut(list: &mut [f64]) -> Option<&mut [f64]> {
+        Some(list)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn magnitude(self) -> f64 {
+        self.abs()
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lane(self, _lane: usize) -> f64 {
+        self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn relative_to(self, other: Self) -> f64 {
+        self.abs() / (other.abs() + f64::MIN_POSITIVE)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_relative_to(self, other: Self) -> f64 {
+        (self * nearly_inverse(other)).abs()
+    }
+    /// The smaller of two is one instruction, but not of one and infinity: compilers make a test of bits of that.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearly_over(self, size: Self) -> Self {
+        let relative = (self * nearly_inverse(size)).abs();
+        if relative < Self::MAX { relative } else { Self::MAX }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_identical(self, other: Self) -> bool {
+        self.to_bits() == other.to_bits()
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+    /// Zero times finite numbers is zero, and NaN otherwise: one test for all.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn are_finite<const N: usize>(pairs: [[(Self, Self); N]; 2]) -> bool {
+        let mut zero = 0.0;
+        for pairs in &pairs {
+            for (x, _) in pairs {
+                zero *= x;
+            }
+        }
+        !zero.is_nan()
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less_equal(self, other: Self) -> bool {
+        self <= other
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(self, other: Self) -> bool {
+        self == other
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn select(mask: bool, then: Self, otherwise: Self) -> Self {
+        if mask { then } else { otherwise }
+    }
+
+    forward!(recip sqrt cbrt exp exp2 exp_m1 ln ln_1p log2 log10 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs signum);
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn powi(self, exponent: i32) -> Self {
+        f64::powi(self, exponent)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn powf(self, exponent: Self) -> Self {
+        f64::powf(self, exponent)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn hypot(self, other: Self) -> Self {
+        f64::hypot(self, other)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn atan2(self, other: Self) -> Self {
+        f64::atan2(self, other)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn min(self, other: Self) -> Self {
+        f64::min(self, other)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn max(self, other: Self) -> Self {
+        f64::max(self, other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Between two powers of two the error does not depend on the power.
+    #[test]
+    fn sizes_are_nearly_right() {
+        let mantissas = || (0..=1000).map(|k| 1.0 + f64::from(k) / 1000.0);
+        for power in [-900, -500, -1, 0, 1, 500, 1000, 1020] {
+            for mantissa in mantissas() {
+                let size = mantissa * 2f64.powi(power);
+                for number in [size, -0.3 * size, 1e-16 * size] {
+                    let (near, exact) = (number.nearly_relative_to(-size), number.abs() / size);
+                    assert!((near - exact).abs() <= exact / 19.0, "{number:e} {size:e}");
+                    assert_eq!(near.to_bits(), number.nearly_over(size).to_bits());
+                }
+            }
+        }
+    }
+
+    /// Where numbers have fewer digits, roundings are of one size, and so are errors of two and a half.
+    #[test]
+    fn what_is_subnormal_is_small() {
+        for size in (0..52).map(|power| f64::from_bits(1 << power)) {
+            let (near, exact) = (5e-324_f64.nearly_relative_to(size), 5e-324_f64.relative_to(size));
+            assert!(near > 0.0 && near <= 2.5 * exact, "{size:e}: {near:e} {exact:e}");
+        }
+        assert_eq!(0.0_f64.nearly_relative_to(0.0), 0.0);
+        assert!(!f64::INFINITY.nearly_relative_to(f64::INFINITY).is_finite());
+        assert!(!f64::NAN.nearly_relative_to(1.0).is_finite());
+    }
+}

@@ -1,0 +1,354 @@
+//! Dual numbers `a + b ε` with `ε² = 0`: exact derivatives through any generic computation.
+//!
+//! With `N` infinitesimals at once, `f(x + ε) = f(x) + f'(x) ε` carries a whole gradient through one run. A part that is
+//! exactly zero stays zero through every function, also where the slope is infinite: constants are constants.
+//!
+//! The parts of a dual number may be dual numbers themselves: `Dual<1, Dual<1>>` carries a second derivative, in the
+//! direction of each.
+
+use std::f64::consts::{LN_2, LN_10};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{Number, Scalar};
+use crate::ground::numbers::{Numbers, Tape};
+
+/// A number with its partial derivatives in `N` directions.
+///
+/// Comparisons, [`Scalar::min`] and [`Scalar::max`] go by value. Where a function has a kink, the derivative is that of
+/// the branch that `f64` takes (`|x|` at 0 has slope `signum(0.0) = 1`); at the origin `hypot` and `atan2` have none,
+/// and the derivative is NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<const N: usize, S = f64> {
+    /// The number.
+    pub value: S,
+    /// Its partial derivatives.
+    pub derivative: [S; N],
+}
+
+impl<const N: usize, S: Scalar> Dual<N, S> {
+    /// A number that depends on nothing.
+    pub fn constant(value: S) -> Self {
+        Self { value, derivative: [S::from_f64(0.0); N] }
+    }
+
+    /// Independent variable `index`, with derivative 1 in that direction; a constant if there is no such direction.
+    pub fn variable(value: S, index: usize) -> Self {
+        Self { value, derivative: std::array::from_fn(|i| S::from_f64(f64::from(i == index))) }
+    }
+
+    /// The point `values`, each component its own independent variable.
+    pub fn variables(values: [S; N]) -> [Self; N] {
+        std::array::from_fn(|i| Self::variable(values[i], i))
+    }
+
+    /// `f(self)` from `f(value)` and `f'(value)`.
+    #[inline]
+    fn chain(self, value: S, slope: S) -> Self {
+        Self { value, derivative: self.derivative.map(|d| weigh(d, slope)) }
+    }
+
+    /// `f(self, other)` from its value and its two partial derivatives.
+    #[inline]
+    fn chain2(self, other: Self, value: S, slopes: [S; 2]) -> Self {
+        let derivative = std::array::from_fn(|i| {
+            weigh(self.derivative[i], slopes[0]) + weigh(other.derivative[i], slopes[1])
+        });
+        Self { value, derivative }
+    }
+}
+
+/// `derivative slope`, and 0 for what does not depend on the direction even where the slope is infinite or undefined.
+#[inline]
+fn weigh<S: Scalar>(derivative: S, slope: S) -> S {
+    S::select(derivative.vanishes(), S::from_f64(0.0), derivative * slope)
+}
+
+impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { value: -self.value, derivative: self.derivative.map(Neg::neg) }
+    }
+}
+
+impl<const N: usize, S: Scalar> Add for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        self.chain2(other, self.value + other.value, [S::from_f64(1.0); 2])
+    }
+}
+
+impl<const N: usize, S: Scalar> Sub for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self.chain2(other, self.value - other.value, [S::from_f64(1.0), S::from_f64(-1.0)])
+    }
+}
+
+impl<const N: usize, S: Scalar> Mul for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        self.chain2(other, self.value * other.value, [other.value, self.value])
+    }
+}
+
+impl<const N: usize, S: Scalar> Div for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        self.chain2(other, quotient, [other.value.recip(), -quotient / other.value])
+    }
+}
+
+impl<const N: usize, S: Scalar> Add<f64> for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: f64) -> Self {
+        Self { value: self.value + other, ..self }
+    }
+}
+
+impl<const N: usize, S: Scalar> Sub<f64> for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: f64) -> Self {
+        Self { value: self.value - other, ..self }
+    }
+}
+
+impl<const N: usize, S: Scalar> Mul<f64> for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: f64) -> Self {
+        self.chain(self.value * other, S::from_f64(other))
+    }
+}
+
+impl<const N: usize, S: Scalar> Div<f64> for Dual<N, S> {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: f64) -> Self {
+        self.chain(self.value / other, S::from_f64(1.0 / other))
+    }
+}
+
+/// The largest component, part by part.
+fn norm<S: Scalar>(components: &[S]) -> S {
+    components.iter().fold(S::from_f64(0.0), |largest, &x| x.larger(largest))
+}
+
+impl<const N: usize, S: Scalar> Numbers for Dual<N, S> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.value.pass(tape);
+        self.derivative.pass(tape);
+    }
+}
+
+impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
+    type Stages<const M: usize> = [Self; M];
+    type Mask = S::Mask;
+    const LANES: usize = S::LANES;
+    type Solver = crate::algebra::solve::Together;
+    type OfElements<T: Number<f64>> = Self;
+
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        Self::constant(S::from_f64(value))
+    }
+    #[inline]
+    fn magnitude(self) -> f64 {
+        self.value.magnitude()
+    }
+    /// The value against the values, the gradient against the gradients (in the largest norm).
+    #[inline]
+    fn relative_to(self, other: Self) -> f64 {
+        let of_gradient = norm(&self.derivative).relative_to(norm(&other.derivative));
+        self.value.relative_to(other.value).larger(of_gradient)
+    }
+    #[inline]
+    fn vanishes(self) -> S::Mask {
+        self.derivative.iter().fold(self.value.vanishes(), |all, d| all & d.vanishes())
+    }
+    #[inline]
+    fn is_identical(self, other: Self) -> bool {
+        let derivatives = self.derivative.iter().zip(&other.derivative);
+        self.value.is_identical(other.value) && derivatives.into_iter().all(|(a, b)| a.is_identical(*b))
+    }
+    #[inline]
+    fn larger(self, other: Self) -> Self {
+        Self {
+            value: self.value.larger(other.value),
+            derivative: std::array::from_fn(|i| self.derivative[i].larger(other.derivative[i])),
+        }
+    }
+    #[inline]
+    fn lane(self, lane: usize) -> f64 {
+        self.value.lane(lane)
+    }
+    #[inline]
+    fn is_finite(self) -> S::Mask {
+        self.derivative.iter().fold(self.value.is_finite(), |all, d| all & d.is_finite())
+    }
+    #[inline]
+    fn less(self, other: Self) -> S::Mask {
+        self.value.less(other.value)
+    }
+    #[inline]
+    fn less_equal(self, other: Self) -> S::Mask {
+        self.value.less_equal(other.value)
+    }
+    #[inline]
+    fn equal(self, other: Self) -> S::Mask {
+        self.value.equal(other.value)
+    }
+    #[inline]
+    fn select(mask: S::Mask, then: Self, otherwise: Self) -> Self {
+        Self {
+            value: S::select(mask, then.value, otherwise.value),
+            derivative: std::array::from_fn(|i| S::select(mask, then.derivative[i], otherwise.derivative[i])),
+        }
+    }
+
+    fn recip(self) -> Self {
+        let value = self.value.recip();
+        self.chain(value, -value * value)
+    }
+    fn powi(self, exponent: i32) -> Self {
+        let slope = match exponent {
+            0 => S::from_f64(0.0),
+            1 => S::from_f64(1.0),
+            // Saturating: the one exponent that it changes is out of reach of f64 in any case.
+            _ => self.value.powi(exponent.saturating_sub(1)) * f64::from(exponent),
+        };
+        self.chain(self.value.powi(exponent), slope)
+    }
+    fn powf(self, exponent: Self) -> Self {
+        let (x, y) = (self.value, exponent.value);
+        let value = x.powf(y);
+        let zero = S::from_f64(0.0);
+        let by_base = S::select(y.vanishes(), zero, y * x.powf(y - 1.0));
+        // x^y ln x → 0 as x → 0 for y > 0.
+        let by_exponent = S::select(value.equal(zero) & x.equal(zero), zero, value * x.ln());
+        self.chain2(exponent, value, [by_base, by_exponent])
+    }
+    fn sqrt(self) -> Self {
+        let value = self.value.sqrt();
+        self.chain(value, S::from_f64(0.5) / value)
+    }
+    fn cbrt(self) -> Self {
+        let value = self.value.cbrt();
+        self.chain(value, (value * 3.0 * value).recip())
+    }
+    fn hypot(self, other: Self) -> Self {
+        let value = self.value.hypot(other.value);
+        self.chain2(other, value, [self.value / value, other.value / value])
+    }
+    fn exp(self) -> Self {
+        let value = self.value.exp();
+        self.chain(value, value)
+    }
+    fn exp2(self) -> Self {
+        let value = self.value.exp2();
+        self.chain(value, value * LN_2)
+    }
+    fn exp_m1(self) -> Self {
+        self.chain(self.value.exp_m1(), self.value.exp())
+    }
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), self.value.recip())
+    }
+    fn ln_1p(self) -> Self {
+        self.chain(self.value.ln_1p(), (self.value + 1.0).recip())
+    }
+    fn log2(self) -> Self {
+        self.chain(self.value.log2(), (self.value * LN_2).recip())
+    }
+    fn log10(self) -> Self {
+        self.chain(self.value.log10(), (self.value * LN_10).recip())
+    }
+    fn sin(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.chain(sin, cos)
+    }
+    fn cos(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.chain(cos, -sin)
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.value.sin_cos();
+        (self.chain(sin, cos), self.chain(cos, -sin))
+    }
+    fn tan(self) -> Self {
+        let value = self.value.tan();
+        self.chain(value, value * value + 1.0)
+    }
+    fn asin(self) -> Self {
+        self.chain(self.value.asin(), arc_slope(self.value))
+    }
+    fn acos(self) -> Self {
+        self.chain(self.value.acos(), -arc_slope(self.value))
+    }
+    fn atan(self) -> Self {
+        self.chain(self.value.atan(), (self.value * self.value + 1.0).recip())
+    }
+    fn atan2(self, other: Self) -> Self {
+        let (y, x) = (self.value, other.value);
+        let radius = y.hypot(x);
+        self.chain2(other, y.atan2(x), [x / radius / radius, -y / radius / radius])
+    }
+    fn sinh(self) -> Self {
+        self.chain(self.value.sinh(), self.value.cosh())
+    }
+    fn cosh(self) -> Self {
+        self.chain(self.value.cosh(), self.value.sinh())
+    }
+    fn tanh(self) -> Self {
+        // 1/cosh² keeps its digits where 1 - tanh² cancels.
+        let secant = self.value.cosh().recip();
+        self.chain(self.value.tanh(), secant * secant)
+    }
+    fn asinh(self) -> Self {
+        self.chain(self.value.asinh(), self.value.hypot(S::from_f64(1.0)).recip())
+    }
+    fn acosh(self) -> Self {
+        let x = self.value;
+        self.chain(x.acosh(), ((x - 1.0).sqrt() * (x + 1.0).sqrt()).recip())
+    }
+    fn atanh(self) -> Self {
+        let x = self.value;
+        self.chain(x.atanh(), one_minus_square(x).recip())
+    }
+    fn abs(self) -> Self {
+        self.chain(self.value.abs(), self.value.signum())
+    }
+    fn signum(self) -> Self {
+        Self::constant(self.value.signum())
+    }
+    fn min(self, other: Self) -> Self {
+        Self::select(self.value.less_equal(other.value) | is_nan(other.value), self, other)
+    }
+    fn max(self, other: Self) -> Self {
+        Self::select(other.value.less_equal(self.value) | is_nan(other.value), self, other)
+    }
+}
+
+fn is_nan<S: Scalar>(x: S) -> S::Mask {
+    !x.equal(x)
+}
+
+/// `1 - x²`, factored so that the difference from ±1 keeps its digits.
+fn one_minus_square<S: Scalar>(x: S) -> S {
+    (-x + 1.0) * (x + 1.0)
+}
+
+/// `1/√(1 - x²)`
+fn arc_slope<S: Scalar>(x: S) -> S {
+    one_minus_square(x).sqrt().recip()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,32 @@
+//! Which of the paths beside each other could not take a step, as a mask.
+
+use super::{Mask, Scalar};
+use crate::error::{FailedLanes, StepFailure};
+
+impl FailedLanes {
+    /// Those of a mask.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn of<S: Scalar>(mask: S::Mask) -> Self {
+        let mut bits = 0;
+        for lane in 0..S::LANES {
+            bits |= u64::from(mask.lane(lane)) << lane;
+        }
+        Self(bits)
+    }
+
+    /// As a mask.
+    pub(crate) fn mask<S: Scalar>(self) -> S::Mask {
+        let none = S::Mask::from_bool(false);
+        (0..S::LANES).filter(|&lane| self.has(lane)).map(S::Mask::of_lane).fold(none, |all, lane| all | lane)
+    }
+}
+
+impl StepFailure {
+    /// Of a step that the paths of some lanes have taken: those of the others could not. Nothing but
+    /// [`StepFailure::NonFinite`] for numbers that are not beside each other, of which none has moved.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    #[must_use]
+    pub fn but_of<S: Scalar>(taken: S::Mask) -> Self {
+        if S::GOES_IN_PART { Self::Lanes(FailedLanes::of::<S>(!taken)) } else { Self::NonFinite }
+    }
+}

@@ -1,0 +1,378 @@
+//! Newton's method for the steps where the short way fails: with patience, then with a line search, and with a doubt about
+//! its own result. One driver for straight-line blocks and for sweeps: what they have to say is a [`Problem`].
+//!
+//! Near a solution the next correction is a part of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x - c)| <= Θ |c|`. If the
+//! Kantorovich number of the start is at most 1/2, there is one solution around it, and `Θ <= 1/4` there (P. Deuflhard, *Newton Methods for
+//! Nonlinear Problems*, sections 2.1 and 5.1: a solution that is followed in parts stays the same one). Half of that is asked of the first
+//! correction, since it is seen at one point only, and one half of the later ones. Otherwise the solution is reported as doubtful. Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
+//! they are tried first. Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`:
+//! the natural monotonicity test, which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for
+//! Nonlinear Problems*, Springer 2011, section 3.3).
+
+use super::convergence::{Convergence, Verdict};
+use super::dense::{Factor, is_definite};
+use super::newton::{Effort, Equations, astray, larger};
+use crate::algebra::scalar::Scalar;
+use crate::error::StepFailure;
+
+/// Whole corrections that are tried, whatever they do.
+const PATIENCE: u32 = 12;
+/// More shortened corrections than any step needs that converges at all.
+const MOST_SHORTENED: u32 = 20;
+/// More whole corrections than it takes to halve the first one to rounding level.
+const MOST_HALVINGS: u32 = 64;
+/// Corrections are shortened to this fraction at most.
+const SHORTEST: f64 = 1.0 / 64.0;
+/// The second correction of a start below this fraction of the first leaves no doubt.
+const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
+/// Nor do later ones below this fraction of the one before.
+const SAFE_CONTRACTION: f64 = 0.5;
+/// The part of the longer one by which a correction differs from that of the identity, at most, where the Jacobian is about that: half of what it
+/// takes to turn.
+const ABOUT_IDENTITY: f64 = 0.5;
+
+/// The equations `r(x) = 0` of one step.
+pub(crate) trait Problem {
+    type Number: Scalar;
+    type Vector: AsRef<[Self::Number]> + AsMut<[Self::Number]> + Clone;
+    /// The part of a rounding that the correction after the last one may be.
+    const UNSEEN: f64 = super::convergence::UNSEEN;
+
+    /// `r(x)`
+    fn residual(&mut self, x: &Self::Vector, into: &mut Self::Vector);
+
+    /// Makes the factors of the Jacobian where the residual was evaluated last.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; there are no factors then.
+    fn factor(&mut self) -> Result<(), StepFailure>;
+
+    /// `r` becomes `J⁻¹r`.
+    ///
+    /// # Errors
+    /// [`StepFailure`] where the linear equations are not solved.
+    fn correct(&mut self, r: &mut Self::Vector) -> Result<(), StepFailure>;
+
+    /// Whether what is left of each equation at `x` is at most a rounding of its own terms.
+    fn are_settled(&mut self, x: &Self::Vector) -> impl Fn(usize) -> bool;
+
+    /// Whether the determinant of the factored Jacobian is negative.
+    fn is_reversed(&self) -> bool;
+
+    /// Whether it is symmetric and not definite, as far as that is known.
+    fn is_indefinite(&self) -> bool {
+        false
+    }
+}
+
+/// What [`damped`] computes with; the caller's, so that it is allocated once.
+#[derive(Debug, Default)]
+pub(crate) struct Room<V> {
+    x: V,
+    /// `c = J⁻¹r` at `x`.
+    correction: V,
+    /// `x - λc`
+    trial: V,
+    /// `r` at the trial.
+    residual: V,
+    /// `J⁻¹r` at the trial, with the matrix at `x`; then with its own.
+    next: V,
+}
+
+impl<V: Clone> Room<V> {
+    /// Room for vectors such as this one.
+    pub(crate) fn of(start: &V) -> Self {
+        let [x, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
+        Self { x, correction, trial, residual, next }
+    }
+
+    /// What was found.
+    pub(crate) fn solution(&self) -> &V {
+        &self.trial
+    }
+
+    fn start(&mut self, start: &V) {
+        let Self { x, correction, trial, residual, next } = self;
+        [x, correction, trial, residual, next].into_iter().for_each(|vector| vector.clone_from(start));
+    }
+}
+
+/// Solves `r(x) = 0` from `start`; the solution is that of the room.
+///
+/// # Errors
+/// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`].
+pub(crate) fn damped<P: Problem>(
+    problem: &mut P,
+    room: &mut Room<P::Vector>,
+    start: &P::Vector,
+) -> Result<Effort, StepFailure> {
+    let mut attempt = |shortens: bool| {
+        room.start(start);
+        Search { problem: &mut *problem, room: &mut *room }.run(shortens)
+    };
+    attempt(false).or_else(|_| attempt(true))
+}
+
+/// Where an iteration is.
+struct Search<'a, P: Problem> {
+    problem: &'a mut P,
+    room: &'a mut Room<P::Vector>,
+}
+
+impl<P: Problem> Search<'_, P> {
+    /// With whole corrections, or shortened ones.
+    fn run(mut self, shortens: bool) -> Result<Effort, StepFailure> {
+        let most = if shortens { MOST_SHORTENED } else { PATIENCE };
+        let mut convergence = Convergence::patient(P::UNSEEN);
+        let (mut doubtful, mut shortened) = (shortens, 0);
+        self.problem.residual(&self.room.x, &mut self.room.correction);
+        self.room.residual.clone_from(&self.room.correction);
+        self.problem.factor()?;
+        self.problem.correct(&mut self.room.correction)?;
+        let is_far = !is_about(self.room.correction.as_ref(), self.room.residual.as_ref());
+        loop {
+            self.go(1.0);
+            let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
+            let verdict = convergence.judge(size, || {
+                let is_settled = self.problem.are_settled(&self.room.x);
+                largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|k| !is_settled(k))
+            });
+            let is_lost = match verdict {
+                Verdict::Converged => {
+                    let (is_reversed, is_indefinite) =
+                        (self.problem.is_reversed(), self.problem.is_indefinite());
+                    let iterations = convergence.iterations;
+                    return Ok(Effort { iterations, doubtful, is_far, is_reversed, is_indefinite });
+                }
+                Verdict::Straying => size.is_nan() || convergence.iterations >= most,
+                Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
+            };
+            let lost = astray(convergence.iterations, size);
+            if is_lost {
+                return Err(lost);
+            }
+            let safe = if convergence.iterations == 1 { FIRST_CONTRACTION } else { SAFE_CONTRACTION };
+            let descent = self.descend(shortens, safe, lost)?;
+            doubtful |= !descent.contracts;
+            if descent.length < 1.0 {
+                shortened += 1;
+                if shortened >= MOST_SHORTENED {
+                    return Err(astray(convergence.iterations, size));
+                }
+                convergence.forget();
+            }
+        }
+    }
+
+    /// Moves `x` along its correction to where there are factors and, if corrections are shortened, the residual is
+    /// smaller; an error if that is nowhere.
+    fn descend(&mut self, shortens: bool, safe: f64, lost: StepFailure) -> Result<Descent, StepFailure> {
+        let mut length = 1.0;
+        let mut contracts = true;
+        loop {
+            self.go(length);
+            self.problem.residual(&self.room.trial, &mut self.room.residual);
+            self.room.next.clone_from(&self.room.residual);
+            let mut solved = self.problem.correct(&mut self.room.next);
+            contracts &= length < 1.0 || solved.is_ok() && self.shrinks(safe);
+            if !shortens || solved.is_ok() && self.shrinks(1.0 - 0.5 * length) {
+                self.room.next.clone_from(&self.room.residual);
+                solved = self.problem.factor().and_then(|()| self.problem.correct(&mut self.room.next));
+                if solved.is_ok() {
+                    std::mem::swap(&mut self.room.x, &mut self.room.trial);
+                    std::mem::swap(&mut self.room.correction, &mut self.room.next);
+                    return Ok(Descent { length, contracts });
+                }
+                // The factors at `x` again.
+                self.problem.residual(&self.room.x, &mut self.room.residual);
+                self.problem.factor()?;
+            }
+            length *= 0.5;
+            if !shortens || length < SHORTEST {
+                // A singular matrix at the end of every way down is the cause.
+                return Err(solved.err().unwrap_or(lost));
+            }
+        }
+    }
+
+    /// `trial = x - length · correction`
+    fn go(&mut self, length: f64) {
+        let from = self.room.x.as_ref().iter().zip(self.room.correction.as_ref());
+        for (trial, (&x, &correction)) in self.room.trial.as_mut().iter_mut().zip(from) {
+            *trial = x - correction * length;
+        }
+    }
+
+    /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown. Unknowns whose
+    /// equations at the trial are at rounding, which no step makes smaller, do not count. False for NaN.
+    fn shrinks(&mut self, to: f64) -> bool {
+        let (x, correction) = (self.room.x.as_ref(), self.room.correction.as_ref());
+        let level = |c: &P::Vector, counts: &dyn Fn(usize) -> bool| {
+            let unknowns = c.as_ref().iter().zip(x.iter().zip(correction)).enumerate();
+            unknowns.filter(|&(k, _)| counts(k)).fold(0.0, |most, (_, (c, (x, correction)))| {
+                larger(most, c.magnitude().relative_to(x.magnitude() + correction.magnitude()))
+            })
+        };
+        let (next, own) = (&self.room.next, &self.room.correction);
+        if level(next, &|_| true) <= to * level(own, &|_| true) {
+            return true;
+        }
+        let is_settled = self.problem.are_settled(&self.room.trial);
+        level(next, &|k| !is_settled(k)) <= to * level(own, &|k| !is_settled(k))
+    }
+}
+
+/// A correction that was taken.
+struct Descent {
+    /// Which fraction of it.
+    length: f64,
+    /// Whether all of it would have left as little of it as is safe, where all of it was tried.
+    contracts: bool,
+}
+
+/// Whether these corrections are about the residuals that they follow from.
+fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
+    corrections.iter().zip(residuals).all(|(&correction, &residual)| {
+        let longer = correction.magnitude().max(residual.magnitude());
+        (correction - residual).magnitude() <= ABOUT_IDENTITY * longer
+    })
+}
+
+/// The largest correction, of those that count, relative to its unknown; NaN if any is.
+fn largest<S: Scalar>(correction: &[S], x: &[S], counts: &dyn Fn(usize) -> bool) -> f64 {
+    let unknowns = correction.iter().zip(x).enumerate().filter(|&(k, _)| counts(k));
+    unknowns.fold(0.0, |most, (_, (c, &x))| larger(most, c.relative_to(x)))
+}
+
+/// The equations of a straight-line block; of a `SYMMETRIC` Jacobian only the lower triangle is read.
+pub(super) struct Dense<E, S, const N: usize, const SYMMETRIC: bool> {
+    equations: E,
+    jacobian: [[S; N]; N],
+    factor: Option<Factor<S, N>>,
+}
+
+impl<E, S: Scalar, const N: usize, const SYMMETRIC: bool> Dense<E, S, N, SYMMETRIC> {
+    pub(super) fn new(equations: E) -> Self {
+        Self { equations, jacobian: [[S::from_f64(0.0); N]; N], factor: None }
+    }
+}
+
+impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Problem
+    for Dense<E, S, N, SYMMETRIC>
+{
+    type Number = S;
+    type Vector = [S; N];
+
+    fn residual(&mut self, x: &[S; N], into: &mut [S; N]) {
+        (*into, self.jacobian) = self.equations.evaluate(x);
+    }
+
+    fn factor(&mut self) -> Result<(), StepFailure> {
+        let entry = |i: usize, j: usize| match SYMMETRIC {
+            true => self.jacobian[i.max(j)][i.min(j)],
+            false => self.jacobian[i][j],
+        };
+        self.factor = None;
+        self.factor = Some(Factor::new(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))?);
+        Ok(())
+    }
+
+    fn correct(&mut self, r: &mut [S; N]) -> Result<(), StepFailure> {
+        let factor = self.factor.as_ref().ok_or(StepFailure::NonFinite)?;
+        *r = factor.solve(*r);
+        Ok(())
+    }
+
+    fn are_settled(&mut self, x: &[S; N]) -> impl Fn(usize) -> bool {
+        let mut are_settled = [true; N];
+        for lane in 0..S::LANES {
+            let residual = self.equations.rounded(x, lane);
+            for (is_settled, residual) in are_settled.iter_mut().zip(residual) {
+                *is_settled &= residual.is_below(1.0);
+            }
+        }
+        move |k| are_settled[k]
+    }
+
+    fn is_reversed(&self) -> bool {
+        self.factor.as_ref().is_some_and(Factor::is_reversed)
+    }
+
+    fn is_indefinite(&self) -> bool {
+        SYMMETRIC && !is_definite(&self.jacobian)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Block;
+    use super::*;
+    use crate::algebra::scalar::Rounded;
+
+    fn solve<E: Equations<f64, N>, const N: usize>(
+        start: [f64; N],
+        equations: E,
+    ) -> Result<([f64; N], Effort), StepFailure> {
+        let mut room = Room::of(&start);
+        let mut problem = Dense::<E, f64, N, false>::new(equations);
+        damped(&mut problem, &mut room, &start).map(|effort| (*room.solution(), effort))
+    }
+
+    /// An equation and its slope, with the rounding of a value of the size of 1.
+    fn scalar(start: f64, equation: impl Fn(f64) -> (f64, f64) + Copy) -> Result<(f64, Effort), StepFailure> {
+        let evaluate = |&[x]: &[f64; 1]| {
+            let (residual, slope) = equation(x);
+            ([residual], [[slope]])
+        };
+        let rounded = |&[x]: &[f64; 1], _| [Rounded { value: equation(x).0, error: f64::EPSILON }];
+        solve::<_, 1>([start], Block { evaluate, rounded }).map(|([x], effort)| (x, effort))
+    }
+
+    #[test]
+    fn full_corrections_that_diverge_are_shortened() {
+        // atan(x - 3): from 0 Newton's method without damping runs away.
+        let (x, effort) = scalar(0.0, |x| ((x - 3.0).atan(), 1.0 / (1.0 + (x - 3.0).powi(2)))).unwrap();
+        assert_eq!(x, 3.0);
+        assert!(effort.doubtful && effort.iterations < 15, "{effort:?}");
+    }
+
+    #[test]
+    fn a_step_of_ordinary_size_leaves_no_doubt() {
+        let (x, effort) = scalar(0.0, |x| (x - 0.1 * (1.0 + x).sin(), 1.0 - 0.1 * (1.0 + x).cos())).unwrap();
+        assert!((x - 0.1 * (1.0 + x).sin()).abs() <= f64::EPSILON * x);
+        assert!(!effort.doubtful && effort.iterations <= 5, "{effort:?}");
+    }
+
+    #[test]
+    fn a_jacobian_that_is_not_about_the_identity_is_said() {
+        let far = |slope: f64| scalar(0.0, |x| (slope * x - 1.0, slope)).unwrap().1.is_far;
+        assert!(!far(0.6) && !far(1.9) && far(0.4) && far(2.1) && far(-1.0_f64.exp()));
+    }
+
+    #[test]
+    fn badly_scaled_unknowns_are_no_obstacle() {
+        // The same equation in units of 1e-200 and 1e200.
+        let equations = |z: &[f64; 2]| {
+            let [x, y] = [z[0] * 1e200, z[1] * 1e-200];
+            let residual = [(x - 3.0 + 0.1 * y).atan() * 1e100, (y - 2.0) * 1e-100];
+            let slope = 1.0 / (1.0 + (x - 3.0 + 0.1 * y).powi(2));
+            (residual, [[slope * 1e200 * 1e100, slope * 0.1 * 1e-100], [0.0, 1e-300]])
+        };
+        let rounded = |z: &[f64; 2], _: usize| {
+            let (residual, errors) = (equations(z).0, [1e100, 1e-100]);
+            std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
+        };
+        let ([x, y], _) = solve::<_, 2>([0.0; 2], Block { evaluate: equations, rounded }).unwrap();
+        assert!((x * 1e200 - 2.8).abs() < 1e-14 && y * 1e-200 == 2.0, "{x} {y}");
+    }
+
+    #[test]
+    fn no_solution_is_an_error() {
+        let outcome = scalar(0.5, |x| (1.0 + x * x, 2.0 * x));
+        assert!(
+            matches!(outcome, Err(StepFailure::NotConverged { .. } | StepFailure::Singular { .. })),
+            "{outcome:?}"
+        );
+        assert_eq!(scalar(0.0, |_| (f64::NAN, 1.0)).map(|_| ()), Err(StepFailure::NonFinite));
+    }
+}

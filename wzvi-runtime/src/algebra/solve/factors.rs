@@ -1,0 +1,79 @@
+//! Factored matrices beside each other, one for each lane.
+
+use super::dense::{Factor, substitute};
+use crate::algebra::lanes::{LaneMask, Lanes};
+use crate::algebra::scalar::{Beside, Mask, Scalar};
+
+/// [`Factor`] by lane. Each has the order of rows that its own pivots ask for.
+#[derive(Clone, Debug)]
+pub struct FactorsByLane<const L: usize, const N: usize> {
+    lu: [[Lanes<L>; N]; N],
+    /// That of all lanes, or of the first.
+    order: [usize; N],
+    /// By place and row, the lanes that have this row there; only where the orders differ.
+    chosen: Option<Box<[[LaneMask<L>; N]; N]>>,
+}
+
+impl<const L: usize, const N: usize> FactorsByLane<L, N> {
+    /// `A⁻¹ b`, with the bits that each lane has alone.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn apply(&self, b: [Lanes<L>; N]) -> [Lanes<L>; N] {
+        let mut ordered = b;
+        for place in 0..N {
+            ordered[place] = b[self.order[place]];
+        }
+        if let Some(chosen) = &self.chosen {
+            for place in 0..N {
+                for row in 0..N {
+                    ordered[place] = Lanes::select(chosen[place][row], b[row], ordered[place]);
+                }
+            }
+        }
+        substitute(&self.lu, ordered)
+    }
+}
+
+impl<const L: usize, const N: usize> Beside<Factor<f64, N>, L> for FactorsByLane<L, N> {
+    fn beside(lanes: [&Factor<f64, N>; L]) -> Self {
+        let parts = lanes.map(Factor::parts);
+        let order = parts.first().map_or([0; N], |(_, order)| **order);
+        let is_same = parts.iter().all(|(_, other)| **other == order);
+        let chosen = (!is_same).then(|| {
+            let mut chosen = [[LaneMask::from_bool(false); N]; N];
+            for (lane, (_, order)) in parts.iter().enumerate() {
+                order.iter().zip(&mut chosen).for_each(|(&row, rows)| rows[row].set(lane, true));
+            }
+            Box::new(chosen)
+        });
+        Self { lu: Beside::beside(parts.map(|(lu, _)| lu)), order, chosen }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Matrices whose pivots are in different rows, solved beside each other with the bits that each has alone.
+    #[test]
+    fn every_lane_has_its_own_order() {
+        let matrices = [
+            [[4.0, 1.0, 0.5], [1.0, 3.0, 0.25], [0.5, 0.3, 2.0]],
+            [[0.1, 7.0, 0.5], [1.0, 0.3, 0.25], [0.5, 0.3, 2.0]],
+            [[0.1, 0.7, 5.0], [0.2, 3.0, 0.25], [5.0, 0.3, 2.0]],
+            [[1.0, 0.7, 5.0], [0.2, 0.1, 2.5], [0.5, 3.0, 2.0]],
+        ];
+        let factors = matrices.map(|matrix| Factor::<f64, 3>::new(matrix).unwrap());
+        let orders = factors.iter().map(|factor| *factor.parts().1).collect::<std::collections::HashSet<_>>();
+        assert!(orders.len() > 2, "{orders:?}");
+        let b = [1.0, -0.0, 0.3];
+        let lanes: [&Factor<f64, 3>; 4] = std::array::from_fn(|lane| &factors[lane]);
+        let solved = FactorsByLane::beside(lanes).apply(b.map(Lanes::<4>::from_f64));
+        for (lane, factor) in factors.iter().enumerate() {
+            let alone = factor.apply(b);
+            assert_eq!(solved.map(|x| x[lane].to_bits()), alone.map(f64::to_bits), "lane {lane}");
+        }
+        let same = FactorsByLane::beside([&factors[1]; 4]);
+        assert!(same.chosen.is_none());
+        assert_eq!(same.apply(b.map(Lanes::from_f64)).map(|x| x[3]), factors[1].apply(b));
+    }
+}

@@ -1,0 +1,438 @@
+//! Newton's method and linear systems for several trajectories at once.
+//!
+//! Each lane goes the way that it would go alone, operation by operation: it has its own verdict after each iteration,
+//! keeps its bits once it has converged, and pivots for itself. A lane whose step has no solution, or none that the short
+//! way finds, gets NaN, by which the end of the step knows it; whoever runs lanes then takes it alone.
+#![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
+
+use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, allowed};
+use super::dense::{
+    LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
+};
+use super::newton::{Effort, Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
+use super::{Solve, Together};
+use crate::algebra::lanes::{LaneMask, Lanes};
+use crate::algebra::scalar::{Mask, Scalar, nearly_inverse};
+use crate::error::StepFailure;
+
+type Matrix<const L: usize, const N: usize> = [[Lanes<L>; N]; N];
+
+fn poison<const L: usize>() -> Lanes<L> {
+    Lanes::from_f64(f64::NAN)
+}
+
+/// `a > b`
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
+    b.less(a)
+}
+
+/// The verdicts of `convergence::Convergence`, by lane.
+#[derive(Clone, Copy)]
+struct LaneConvergence<const L: usize> {
+    curved: Lanes<L>,
+    /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
+    enough: Lanes<L>,
+    iterations: u32,
+    is_guess: bool,
+    second: Lanes<L>,
+    is_beyond_rounding: LaneMask<L>,
+}
+
+impl<const L: usize> LaneConvergence<L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new(is_guess: bool) -> Self {
+        Self {
+            curved: Lanes::from_f64(if is_guess { GUIDED } else { f64::INFINITY }),
+            enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
+            iterations: 0,
+            is_guess,
+            second: Lanes::from_f64(if is_guess { ASTRAY } else { FIRST }),
+            is_beyond_rounding: LaneMask::from_bool(false),
+        }
+    }
+
+    /// `convergence::Convergence::claim_nothing` of the lanes that start from zero.
+    fn claim_nothing<const N: usize>(&mut self, x: &[Lanes<L>; N]) {
+        let zero = Lanes::from_f64(0.0);
+        let are_zero = |mask: LaneMask<L>, x: &Lanes<L>| mask & x.equal(zero);
+        let from_zero = x.iter().fold(LaneMask::from_bool(self.iterations == 0), are_zero);
+        self.second = Lanes::select(from_zero, Lanes::from_f64(FIRST), self.second);
+    }
+
+    /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn glance(&mut self, relative: Lanes<L>) -> bool {
+        let square = relative * relative;
+        // Of a lane that is done, too, unless what follows is not a number.
+        let done = (square * relative).less_equal(self.enough);
+        let is_enough = (done | relative.less(self.curved)).all();
+        if is_enough {
+            self.iterations += 1;
+            self.expect(done, square);
+            if !self.is_guess && self.iterations == 1 {
+                self.curved = self.second;
+            }
+        }
+        is_enough
+    }
+
+    /// Quadratic convergence from corrections of this size, with their squares, of lanes that are not done. The squares are finite: no
+    /// difference is smaller than a rounding of what it is taken from.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn expect(&mut self, done: LaneMask<L>, square: Lanes<L>) {
+        self.curved = square * CURVATURE;
+        let predicted = square * (UNSEEN * ROUNDING);
+        let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
+        let enough = Lanes::select(exceeds(predicted, floor), predicted, floor);
+        self.enough = Lanes::select(done, Lanes::from_f64(f64::INFINITY), enough);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn done(&self) -> LaneMask<L> {
+        self.enough.equal(Lanes::from_f64(f64::INFINITY))
+    }
+
+    /// The lanes that go astray here. `beyond_rounding` of a lane as for `convergence::Convergence`.
+    fn judge(
+        &mut self,
+        mut relative: Lanes<L>,
+        mut beyond_rounding: impl FnMut(usize) -> f64,
+    ) -> LaneMask<L> {
+        if self.glance(relative) {
+            return LaneMask::from_bool(false);
+        }
+        self.iterations += 1;
+        let mut done = self.done() | (relative * relative * relative).less_equal(self.enough);
+        let (mut good, mut first) = (done, LaneMask::from_bool(false));
+        for lane in 0..L {
+            if good.lane(lane) || !relative[lane].is_finite() {
+                continue;
+            }
+            let is_quadratic = relative[lane] < self.curved[lane];
+            if is_quadratic || self.iterations == 1 {
+                good.set(lane, true);
+                first.set(lane, self.iterations == 1 && !(self.is_guess && is_quadratic));
+                continue;
+            }
+            let known = allowed(self.curved[lane]);
+            if relative[lane] < known {
+                good.set(lane, true);
+                continue;
+            }
+            let beyond = beyond_rounding(lane);
+            let own = allowed(CURVATURE * (relative[lane] * relative[lane]));
+            let allowed = if self.is_beyond_rounding.lane(lane) { known } else { known.max(own) };
+            if beyond == 0.0 {
+                done.set(lane, true);
+                good.set(lane, true);
+            } else if beyond < allowed {
+                self.is_beyond_rounding.set(lane, true);
+                relative.set(lane, beyond);
+                good.set(lane, true);
+            }
+        }
+        self.expect(done | !good, relative * relative);
+        self.curved = Lanes::select(first, self.second, self.curved);
+        !good
+    }
+}
+
+/// `nearly_relative_to` of `f64`, by lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
+    // One operation of all lanes after the other: compilers take the lanes of several at once apart.
+    (correction * unknown.map(nearly_inverse)).abs()
+}
+
+/// `newton::newton`, by lane.
+///
+/// It ends: relative to what it leads to, the second correction of a lane is at most an eighth, and each next one at most half of the last, or the
+/// lane goes astray; 2^-52 is the last.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn iterate<const L: usize, const N: usize>(
+    start: [Lanes<L>; N],
+    is_guess: bool,
+    is_symmetric: bool,
+    equations: impl Equations<Lanes<L>, N>,
+) -> ([Lanes<L>; N], Effort) {
+    let (mut x, mut convergence) = (start, LaneConvergence::new(is_guess));
+    let mut level = Lanes::from_f64(0.0);
+    loop {
+        let (residual, jacobian) = equations.evaluate(&x);
+        let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
+        let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
+        if !convergence.glance(largest) {
+            break;
+        }
+        for i in 0..N {
+            x[i] = Lanes::select(done, x[i], moved[i]);
+        }
+        level = Lanes::select(done, level, uprightness(&jacobian, is_symmetric));
+        if convergence.done().all() {
+            return accepted(x, level, convergence.iterations);
+        }
+    }
+    let (x, iterations) = resumed(x, level, convergence, is_symmetric, equations);
+    (x, Effort::fast(iterations))
+}
+
+/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the last thing that the caller does:
+/// its loop stays in vector registers.
+#[cold]
+#[inline(never)]
+fn resumed<const L: usize, const N: usize>(
+    mut x: [Lanes<L>; N],
+    mut level: Lanes<L>,
+    mut convergence: LaneConvergence<L>,
+    is_symmetric: bool,
+    equations: impl Equations<Lanes<L>, N>,
+) -> ([Lanes<L>; N], u32) {
+    convergence.claim_nothing(&x);
+    let mut lost = LaneMask::from_bool(false);
+    loop {
+        let (residual, jacobian) = equations.evaluate(&x);
+        let correction = correction(&jacobian, &residual, is_symmetric);
+        let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
+        let astray = convergence.judge(largest, |lane| {
+            let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
+            beyond(equations.rounded(&x, lane), sizes)
+        });
+        for i in 0..N {
+            x[i] = Lanes::select(done | astray, x[i], moved[i]);
+        }
+        level = Lanes::select(done | astray, level, uprightness(&jacobian, is_symmetric));
+        lost = lost | astray;
+        if convergence.done().all() {
+            let (x, effort) = accepted(x, level, convergence.iterations);
+            return (x.map(|x| Lanes::select(lost, poison(), x)), effort.iterations);
+        }
+    }
+}
+
+/// `newton::corrected_end`, by lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn corrected_end<const L: usize, const N: usize>(
+    x: &[Lanes<L>; N],
+    correction: &[Lanes<L>; N],
+) -> ([Lanes<L>; N], Lanes<L>) {
+    let (mut moved, mut largest) = (*x, Lanes::from_f64(0.0));
+    for i in 0..N {
+        moved[i] = x[i] - correction[i];
+        let size = ratio(correction[i], moved[i]);
+        largest = if i == 0 { size } else { Lanes::select(exceeds(largest, size), largest, size) };
+    }
+    (moved, largest)
+}
+
+/// The number by which `newton::is_upright` judges, and what it has to be above.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symmetric: bool) -> Lanes<L> {
+    if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
+}
+
+/// An infinite slope corrects nothing, and a determinant that is not that of no step at all leads to another solution.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn accepted<const L: usize, const N: usize>(
+    mut x: [Lanes<L>; N],
+    level: Lanes<L>,
+    iterations: u32,
+) -> ([Lanes<L>; N], Effort) {
+    if N == 1 {
+        let is_upright = Lanes::from_f64(UPRIGHT).less_equal(level) & level.is_finite();
+        x[0] = Lanes::select(is_upright, x[0], poison());
+    } else if N == 2 {
+        let is_upright = Lanes::from_f64(0.0).less(level);
+        x = x.map(|x| Lanes::select(is_upright, x, poison()));
+    }
+    (x, Effort::fast(iterations))
+}
+
+/// [`correction`], where no lane needs a pivot that others do not.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn safe_correction<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> Option<[Lanes<L>; N]> {
+    if N != 2 {
+        return Some(correction(matrix, b, is_symmetric));
+    }
+    let (solution, is_safe) = of_pair(matrix, b, is_symmetric);
+    if is_safe.all() { Some(solution) } else { None }
+}
+
+/// Two unknowns by Cramer's rule, and where that is safe.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn of_pair<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> ([Lanes<L>; N], LaneMask<L>) {
+    let m01 = if is_symmetric { matrix[1][0] } else { matrix[0][1] };
+    let (m00, m10, m11) = (matrix[0][0], matrix[1][0], matrix[1][1]);
+    let (main, cross) = (m00 * m11, m01 * m10);
+    let determinant = main - cross;
+    let is_safe = exceeds(determinant, (main.abs() + cross.abs()) * SAFE_DETERMINANT);
+    let inverse = determinant.recip();
+    let mut solution = *b;
+    solution[0] = (b[0] * m11 - b[1] * m01) * inverse;
+    solution[1] = (b[1] * m00 - b[0] * m10) * inverse;
+    (solution, is_safe)
+}
+
+/// `A⁻¹ b` as the generic solvers have it: Cramer's rule for two unknowns where it is safe, else by elimination.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn correction<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> [Lanes<L>; N] {
+    if N == 1 {
+        return b.map(|b| b / matrix[0][0]);
+    }
+    if N != 2 {
+        return if is_symmetric { symmetric(matrix, b) } else { general::<L, N, true>(matrix, b) };
+    }
+    let (mut solution, is_safe) = of_pair(matrix, b, is_symmetric);
+    if !is_safe.all() {
+        let mut full = *matrix;
+        if is_symmetric {
+            full[0][1] = full[1][0];
+        }
+        let other = rarely(&full, b, is_symmetric);
+        for i in 0..N {
+            solution[i] = Lanes::select(is_safe, solution[i], other[i]);
+        }
+    }
+    solution
+}
+
+/// Out of the way of the common one.
+#[cold]
+#[inline(never)]
+fn rarely<const L: usize, const N: usize>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+    is_symmetric: bool,
+) -> [Lanes<L>; N] {
+    if is_symmetric { symmetric(matrix, b) } else { general::<L, N, true>(matrix, b) }
+}
+
+/// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection. `UPRIGHT`: of a positive
+/// determinant, else NaN.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
+    matrix: &Matrix<L, N>,
+    b: &[Lanes<L>; N],
+) -> [Lanes<L>; N] {
+    let (mut a, mut x) = (*matrix, *b);
+    let mut usable = LaneMask::from_bool(true);
+    let mut sign = Lanes::from_f64(1.0);
+    for k in 0..N {
+        let zero = Lanes::from_f64(0.0);
+        let (mut entry, mut through, mut own) = (a[k][k].abs(), a[k][k].abs(), Lanes::from_f64(1.0));
+        let mut chosen = [LaneMask::from_bool(false); N];
+        for i in k + 1..N {
+            let (next, next_own) = (a[i][k].abs(), a[i][i].abs());
+            let next_through = next * a[k][i].abs();
+            let better =
+                exceeds(next_through * own, through * next_own) | (entry.equal(zero) & zero.less(next));
+            entry = Lanes::select(better, next, entry);
+            through = Lanes::select(better, next_through, through);
+            own = Lanes::select(better, next_own, own);
+            for earlier in &mut chosen[..i] {
+                *earlier = *earlier & !better;
+            }
+            chosen[i] = better;
+        }
+        for i in k + 1..N {
+            for j in 0..N {
+                (a[k][j], a[i][j]) = swapped(chosen[i], a[k][j], a[i][j]);
+            }
+            (x[k], x[i]) = swapped(chosen[i], x[k], x[i]);
+            if UPRIGHT {
+                sign = Lanes::select(chosen[i], -sign, sign);
+            }
+        }
+        let taken = (0..k).fold(zero, |sum, i| sum + a[k][i].abs() * a[i][k].abs());
+        usable = usable & exceeds(a[k][k].abs(), taken * PIVOT_ULPS) & a[k][k].is_finite();
+        if UPRIGHT {
+            sign = Lanes::select(a[k][k].less(Lanes::from_f64(0.0)), -sign, sign);
+        }
+        eliminate(&mut a, k);
+    }
+    if UPRIGHT {
+        usable = usable & Lanes::from_f64(0.0).less(sign);
+    }
+    substitute(&a, x).map(|x| Lanes::select(usable, x, poison()))
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn swapped<const L: usize>(mask: LaneMask<L>, a: Lanes<L>, b: Lanes<L>) -> (Lanes<L>, Lanes<L>) {
+    (Lanes::select(mask, b, a), Lanes::select(mask, a, b))
+}
+
+/// [`super::SymmetricFactor`], by lane; NaN where it is not definite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L>; N]) -> [Lanes<L>; N] {
+    let mut l = *matrix;
+    let (mut stable, mut definite) = (LaneMask::from_bool(true), LaneMask::from_bool(true));
+    for k in 0..N {
+        let pivot = l[k][k];
+        definite = definite & Lanes::from_f64(0.0).less(pivot);
+        stable = stable & exceeds(pivot, matrix[k][k].abs() * STABLE_PIVOT);
+        eliminate_symmetric(&mut l, k);
+    }
+    let mut x = substitute_symmetric(&l, *b);
+    if !stable.all() {
+        let full = std::array::from_fn(|i: usize| std::array::from_fn(|j: usize| matrix[i.max(j)][i.min(j)]));
+        let other = rarely(&full, b, false);
+        for i in 0..N {
+            x[i] = Lanes::select(stable, x[i], Lanes::select(definite, other[i], poison()));
+        }
+    }
+    x
+}
+
+/// The pivot where it is usable, else NaN.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
+    let size = pivot.abs();
+    let is_usable = exceeds(size, Lanes::from_f64(PIVOT_ULPS)) & size.less(Lanes::from_f64(LARGEST_PIVOT));
+    Lanes::select(is_usable, pivot, poison())
+}
+
+/// Every lane by itself; the careful way, and a single lane, go as any number does.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneByLane;
+
+impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
+        x: &mut [Lanes<L>; N],
+        equations: impl Equations<Lanes<L>, N>,
+    ) -> Result<Effort, StepFailure> {
+        if CAREFUL || L == 1 {
+            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, equations);
+        }
+        let (end, effort) = iterate(*x, GUESS, SYMMETRIC, equations);
+        *x = end;
+        Ok(effort)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn linear<const N: usize>(matrix: Matrix<L, N>, b: [Lanes<L>; N]) -> Result<[Lanes<L>; N], StepFailure> {
+        if L == 1 { Together::linear(matrix, b) } else { Ok(general::<L, N, false>(&matrix, &b)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn reciprocal(pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
+        if L == 1 { Together::reciprocal(pivot) } else { Ok(usable(pivot).recip()) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn quotient(rhs: Lanes<L>, pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
+        if L == 1 { Together::quotient(rhs, pivot) } else { Ok(rhs / usable(pivot)) }
+    }
+}

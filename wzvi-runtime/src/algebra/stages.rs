@@ -1,0 +1,278 @@
+//! The numbers of all stages of a step, and the parts of them that are computed with at once.
+
+use std::fmt::Debug;
+
+use super::lanes::Lanes;
+use super::scalar::Scalar;
+use crate::ground::numbers::Numbers;
+
+/// One number per stage.
+pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
+    /// The numbers of some stages, as one.
+    type Part: Scalar;
+    /// How many of them there are.
+    const PARTS: usize;
+    /// Whether a part is several stages.
+    const AT_ONCE: bool;
+
+    /// The same for each stage.
+    fn splat(number: S) -> Self;
+    /// The number of stage `i`.
+    fn get(&self, i: usize) -> S;
+    /// Replaces the number of stage `i`.
+    fn set(&mut self, i: usize, number: S);
+    /// A part of them.
+    fn part(&self, part: usize) -> Self::Part;
+    /// Replaces a part of them.
+    fn set_part(&mut self, part: usize, numbers: Self::Part);
+
+    /// Stage `i` of a part, if that is several.
+    fn of_part(part: &Self::Part, i: usize) -> S;
+    /// Replaces it.
+    fn set_of_part(part: &mut Self::Part, i: usize, number: S);
+    /// The same for each stage of a part.
+    fn same(number: S) -> Self::Part;
+    /// A constant for each stage of a part.
+    fn constants(constants: &[f64; N], part: usize) -> Self::Part;
+    /// Each stage of a part times a constant of its own.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn weighted(numbers: Self::Part, constants: &[f64; N], part: usize) -> Self::Part {
+        numbers * Self::constants(constants, part)
+    }
+    /// The largest of a part, of which none is negative.
+    fn largest(numbers: Self::Part) -> S;
+
+    /// A part of each of a list, in the list itself or in the room.
+    fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [Self::Part]) -> &'a [Self::Part];
+    /// Where to write that: [`Stages::store`] brings it to the list.
+    fn parts_mut<'a>(list: &'a mut [Self], room: &'a mut [Self::Part]) -> &'a mut [Self::Part];
+    /// Replaces a part of each of a list by what [`Stages::parts_mut`] has, if that was the room; but not where they are to stay.
+    fn store(list: &mut [Self], part: usize, room: &[Self::Part], stay: S::Mask);
+
+    /// A part of `Σ_j matrix[j] self_j`: of column `j` of a matrix times the number of stage `j`.
+    fn product(&self, matrix: &[[f64; N]; N], part: usize) -> Self::Part;
+
+    /// `self + other`
+    fn plus(mut self, other: Self) -> Self {
+        (0..Self::PARTS).for_each(|part| self.set_part(part, self.part(part) + other.part(part)));
+        self
+    }
+    /// `self - other`
+    fn minus(mut self, other: Self) -> Self {
+        (0..Self::PARTS).for_each(|part| self.set_part(part, self.part(part) - other.part(part)));
+        self
+    }
+    /// `self` times a number for each stage.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times(mut self, factors: &[f64; N]) -> Self {
+        for part in 0..Self::PARTS {
+            self.set_part(part, Self::weighted(self.part(part), factors, part));
+        }
+        self
+    }
+    /// `Σ_j matrix[j] self_j`
+    fn products(&self, matrix: &[[f64; N]; N]) -> Self {
+        let mut products = *self;
+        (0..Self::PARTS).for_each(|part| products.set_part(part, self.product(matrix, part)));
+        products
+    }
+    /// The sum over the stages.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn total(&self) -> S {
+        let mut list = [S::from_f64(0.0); N];
+        for (i, number) in list.iter_mut().enumerate() {
+            *number = self.get(i);
+        }
+        in_pairs(list, |a, b| a + b)
+    }
+}
+
+/// All of a list as one, in pairs, so that few operations wait for one another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn in_pairs<T: Copy, const N: usize>(mut list: [T; N], join: impl Fn(T, T) -> T) -> T {
+    let mut length = N;
+    while length > 1 {
+        let half = length / 2;
+        for i in 0..half {
+            list[i] = join(list[i], list[i + length - half]);
+        }
+        length -= half;
+    }
+    list[0]
+}
+
+/// `Σ_j matrix[j][i] numbers[j]` in four sums, so that few additions wait for one another. They have names: arrays would be in memory.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: usize) -> S {
+    let term = |j: usize| numbers[j] * matrix[j][i];
+    match N {
+        1 => return term(0),
+        2 => return term(0) + term(1),
+        3 => return term(0) + term(1) + term(2),
+        _ => {}
+    }
+    let (mut a, mut b, mut c, mut d) = (term(0), term(1), term(2), term(3));
+    // Four at a time: a choice of the sum in each term would keep a compiler from writing many of them out.
+    let mut j = 4;
+    while j + 4 <= N {
+        (a, b, c, d) = (a + term(j), b + term(j + 1), c + term(j + 2), d + term(j + 3));
+        j += 4;
+    }
+    if j < N {
+        a = a + term(j);
+    }
+    if j + 1 < N {
+        b = b + term(j + 1);
+    }
+    if j + 2 < N {
+        c = c + term(j + 2);
+    }
+    (a + b) + (c + d)
+}
+
+/// All stages of one path.
+impl<const N: usize> Stages<f64, N> for Lanes<N> {
+    type Part = Self;
+    const PARTS: usize = 1;
+    const AT_ONCE: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat(number: f64) -> Self {
+        Self::new([number; N])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn get(&self, i: usize) -> f64 {
+        self[i]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set(&mut self, i: usize, number: f64) {
+        Lanes::set(self, i, number);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn part(&self, _part: usize) -> Self {
+        *self
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set_part(&mut self, _part: usize, numbers: Self) {
+        *self = numbers;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_part(part: &Self, i: usize) -> f64 {
+        part[i]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set_of_part(part: &mut Self, i: usize, number: f64) {
+        Lanes::set(part, i, number);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn same(number: f64) -> Self {
+        Self::new([number; N])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn constants(constants: &[f64; N], _part: usize) -> Self {
+        Self::new(*constants)
+    }
+    /// As integers, which have the order of the numbers where these are not negative: the largest of many is found in any order, so in
+    /// lanes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn largest(numbers: Self) -> f64 {
+        f64::from_bits(in_pairs(numbers.to_array().map(f64::to_bits), u64::max))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parts<'a>(list: &'a [Self], _part: usize, _room: &'a mut [Self]) -> &'a [Self] {
+        list
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parts_mut<'a>(list: &'a mut [Self], _room: &'a mut [Self]) -> &'a mut [Self] {
+        list
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(_list: &mut [Self], _part: usize, _room: &[Self], _stay: bool) {}
+    /// A loop over the stages with all columns in it: as many small loops each would be unrolled before they become vector code.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn product(&self, matrix: &[[f64; N]; N], _part: usize) -> Self {
+        let numbers = self.to_array();
+        let mut products = [0.0; N];
+        for (i, product) in products.iter_mut().enumerate() {
+            *product = row(&numbers, matrix, i);
+        }
+        Self::new(products)
+    }
+}
+
+/// Stage after stage: of paths beside each other, and of numbers that carry more than their value.
+impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
+    type Part = S;
+    const PARTS: usize = N;
+    const AT_ONCE: bool = false;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat(number: S) -> Self {
+        [number; N]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn get(&self, i: usize) -> S {
+        self[i]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set(&mut self, i: usize, number: S) {
+        self[i] = number;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn part(&self, part: usize) -> S {
+        self[part]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set_part(&mut self, part: usize, numbers: S) {
+        self[part] = numbers;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_part(part: &S, _i: usize) -> S {
+        *part
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set_of_part(part: &mut S, _i: usize, number: S) {
+        *part = number;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn same(number: S) -> S {
+        number
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn constants(constants: &[f64; N], part: usize) -> S {
+        S::from_f64(constants[part])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn weighted(numbers: S, constants: &[f64; N], part: usize) -> S {
+        numbers * constants[part]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn largest(numbers: S) -> S {
+        numbers
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [S]) -> &'a [S] {
+        for (own, all) in room.iter_mut().zip(list) {
+            *own = all[part];
+        }
+        room
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parts_mut<'a>(_list: &'a mut [Self], room: &'a mut [S]) -> &'a mut [S] {
+        room
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(list: &mut [Self], part: usize, room: &[S], stay: S::Mask) {
+        for (all, own) in list.iter_mut().zip(room) {
+            all[part] = if S::IS_BESIDE { S::select(stay, all[part], *own) } else { *own };
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn product(&self, matrix: &[[f64; N]; N], part: usize) -> S {
+        row(self, matrix, part)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times(self, factors: &[f64; N]) -> Self {
+        S::weighted(self, factors)
+    }
+}

@@ -1,0 +1,224 @@
+//! What can be wrong with a checkpoint.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::{FileError, InternalError};
+
+/// A checkpoint that could not be written, or cannot be gone on from. No file was changed.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// A file could not be read or written. The checkpoint before, if there is one, is as good as it was.
+    File(FileError),
+    /// The file is something else.
+    Foreign {
+        /// Which one.
+        path: PathBuf,
+    },
+    /// The file is a checkpoint of something else.
+    Kind {
+        /// Which one.
+        path: PathBuf,
+        /// What it is a checkpoint of.
+        kind: &'static str,
+    },
+    /// The file has another version of the format.
+    Version {
+        /// Which one.
+        path: PathBuf,
+        /// Its version.
+        found: String,
+        /// The version that this program reads and writes.
+        expected: u32,
+    },
+    /// The file is a checkpoint, but no longer what was written.
+    Damaged {
+        /// Which one.
+        path: PathBuf,
+        /// How.
+        damage: Damage,
+    },
+    /// The file is a checkpoint of another run.
+    OtherRun {
+        /// Which one.
+        path: PathBuf,
+        /// What differs, at least one thing.
+        differences: Vec<Difference>,
+    },
+    /// The file is of this run, but further on than the end asked for.
+    Beyond {
+        /// Which one.
+        path: PathBuf,
+        /// Steps up to the checkpoint.
+        step: u64,
+        /// Steps asked for.
+        steps: u64,
+    },
+    /// The file is of this ensemble, but has more paths than are asked for.
+    MorePaths {
+        /// Which one.
+        path: PathBuf,
+        /// Paths in the checkpoint.
+        done: u64,
+        /// Paths asked for.
+        paths: u64,
+    },
+    /// There are recorded nodes, but no checkpoint that they belong to.
+    Orphan {
+        /// The file of the nodes.
+        nodes: PathBuf,
+        /// The checkpoint that is not there.
+        path: PathBuf,
+    },
+    /// The file was changed or removed by someone else while this run was going on.
+    Taken {
+        /// Which one.
+        path: PathBuf,
+    },
+    /// The source of the increments does not say what it is.
+    Noise,
+    /// A mistake of the library. Nothing was written.
+    Internal(InternalError),
+}
+
+/// What happened to a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Damage {
+    /// It is not there, though another file needs it.
+    Missing,
+    /// It has another length than it had.
+    Length {
+        /// Bytes that were written.
+        expected: u64,
+        /// Bytes that there are.
+        found: u64,
+    },
+    /// The checksum of its content is another.
+    Checksum {
+        /// The checksum that was written.
+        expected: u64,
+        /// That of the content.
+        found: u64,
+    },
+    /// Its first line cannot be read.
+    Header,
+    /// Its content makes no sense.
+    Content(String),
+}
+
+/// What differs between the run of a checkpoint and this one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// The setting.
+    pub field: String,
+    /// Its value in the checkpoint, if it has it at all.
+    pub checkpoint: Option<String>,
+    /// Its value in this run, likewise.
+    pub run: Option<String>,
+}
+
+impl CheckpointError {
+    /// What the system said about a file.
+    pub(crate) fn file<'p>(path: &'p Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + use<'p> {
+        move |error| Self::File(FileError::system(path, action)(error))
+    }
+
+    pub(crate) fn damaged(path: &Path, damage: Damage) -> Self {
+        Self::Damaged { path: path.to_owned(), damage }
+    }
+}
+
+impl fmt::Display for CheckpointError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Foreign { path } => {
+                write!(f, "{} is not a file of wzvi; it was not changed: name another file", path.display())
+            }
+            Self::Kind { path, kind } => write!(
+                f,
+                "{} is a checkpoint of {kind}; it was not changed: name another file",
+                path.display()
+            ),
+            Self::Version { path, found, expected } => write!(
+                f,
+                "{} has version {found} of the format, this program reads version {expected}; finish the run with \
+                 the program that wrote it, or name another file to start anew",
+                path.display()
+            ),
+            Self::Damaged { path, damage } => write!(
+                f,
+                "{} is damaged: {damage}; put back a copy, or remove it and what belongs to it to start anew",
+                path.display()
+            ),
+            Self::OtherRun { path, differences } => {
+                write!(f, "{} is the checkpoint of another run: ", path.display())?;
+                for (i, difference) in differences.iter().enumerate() {
+                    write!(f, "{}{difference}", if i == 0 { "" } else { "; " })?;
+                }
+                f.write_str(". Run with the settings of the checkpoint, or name another file to start anew")
+            }
+            Self::Beyond { path, step, steps } => write!(
+                f,
+                "{} is at step {step}, beyond the {steps} steps of this run; ask for at least {step}, or name \
+                 another file to start anew",
+                path.display()
+            ),
+            Self::MorePaths { path, done, paths } => write!(
+                f,
+                "{} has {done} paths, more than the {paths} of this run; ask for at least {done}, or name another \
+                 file to start anew",
+                path.display()
+            ),
+            Self::Orphan { nodes, path } => write!(
+                f,
+                "there are recorded nodes in {}, but no checkpoint {} that they belong to; put it back, or remove \
+                 the nodes to start anew",
+                nodes.display(),
+                path.display()
+            ),
+            Self::Taken { path } => write!(
+                f,
+                "{} was changed or removed while the run went on; let only one run at a time use it",
+                path.display()
+            ),
+            Self::Internal(error) => error.fmt(f),
+            Self::Noise => f.write_str(
+                "the source of the increments does not say what it is, so that a checkpoint cannot tell whether it \
+                 is the same one; implement `Noise::identity` for it",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing => f.write_str("it is not there"),
+            Self::Length { expected, found } => write!(f, "{expected} bytes were written, there are {found}"),
+            Self::Checksum { expected, found } => {
+                write!(f, "its checksum is {found:016x}, not {expected:016x}")
+            }
+            Self::Header => f.write_str("its first line cannot be read"),
+            Self::Content(cause) => write!(f, "its content makes no sense ({cause})"),
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let or_none = |value: &Option<String>| value.clone().unwrap_or_else(|| "not set".to_owned());
+        write!(f, "{} is {} there and {} here", self.field, or_none(&self.checkpoint), or_none(&self.run))
+    }
+}
+
+impl std::error::Error for CheckpointError {}
+
+impl From<FileError> for CheckpointError {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}

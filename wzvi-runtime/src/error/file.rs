@@ -1,0 +1,87 @@
+//! What can be wrong with a file.
+
+use std::fmt;
+use std::fs::FileType;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A file that could not be read or written. What was there before is there, unchanged.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FileError {
+    /// The system refused.
+    System {
+        /// Which file or folder.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What kind of failure it was.
+        kind: io::ErrorKind,
+        /// What the system said.
+        cause: String,
+    },
+    /// The name is that of something else than a file that can be replaced as a whole.
+    Special {
+        /// Which name.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What it is: `"a folder"`, `"a device"`, ...
+        found: &'static str,
+    },
+}
+
+impl FileError {
+    /// What the system said.
+    pub(crate) fn system<'p>(
+        path: &'p Path,
+        action: &'static str,
+    ) -> impl FnOnce(io::Error) -> Self + use<'p> {
+        move |error| Self::System {
+            path: path.to_owned(),
+            action,
+            kind: error.kind(),
+            cause: error.to_string(),
+        }
+    }
+
+    /// The file or folder.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::System { path, .. } | Self::Special { path, .. } => path,
+        }
+    }
+}
+
+/// What a file is that is neither a regular one nor a link.
+pub(crate) fn name(kind: FileType) -> &'static str {
+    if kind.is_dir() {
+        return "a folder";
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if kind.is_fifo() {
+            return "a pipe";
+        }
+        if kind.is_socket() {
+            return "a socket";
+        }
+    }
+    "a device"
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::System { path, action, cause, .. } => {
+                write!(f, "cannot {action} {}: {cause}", path.display())
+            }
+            Self::Special { path, action, found } => {
+                write!(f, "cannot {action} {}: it is {found}; name a regular file", path.display())
+            }
+        }
+    }
+}
+
+impl std::error::Error for FileError {}

@@ -1,0 +1,42 @@
+//! What can be wrong with a path of a multilevel run.
+
+use std::fmt;
+
+use super::StepError;
+
+/// Why a path has no value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LevelFailure {
+    /// A step failed.
+    Step(StepError),
+    /// The observable at its end is not finite.
+    NonFinite(f64),
+}
+
+/// A path of a multilevel run without a value at its end. It cannot be left out: the paths of a level that have one, and those of
+/// the next coarser, would not be the same, and the levels would not add up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelError {
+    /// The level, 0 the coarsest.
+    pub level: u32,
+    /// Number of the path on this level, from 0.
+    pub path: u64,
+    /// Step size of the path: that of the level, or twice that for the coarse path beside it.
+    pub h: f64,
+    /// Why.
+    pub cause: LevelFailure,
+}
+
+impl fmt::Display for LevelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { level, path, h, cause } = self;
+        write!(f, "path {path} of level {level}, in steps of {h}, has no value: ")?;
+        match cause {
+            LevelFailure::Step(error) => error.fmt(f)?,
+            LevelFailure::NonFinite(value) => write!(f, "its observable is {value}")?,
+        }
+        write!(f, "; begin the levels with a smaller step size")
+    }
+}
+
+impl std::error::Error for LevelError {}

@@ -1,0 +1,106 @@
+//! What can be wrong with a noise.
+
+use std::fmt;
+
+use crate::ground::digits::Brief;
+
+/// Why there are no increments.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum NoiseError {
+    /// The time is NaN, infinite, or too far from zero to be told from its neighbours.
+    Time {
+        /// The time asked for.
+        t: f64,
+        /// Times from here on are too far.
+        limit: f64,
+    },
+    /// The step size is zero, NaN or infinite.
+    StepSize(f64),
+    /// The width of the Wong-Zakai window is not positive and finite.
+    Window(f64),
+    /// The unit of time is not positive and finite.
+    Unit(f64),
+    /// The truncation parameter is not a finite number >= 1.
+    Truncation(f64),
+    /// Given increments ended before the run did.
+    Exhausted {
+        /// The step that has none, from 0.
+        step: u64,
+        /// Steps that there were increments for.
+        available: usize,
+    },
+    /// The source has another number of processes than the system has noises.
+    Processes {
+        /// Noises of the system.
+        expected: usize,
+        /// Processes of the source.
+        got: usize,
+    },
+    /// One row of given increments has another length than the first.
+    Ragged {
+        /// The row, from 0.
+        row: usize,
+        /// Length of the first row.
+        expected: usize,
+        /// Its length.
+        got: usize,
+    },
+    /// A setting of the source that makes no sense, with what to do.
+    Setting(String),
+    /// An increment is NaN or infinite.
+    NonFinite {
+        /// Number of the step, from 0.
+        step: u64,
+        /// Index of the noise.
+        process: usize,
+        /// The increment.
+        value: f64,
+    },
+}
+
+impl fmt::Display for NoiseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Time { t, limit } => {
+                write!(
+                    f,
+                    "there is no Wiener path at t = {}: times must be finite and less than {limit:.1e} from zero",
+                    Brief(*t)
+                )
+            }
+            Self::StepSize(h) => write!(f, "the step size is {}; it must be finite and not zero", Brief(*h)),
+            Self::Window(eps) => {
+                write!(
+                    f,
+                    "the width of the Wong-Zakai window is {}; it must be finite and positive",
+                    Brief(*eps)
+                )
+            }
+            Self::Unit(unit) => {
+                write!(f, "the unit of time is {}; it must be finite and positive", Brief(*unit))
+            }
+            Self::Truncation(k) => write!(
+                f,
+                "the truncation parameter is {}; it must be finite and at least 1 (take twice the strong order or more)",
+                Brief(*k)
+            ),
+            Self::Exhausted { step, available } => write!(
+                f,
+                "step {step} has no increments: {available} steps were given; give more or end earlier"
+            ),
+            Self::Processes { expected, got } => {
+                write!(f, "the system has {expected} noises, but the increments are those of {got} processes")
+            }
+            Self::Ragged { row, expected, got } => {
+                write!(f, "row {row} of the increments has length {got}, the first one {expected}")
+            }
+            Self::Setting(what) => f.write_str(what),
+            Self::NonFinite { step, process, value } => {
+                write!(f, "the increment of step {step} and noise {process} is {value}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for NoiseError {}

@@ -1,0 +1,46 @@
+//! What can go wrong with a plot.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::FileError;
+
+/// A plot that could not be drawn or written.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// Its file could not be written.
+    File(FileError),
+    /// It could not be drawn.
+    Drawing {
+        /// Which figure.
+        figure: String,
+        /// What the backend said.
+        cause: String,
+    },
+    /// The name of its file ends neither in `.svg` nor in `.png`.
+    Ending {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl fmt::Display for PlotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Drawing { figure, cause } => write!(f, "cannot draw the figure `{figure}`: {cause}"),
+            Self::Ending { path } => {
+                write!(f, "cannot draw {}: the name of a plot ends in .svg or .png", path.display())
+            }
+        }
+    }
+}
+
+impl std::error::Error for PlotError {}
+
+impl From<FileError> for PlotError {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}

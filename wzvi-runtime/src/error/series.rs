@@ -1,0 +1,45 @@
+//! What can be wrong with a series of values.
+
+use std::fmt;
+
+/// Why a series has no estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SeriesError {
+    /// It is too short for its own correlations.
+    Short {
+        /// Values that there are.
+        length: usize,
+    },
+    /// All values are the same.
+    Constant,
+    /// A value is NaN or infinite.
+    NonFinite {
+        /// Which one, from 0.
+        index: usize,
+    },
+    /// Series that belong together have different lengths.
+    Lengths {
+        /// Of the first.
+        expected: usize,
+        /// Of another.
+        got: usize,
+    },
+}
+
+impl fmt::Display for SeriesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Short { length } => write!(
+                f,
+                "{length} values are too few for how long they are correlated; run longer, or record less often"
+            ),
+            Self::Constant => write!(f, "all values are the same: there is nothing to correlate"),
+            Self::NonFinite { index } => write!(f, "value {index} (from 0) is NaN or infinite"),
+            Self::Lengths { expected, got } => {
+                write!(f, "series of {expected} and of {got} values: they must have the same length")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SeriesError {}

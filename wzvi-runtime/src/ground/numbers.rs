@@ -1,0 +1,424 @@
+//! Things that consist of numbers, to take apart and to put together again.
+
+use std::marker::PhantomData;
+
+/// What a step leaves for the next one, to the last bit: a checkpoint keeps it, and ranks send what they found out.
+///
+/// One method serves both directions, so that reading cannot disagree with writing.
+pub trait Numbers {
+    /// Shows everything to a tape, in an order that depends on nothing but the type and what was shown before. A tape that is read
+    /// replaces what it is shown, so that the words of one value make another one equal to it.
+    fn pass(&mut self, tape: &mut Tape);
+}
+
+impl Numbers for () {
+    fn pass(&mut self, _tape: &mut Tape) {}
+}
+
+impl<S> Numbers for PhantomData<S> {
+    fn pass(&mut self, _tape: &mut Tape) {}
+}
+
+impl Numbers for f64 {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.number(self);
+    }
+}
+
+impl Numbers for bool {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.flag(self);
+    }
+}
+
+impl<T: Numbers, const N: usize> Numbers for [T; N] {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.iter_mut().for_each(|part| part.pass(tape));
+    }
+}
+
+/// Its length comes first, so that a vector of any other length becomes equal to it.
+impl<T: Numbers + Default> Numbers for Vec<T> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let length = tape.length(self.len());
+        self.resize_with(length, T::default);
+        self.iter_mut().for_each(|part| part.pass(tape));
+    }
+}
+
+/// As long as those for which the standard library has `Default` and `Debug`, which a memory needs as well.
+macro_rules! tuples {
+    ($(($($part:ident)+))+) => {$(
+        impl<$($part: Numbers),+> Numbers for ($($part,)+) {
+            fn pass(&mut self, tape: &mut Tape) {
+                #[allow(non_snake_case, reason = "each part is named like its type")]
+                let ($($part,)+) = self;
+                $($part.pass(tape);)+
+            }
+        }
+    )+};
+}
+
+tuples! {
+    (A)
+    (A B)
+    (A B C)
+    (A B C D)
+    (A B C D E)
+    (A B C D E F)
+    (A B C D E F G)
+    (A B C D E F G H)
+    (A B C D E F G H I)
+    (A B C D E F G H I J)
+    (A B C D E F G H I J K)
+    (A B C D E F G H I J K L)
+}
+
+/// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
+#[derive(Debug)]
+pub enum Tape {
+    /// Takes down what it is shown.
+    Writing(Vec<u64>),
+    /// Replaces what it is shown.
+    Reading {
+        /// What was taken down.
+        words: std::vec::IntoIter<u64>,
+        /// Whether it was shown more than was taken down, or what was makes no sense.
+        short: bool,
+    },
+    /// Takes down one lane of what it is shown, as that lane would be taken down alone.
+    Splitting {
+        /// Which one.
+        lane: usize,
+        /// What was taken down.
+        words: Vec<u64>,
+    },
+    /// Replaces one lane of what it is shown. What is no matter of lanes has to be the same.
+    Placing {
+        /// Which one.
+        lane: usize,
+        /// What was taken down.
+        words: std::vec::IntoIter<u64>,
+        /// As for reading, or whether it differs where it must not.
+        short: bool,
+    },
+    /// Replaces every lane of what it is shown. What is no matter of lanes has to be the same in all of them.
+    Joining {
+        /// What was taken down, by lane.
+        lanes: Vec<std::vec::IntoIter<u64>>,
+        /// As for reading, or whether the lanes differ where they must not.
+        short: bool,
+    },
+}
+
+impl Tape {
+    /// The words of everything that `pass` shows.
+    #[cfg(any(test, feature = "serde", feature = "mpi", feature = "ensemble"))]
+    pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        let mut tape = Self::Writing(Vec::new());
+        pass(&mut tape);
+        match tape {
+            Self::Writing(words) | Self::Splitting { words, .. } => words,
+            Self::Reading { words, .. } | Self::Placing { words, .. } => words.collect(),
+            Self::Joining { .. } => Vec::new(),
+        }
+    }
+
+    /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
+    #[cfg(any(test, feature = "serde", feature = "mpi", feature = "ensemble"))]
+    pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let mut tape = Self::Reading { words: words.into_iter(), short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Reading { words, short } => (!short && words.len() == 0).then_some(()),
+            _ => None,
+        }
+    }
+
+    /// The words of one lane of everything that `pass` shows.
+    pub(crate) fn split(lane: usize, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        let mut tape = Self::Splitting { lane, words: Vec::new() };
+        pass(&mut tape);
+        match tape {
+            Self::Splitting { words, .. } => words,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or not each other.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn join(lanes: Vec<Vec<u64>>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let lanes = lanes.into_iter().map(Vec::into_iter).collect();
+        let mut tape = Self::Joining { lanes, short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Joining { lanes, short } => {
+                (!short && lanes.iter().all(|words| words.len() == 0)).then_some(())
+            }
+            _ => None,
+        }
+    }
+
+    /// Replaces one lane of everything that `pass` shows by the words; `None` if they do not fit.
+    pub(crate) fn place(lane: usize, words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let mut tape = Self::Placing { lane, words: words.into_iter(), short: false };
+        pass(&mut tape);
+        match tape {
+            Self::Placing { words, short, .. } => (!short && words.len() == 0).then_some(()),
+            _ => None,
+        }
+    }
+
+    /// Takes down or replaces a word.
+    pub fn word(&mut self, word: &mut u64) {
+        match self {
+            Self::Writing(words) | Self::Splitting { words, .. } => words.push(*word),
+            Self::Reading { words, short } => match words.next() {
+                Some(read) => *word = read,
+                None => *short = true,
+            },
+            Self::Placing { words, short, .. } => *short |= words.next() != Some(*word),
+            Self::Joining { lanes, short } => {
+                let mut read = lanes.iter_mut().map(Iterator::next);
+                match read.next().flatten() {
+                    Some(first) if read.all(|other| other == Some(first)) => *word = first,
+                    _ => *short = true,
+                }
+            }
+        }
+    }
+
+    /// Takes down or replaces a number of each lane.
+    pub fn lanes(&mut self, numbers: &mut [f64]) {
+        self.words_of_lanes(numbers, |number| number.to_bits(), |word| Some(f64::from_bits(word)));
+    }
+
+    /// Takes down or replaces a truth of each lane: 0 or 1.
+    pub fn flags(&mut self, flags: &mut [bool]) {
+        let read = |word| (word < 2).then_some(word == 1);
+        self.words_of_lanes(flags, |flag| u64::from(*flag), read);
+    }
+
+    /// Takes down or replaces a small count of each lane.
+    pub fn counts(&mut self, counts: &mut [u8]) {
+        self.words_of_lanes(counts, |count| u64::from(*count), |word| u8::try_from(word).ok());
+    }
+
+    /// Takes down or replaces something of each lane that is a word.
+    fn words_of_lanes<T>(
+        &mut self,
+        list: &mut [T],
+        write: impl Fn(&T) -> u64,
+        read: impl Fn(u64) -> Option<T>,
+    ) {
+        let count = list.len();
+        match self {
+            Self::Writing(words) => words.extend(list.iter().map(write)),
+            Self::Splitting { lane, words } => words.extend(list.get(*lane).map(write)),
+            Self::Reading { words, short } => {
+                for entry in list {
+                    match words.next().and_then(&read) {
+                        Some(read) => *entry = read,
+                        None => *short = true,
+                    }
+                }
+            }
+            Self::Placing { lane, words, short } => {
+                match (words.next().and_then(&read), list.get_mut(*lane)) {
+                    (Some(read), Some(entry)) => *entry = read,
+                    _ => *short = true,
+                }
+            }
+            Self::Joining { lanes, short } => {
+                *short |= lanes.len() != count;
+                for (words, entry) in lanes.iter_mut().zip(list) {
+                    match words.next().and_then(&read) {
+                        Some(read) => *entry = read,
+                        None => *short = true,
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes down a length, or reads one that no more words can follow than there are.
+    pub fn length(&mut self, length: usize) -> usize {
+        let mut word = length as u64;
+        self.word(&mut word);
+        let (left, short) = match self {
+            Self::Writing(_) | Self::Splitting { .. } => return length,
+            Self::Reading { words, short } | Self::Placing { words, short, .. } => (words.len(), short),
+            Self::Joining { lanes, short } => {
+                (lanes.iter().map(ExactSizeIterator::len).min().unwrap_or(0), short)
+            }
+        };
+        let read = usize::try_from(word).ok().filter(|&read| read <= left);
+        *short |= read.is_none();
+        read.unwrap_or(0)
+    }
+
+    /// Whether it replaces what it is shown.
+    pub fn is_reading(&self) -> bool {
+        matches!(self, Self::Reading { .. } | Self::Placing { .. } | Self::Joining { .. })
+    }
+
+    /// What was read makes no sense: reading gives nothing.
+    pub fn refuse(&mut self) {
+        if let Self::Reading { short, .. } | Self::Placing { short, .. } | Self::Joining { short, .. } = self
+        {
+            *short = true;
+        }
+    }
+
+    /// Takes down or replaces a count that has fewer bits than a word; one that is too large makes no sense.
+    pub fn count<T: Copy + Into<u64> + TryFrom<u64>>(&mut self, count: &mut T) {
+        let mut word = (*count).into();
+        self.word(&mut word);
+        match T::try_from(word) {
+            Ok(read) => *count = read,
+            Err(_) => self.refuse(),
+        }
+    }
+
+    /// Takes down or replaces a truth: 0 or 1.
+    pub fn flag(&mut self, flag: &mut bool) {
+        let mut word = u8::from(*flag);
+        self.count(&mut word);
+        match word {
+            0 | 1 => *flag = word == 1,
+            _ => self.refuse(),
+        }
+    }
+
+    /// Takes down or replaces several words.
+    pub fn words<'x>(&mut self, words: impl IntoIterator<Item = &'x mut u64>) {
+        words.into_iter().for_each(|word| self.word(word));
+    }
+
+    /// Takes down or replaces a number.
+    pub fn number(&mut self, number: &mut f64) {
+        let mut word = number.to_bits();
+        self.word(&mut word);
+        *number = f64::from_bits(word);
+    }
+
+    /// Takes down or replaces several numbers.
+    pub fn numbers<'x>(&mut self, numbers: impl IntoIterator<Item = &'x mut f64>) {
+        numbers.into_iter().for_each(|number| self.number(number));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Numbers, Tape};
+    use crate::algebra::carry::{Carry, Compensation};
+    use crate::algebra::solve::Extrapolation;
+
+    fn words(value: &mut impl Numbers) -> Vec<u64> {
+        Tape::write(|tape| value.pass(tape))
+    }
+
+    /// The words of one value make another one equal to it.
+    fn copied<T: Numbers>(mut value: T, mut other: T) -> T {
+        let expected = words(&mut value);
+        assert_eq!(Tape::read(expected.clone(), |tape| other.pass(tape)), Some(()));
+        assert_eq!(words(&mut other), expected);
+        other
+    }
+
+    #[test]
+    fn numbers_make_an_equal_value() {
+        let (mut memory, mut carry) = (Extrapolation::<f64, 2>::default(), Compensation::<f64, 1>::default());
+        for n in 0..4 {
+            let copy = copied((memory, (carry, vec![0.5; n])), Default::default());
+            assert_eq!(copy.0.guess::<true>(), memory.guess::<true>());
+            assert_eq!((copy.1.0, copy.1.1), (carry, vec![0.5; n]));
+            // What is known counts too: the next record must do the same to both.
+            let (mut one, mut other) = (memory, copy.0);
+            one.record::<true>([7.0, -0.0]);
+            other.record::<true>([7.0, -0.0]);
+            assert_eq!(one.guess::<true>(), other.guess::<true>());
+            let x = f64::from(n as u32);
+            memory.record::<true>([x * x, x.sin()]);
+            carry.keep(&[x], &[-x]);
+        }
+        assert_eq!(copied(vec![1.0, -0.0], vec![3.0; 9]), [1.0, -0.0]);
+    }
+
+    #[test]
+    fn every_bit_comes_back() {
+        let payload = f64::from_bits(0x7FF8_0000_DEAD_BEEF);
+        let values = [0.0, -0.0, 1.5, f64::MIN_POSITIVE / 8.0, f64::INFINITY, payload];
+        let mut numbers = values;
+        let words = Tape::write(|tape| tape.numbers(&mut numbers));
+        assert_eq!(numbers.map(f64::to_bits), values.map(f64::to_bits));
+        let mut read = [1.0; 6];
+        assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut read)), Some(()));
+        assert_eq!(read.map(f64::to_bits), values.map(f64::to_bits));
+        assert_eq!(Tape::read(words.clone(), |tape| tape.numbers(&mut [0.0; 5])), None);
+        assert_eq!(Tape::read(words, |tape| tape.numbers(&mut [0.0; 7])), None);
+        let words = Tape::write(|tape| assert_eq!(tape.length(3), 3));
+        assert_eq!(words, [3]);
+        assert_eq!(Tape::read(words, |tape| assert_eq!(tape.length(1), 0)), None);
+        assert_eq!(Tape::read(vec![0], |tape| assert_eq!(tape.length(1), 0)), Some(()));
+        assert_eq!(Tape::read(vec![], Tape::refuse), None);
+    }
+
+    /// Lanes come apart and together again if what they count is the same.
+    #[cfg(feature = "ensemble")]
+    #[test]
+    fn lanes_split_and_join() {
+        use crate::algebra::lanes::Lanes;
+        let mut together = Extrapolation::<Lanes<3>, 1>::default();
+        let mut alone: [Extrapolation<Lanes<1>, 1>; 3] = Default::default();
+        for x in [0.5, -0.25, 4.0] {
+            together.record::<true>([Lanes::new([x, 2.0 * x, -x])]);
+            for (memory, factor) in alone.iter_mut().zip([1.0, 2.0, -1.0]) {
+                memory.record::<true>([Lanes::new([factor * x])]);
+            }
+        }
+        for (lane, memory) in alone.iter_mut().enumerate() {
+            assert_eq!(Tape::split(lane, |tape| together.pass(tape)), words(memory));
+        }
+        let apart = move || alone.map(|mut memory| words(&mut memory)).to_vec();
+        let mut joined = Extrapolation::<Lanes<3>, 1>::default();
+        assert_eq!(Tape::join(apart(), |tape| joined.pass(tape)), Some(()));
+        assert_eq!(words(&mut joined), words(&mut together));
+        // One lane knows fewer steps, and goes on as it would alone.
+        let mut fresh = Extrapolation::<Lanes<1>, 1>::default();
+        assert_eq!(Tape::place(1, words(&mut fresh), |tape| joined.pass(tape)), Some(()));
+        for x in [3.0, 1.0, -0.5] {
+            joined.record::<true>([Lanes::new([x, x * x, 1.0])]);
+            fresh.record::<true>([Lanes::new([x * x])]);
+            alone[2].record::<true>([Lanes::new([1.0])]);
+            for (lane, memory) in [(1, &mut fresh), (2, &mut alone[2])] {
+                assert_eq!(Tape::split(lane, |tape| joined.pass(tape)), words(memory));
+            }
+        }
+        // One is missing.
+        assert_eq!(Tape::join(apart().split_off(1), |tape| joined.pass(tape)), None);
+    }
+
+    #[test]
+    fn counts_and_flags_are_integers() {
+        let words = Tape::write(|tape| {
+            tape.count(&mut 200_u8);
+            tape.count(&mut u32::MAX.clone());
+            tape.flag(&mut true.clone());
+        });
+        assert_eq!(words, [200, u64::from(u32::MAX), 1]);
+        let (mut byte, mut count, mut flag) = (0_u8, 0_u32, false);
+        let mut read = |words: Vec<u64>| {
+            Tape::read(words, |tape| {
+                tape.count(&mut byte);
+                tape.count(&mut count);
+                tape.flag(&mut flag);
+            })
+        };
+        assert_eq!(read(words), Some(()));
+        for nonsense in [[256, 0, 0], [0, 1 << 32, 0], [0, 0, 2]] {
+            assert_eq!(read(nonsense.to_vec()), None);
+        }
+        assert_eq!((byte, count, flag), (0, 0, false));
+    }
+}

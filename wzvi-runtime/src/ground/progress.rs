@@ -1,0 +1,154 @@
+//! How far a long run is: one line on a terminal, nothing elsewhere.
+
+use std::io::{IsTerminal, Write, stderr};
+use std::time::Duration;
+
+use crate::ground::clock::{self, Moment};
+use crate::ground::due::Due;
+
+/// Runs that are over by then show nothing.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Between two looks at the line.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// A line that shows how far a run is; it goes when this is dropped.
+pub(crate) struct Progress {
+    /// What is counted.
+    unit: &'static str,
+    /// Whether Ctrl-C ends the run with a result.
+    is_stoppable: bool,
+    /// `None` where nobody looks, or where there is no clock.
+    watch: Option<Watch>,
+    is_shown: bool,
+}
+
+struct Watch {
+    began: Moment,
+    /// The last look at the line.
+    looked: Moment,
+    wait: Duration,
+}
+
+impl Progress {
+    /// Of a run that Ctrl-C ends with a result, where the feature is on.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
+        Self::with(unit, is_quiet, cfg!(feature = "interrupt"))
+    }
+
+    fn with(unit: &'static str, is_quiet: bool, is_stoppable: bool) -> Self {
+        let is_silent = is_quiet || !stderr().is_terminal();
+        let now = if is_silent { None } else { clock::now() };
+        let watch = now.map(|now| Watch { began: now, looked: now, wait: PATIENCE });
+        Self { unit, is_stoppable, watch, is_shown: false }
+    }
+
+    /// So many are done, of so many.
+    pub(crate) fn show(&mut self, done: u64, all: u64) {
+        let Some(watch) = &mut self.watch else { return };
+        let Some(now) = clock::now() else { return };
+        if clock::between(&watch.looked, &now) < watch.wait {
+            return;
+        }
+        (watch.looked, watch.wait) = (now, PAUSE);
+        self.is_shown = true;
+        let mut line = line(self.unit, done, all, clock::since(&watch.began));
+        if self.is_stoppable {
+            line += " (Ctrl-C stops and keeps what is done)";
+        }
+        // Who cannot write to the terminal cannot say so there either.
+        let _ = write!(stderr(), "\r\x1b[K{line}").and_then(|()| stderr().flush());
+    }
+}
+
+/// How far a single path is. Where nobody looks, it is never due.
+pub(crate) struct StepsShown {
+    line: Option<(Progress, Due)>,
+    /// The nodes from which and to which the run goes.
+    first: u64,
+    end: u64,
+}
+
+impl StepsShown {
+    /// From one node to another.
+    pub(crate) fn new(is_quiet: bool, is_stoppable: bool, first: u64, end: u64) -> Self {
+        let progress = Progress::with("steps", is_quiet, is_stoppable && cfg!(feature = "interrupt"));
+        let is_seen = progress.watch.is_some();
+        Self { line: is_seen.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), first, end }
+    }
+
+    /// The next node to look at.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn next(&self) -> u64 {
+        self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next())
+    }
+
+    /// The run has reached a node.
+    pub(crate) fn look(&mut self, node: u64) {
+        if let Some((progress, due)) = &mut self.line
+            && due.is_due(node)
+        {
+            progress.show(node.saturating_sub(self.first), self.end.saturating_sub(self.first));
+            due.done();
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.is_shown {
+            let _ = write!(stderr(), "\r\x1b[K").and_then(|()| stderr().flush());
+        }
+    }
+}
+
+fn line(unit: &str, done: u64, all: u64, elapsed: Duration) -> String {
+    let part = (done as f64 / all.max(1) as f64).min(1.0);
+    let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
+    let left = if rate > 0.0 { all.saturating_sub(done) as f64 / rate } else { f64::INFINITY };
+    format!("{:3.0} %, {}{unit}/s, {} left", 100.0 * part, metric(rate), duration(left))
+}
+
+/// Three digits and a prefix.
+fn metric(rate: f64) -> String {
+    let (scaled, prefix) = match rate {
+        rate if rate >= 1e9 => (rate / 1e9, " G"),
+        rate if rate >= 1e6 => (rate / 1e6, " M"),
+        rate if rate >= 1e3 => (rate / 1e3, " k"),
+        rate => (rate, " "),
+    };
+    let digits = if scaled >= 100.0 { 0 } else { 1 };
+    format!("{scaled:.digits$}{prefix}")
+}
+
+fn duration(seconds: f64) -> String {
+    let whole = seconds.ceil() as u64;
+    match whole {
+        _ if !seconds.is_finite() => "?".into(),
+        0..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_how_far_how_fast_and_how_long() {
+        let line = |done, all, seconds| line("paths", done, all, Duration::from_secs(seconds));
+        assert!(
+            line(5000, 20_000, 2).starts_with(" 25 %, 2.5 kpaths/s, 6 s left"),
+            "{}",
+            line(5000, 20_000, 2)
+        );
+        assert!(line(1, 7201, 1).contains("1.0 paths/s, 2 h 00 min left"));
+        assert!(line(3_000_000_000, 3_000_000_000, 2).starts_with("100 %, 1.5 Gpaths/s, 0 s left"));
+        assert!(line(100, 7400, 60).contains("1 h 13 min left"));
+        assert!(line(4, 400, 3).contains("4 min 57 s left"));
+        assert!(line(0, 10, 3).contains("0.0 paths/s, ? left"));
+        assert!(line(30, 20, 1).starts_with("100 %"));
+        assert!(line(0, 0, 0).starts_with("  0 %"));
+    }
+}

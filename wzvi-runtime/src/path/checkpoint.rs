@@ -1,0 +1,219 @@
+//! Long runs: checkpoints, and going on from them (feature `serde`).
+//!
+//! [`Simulation::checkpoint`] has a run write down, now and then, all that its steps change. A run that is stopped at
+//! any moment, by a signal, a crash or a loss of power, and then started again with the same settings goes on from
+//! its last checkpoint, and its trajectory is bit for bit that of a run that was never stopped:
+//!
+//! ```ignore
+//! let path = kepler
+//!     .simulate::<Midpoint>(0.01)
+//!     .start(State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]))
+//!     .steps(100_000_000)
+//!     .record_every(0)
+//!     .checkpoint(Checkpoint::to("kepler.wzvi").every_steps(1_000_000))
+//!     .run()?;
+//! ```
+//!
+//! # What happens to the file
+//!
+//! | The file | The run |
+//! |---|---|
+//! | is not there | starts, and writes it before the first step: a folder that cannot be written to shows at once |
+//! | is of this run | goes on from there |
+//! | is of this run, and that has finished | returns the same trajectory at once; with a later end, goes on to it |
+//! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file stays as it is |
+//!
+//! Two runs are the same if system, parameters, scheme, step size, start, noise and `record_every` are, and the
+//! version of this crate; sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that the step computes from them, and by energies
+//! and forces at the start and at the checkpoint. Only the end may differ, and one that is reached exactly
+//! ([`exactly`](Simulation::exactly)) may not: nothing goes on from there. To repeat a run from its start, remove its files.
+//!
+//! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
+//!
+//! # Files
+//!
+//! A checkpoint is written to a temporary file in the same folder (`.wzvi-....part`), which is flushed to the disk and then renamed;
+//! the folder is flushed after that. A process that is killed there leaves its temporary file, which the next one
+//! removes. If the name is a symbolic link, the file that it leads to is the checkpoint, and the link stays; a device, a
+//! pipe or a folder is refused. The file is one line, `wzvi-checkpoint <version> <length> <checksum>`, and that many
+//! bytes of JSON, in which every number is its 64 bits in hexadecimal digits. Nodes that are recorded
+//! ([`record_every`](Simulation::record_every) above 0) go to a second file, named like the first with `.nodes` at its end: each is appended
+//! once, so that a checkpoint costs what is new, however long the path is. The two belong together; move or remove
+//! both. Only one process at a time should use them; one that finds the checkpoint changed by another stops with
+//! [`CheckpointError::Taken`].
+//!
+//! # Cost
+//!
+//! A checkpoint of a small system is about a kilobyte, and takes as long as the disk takes to confirm it: about a
+//! millisecond on a solid-state disk, more on others. Between two of them a step costs one comparison more. Recorded
+//! nodes take `8 (1 + 2 d + K)` bytes each on the disk, `d` degrees of freedom and `K` noises, as in memory. Crossings of sections are in the
+//! checkpoint itself, which grows with their number.
+//! `cargo run --release --example long_run -- cost` measures it.
+//!
+//! A checkpoint that cannot be written, on a disk that is full, say, does not end the run: it warns once on the standard error stream, goes on, and tries again at
+//! the next one. If the last one failed, the result says so: [`Trajectory::unsaved`](crate::path::trajectory::Trajectory::unsaved),
+//! [`Statistics::unsaved`](crate::ensemble::Statistics::unsaved). The first one is written before the first step, and has to succeed.
+//!
+//! # Observers
+//!
+//! What an observer has seen is not kept: one that is attached to a run which goes on sees the nodes after the
+//! checkpoint, with the sums of the increments from the start. A node between the last checkpoint and the moment of
+//! the stop is seen twice, once before and once after it.
+//!
+//! # Ensembles
+//!
+//! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) has what is known of its first blocks of paths, and a run that
+//! goes on merges the others in the same order: the same table, the same promise, in a file of its own kind
+//! (`wzvi-ensemble`) and without a second one. The number of paths may grow; a last block that is not whole is run
+//! again. Observables and events are compared by their names and by their values
+//! at the start and at the next three nodes of path 0. The file grows with
+//! the number of recorded times, observables and bins, not with that of the paths unless they are kept.
+//!
+//! # Sources of noise
+//!
+//! [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and given increments need no state: what they
+//! are is in the file, and they are asked for step `n` as in a run that was never stopped. A source of your own says
+//! what it is by [`Noise::identity`](crate::increments::Noise::identity), or takes no checkpoints.
+
+#[cfg(feature = "ensemble")]
+mod blocks;
+mod format;
+mod identity;
+mod keeper;
+mod nodes;
+mod own;
+mod unsaved;
+
+use std::marker::PhantomData;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::error::ConfigError;
+pub use crate::error::{CheckpointError, Damage, Difference};
+use crate::path::simulate::Simulation;
+use crate::scheme::system::Discretized;
+#[cfg(feature = "ensemble")]
+pub(crate) use blocks::{BlockKeeper, Described, Extent};
+pub(crate) use keeper::Keeper;
+
+/// Where a run writes itself down, and how often: after some time, or after so many of what it counts, `C`. A [`Simulation`] counts
+/// [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) [`Paths`]; both take one that says neither.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
+pub struct Checkpoint<C = Anything> {
+    path: PathBuf,
+    /// Steps or paths.
+    count: Option<u64>,
+    interval: Option<Duration>,
+    counts: PhantomData<C>,
+}
+
+/// A checkpoint says nothing about what its run counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anything {}
+
+/// A checkpoint counts the steps of a single path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Steps {}
+
+/// A checkpoint counts the paths of an ensemble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Paths {}
+
+/// A checkpoint for runs that count `C`, or anything.
+#[diagnostic::on_unimplemented(
+    message = "this checkpoint counts what this run does not have",
+    note = "a single path counts steps (`.every_steps(number)`), an ensemble paths (`.every_paths(number)`); both take `.every(interval)`"
+)]
+pub trait Suits<C> {}
+
+impl<C> Suits<C> for Anything {}
+impl Suits<Steps> for Steps {}
+impl Suits<Paths> for Paths {}
+
+/// How often, unless the user says otherwise.
+const MINUTE: Duration = Duration::from_secs(60);
+
+impl Checkpoint {
+    /// To this file, once a minute unless told otherwise.
+    pub fn to(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), count: None, interval: None, counts: PhantomData }
+    }
+
+    /// At each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`].
+    pub fn every_steps(self, steps: u64) -> Checkpoint<Steps> {
+        self.counting(steps)
+    }
+
+    /// Whenever so many paths more are done, at least 1; in whole blocks of paths. For an ensemble.
+    pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
+        self.counting(paths)
+    }
+}
+
+impl<C> Checkpoint<C> {
+    fn counting<D>(self, count: u64) -> Checkpoint<D> {
+        let Self { path, interval, .. } = self;
+        Checkpoint { path, count: Some(count), interval, counts: PhantomData }
+    }
+
+    /// As soon as this time has gone by since the last checkpoint, more than zero. Together with
+    /// [`Checkpoint::every_steps`] or [`Checkpoint::every_paths`], whichever comes first.
+    pub fn every(mut self, interval: Duration) -> Self {
+        self.interval = Some(interval);
+        self
+    }
+
+    /// The same, for a run that it suits.
+    fn settled(self) -> Checkpoint {
+        let Self { path, count, interval, .. } = self;
+        Checkpoint { path, count, interval, counts: PhantomData }
+    }
+}
+
+impl Checkpoint {
+    /// The time between two of them, if that matters.
+    fn interval(&self) -> Option<Duration> {
+        if self.count.is_none() { Some(self.interval.unwrap_or(MINUTE)) } else { self.interval }
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        let mistake = match (self.count, self.interval) {
+            (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",
+            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
+            _ => return Ok(()),
+        };
+        Err(ConfigError::Setting(mistake.to_owned()))
+    }
+}
+
+/// What a run was told to keep.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Keeping(Option<Checkpoint>);
+
+impl Keeping {
+    pub(crate) fn to<C>(checkpoint: Checkpoint<C>) -> Self {
+        Self(Some(checkpoint.settled()))
+    }
+
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.is_some()
+    }
+}
+
+#[cfg(feature = "ensemble")]
+pub(crate) use identity::between;
+
+/// The checksum of several words.
+#[cfg(feature = "ensemble")]
+pub(crate) fn checksum(words: &[u64]) -> String {
+    identity::checksum(words.iter().copied())
+}
+
+impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
+    /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
+    /// see [`crate::path::checkpoint`].
+    pub fn checkpoint<C: Suits<Steps>>(self, checkpoint: Checkpoint<C>) -> Self {
+        self.keeping(Keeping::to(checkpoint))
+    }
+}

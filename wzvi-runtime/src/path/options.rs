@@ -1,0 +1,228 @@
+//! What several builders let the user set: each is one text with one meaning, and its value is checked in one place.
+//!
+//! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has a field `setup` with those that they set.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::sync::Arc;
+
+use crate::algebra::state::State;
+use crate::error::ConfigError;
+
+/// A function of the state.
+pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
+
+/// A function of the system of a path and its state.
+#[cfg(feature = "ensemble")]
+pub(crate) type OwnObservable<'a, H, V> = Arc<dyn Fn(&H, &State<V>) -> f64 + Send + Sync + 'a>;
+
+/// Functions of the state, by name.
+pub(crate) struct Observables<'a, V>(Vec<(String, Observable<'a, V>)>);
+
+impl<V> Clone for Observables<'_, V> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<V> Default for Observables<'_, V> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<V> fmt::Debug for Observables<'_, V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.0.iter().map(|(name, _)| name)).finish()
+    }
+}
+
+/// In the place of an observable that is no function of the state alone: whoever looks at a path puts its value there.
+#[cfg(feature = "ensemble")]
+pub(crate) fn elsewhere<V>(_: &State<V>) -> f64 {
+    f64::NAN
+}
+
+impl<'a, V> Observables<'a, V> {
+    pub(crate) fn push(&mut self, name: String, f: impl Fn(&State<V>) -> f64 + Send + Sync + 'a) {
+        self.0.push((name, Arc::new(f)));
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Names and functions. `what` they are, in the plural, is for errors.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] if two have the same name.
+    pub(crate) fn checked(self, what: &str) -> Result<(Vec<String>, Vec<Observable<'a, V>>), ConfigError> {
+        let (names, functions): (Vec<String>, _) = self.0.into_iter().unzip();
+        let mut known = HashSet::new();
+        match names.iter().find(|name| !known.insert(*name)) {
+            Some(twice) => Err(ConfigError::Setting(format!("two {what} have the name `{twice}`"))),
+            None => Ok((names, functions)),
+        }
+    }
+}
+
+/// Methods that builders have in common.
+macro_rules! options {
+    ($($option:ident),*) => { $(crate::path::options::options!(@ $option);)* };
+    (@ start) => {
+        /// The first state, at its own time.
+        pub fn start(mut self, start: crate::algebra::state::State<H::Vector>) -> Self {
+            self.setup.span.start = Some(start);
+            self
+        }
+    };
+    (@ end) => {
+        /// Runs to time `end` (time units of the Hamiltonian): the first node at or beyond it.
+        ///
+        /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000. Together with `steps` it is
+        /// an error.
+        pub fn until(mut self, end: f64) -> Self {
+            self.setup.span.end_at(crate::path::span::End::Time(end));
+            self
+        }
+
+        /// Runs `steps` steps.
+        pub fn steps(mut self, steps: u64) -> Self {
+            self.setup.span.end_at(crate::path::span::End::Steps(steps));
+            self
+        }
+    };
+    (@ exact) => {
+        /// Ends exactly at the time of `until`, with a last step that is shorter than the others where the time is not that of a node.
+        ///
+        /// The last step is prepared once, as the others are, and is not halved ([`crate::path::retry`]). Its increments are those of its own interval: of
+        /// `Wiener` and `WongZakai` those of the path, of `StepNormals` and seeds of ensembles normals of their own, of `Increments` the last
+        /// row. Another noise has them, or the run does not start
+        /// ([`Noise::increments_of_part`](crate::increments::Noise::increments_of_part)).
+        pub fn exactly(mut self) -> Self {
+            self.setup.span.is_exact = true;
+            self
+        }
+    };
+    (@ section) => {
+        /// Finds the crossings of the section on which `value`, a function of the state, is zero, to both sides: see [`crate::path::section`]. More than one
+        /// may be asked for; they are numbered from 0.
+        pub fn section(mut self, value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
+            self.setup.sections.push(None, value);
+            self
+        }
+
+        /// The same, of crossings to one side only.
+        pub fn section_towards(
+            mut self,
+            direction: crate::path::section::Direction,
+            value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+        ) -> Self {
+            self.setup.sections.push(Some(direction), value);
+            self
+        }
+    };
+    (@ record) => {
+        /// Records every `stride`-th node, besides the start and the last one; with 0 only these two. If neither this nor `record_at` is
+        /// called, a single path records all nodes, and an ensemble the start and the last one.
+        pub fn record_every(mut self, stride: u64) -> Self {
+            self.setup.recorded.every = Some(stride);
+            self
+        }
+
+        /// Records the states at these times, too: a time that is that of a node up to rounding is the node, others are on the dense output of their
+        /// step ([`crate::scheme::dense`]). They come in the order of the run, each once, and no two of them are the same node. Without `record_every`, only these, the start and the
+        /// end.
+        pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
+            self.setup.recorded.times.extend(times);
+            self
+        }
+    };
+    (@ observe) => {
+        /// One more observable, a function of the state, under a name by which the result has its values at the recorded nodes.
+        pub fn observe(
+            mut self,
+            name: impl Into<String>,
+            observable: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a,
+        ) -> Self {
+            self.setup.observables.push(name.into(), observable);
+            self
+        }
+    };
+    (@ temperatures) => {
+        /// Observes `kinetic temperature` and `configurational temperature`, in units of energy: `p · ∂H/∂p / d` and `q · ∂H/∂q / d`, whose averages are the
+        /// temperature under the Gibbs measure, the second where the system is confined; of the system of the path.
+        pub fn observe_temperatures(self) -> Self
+        where
+            H: Sync,
+        {
+            self.observe_own("kinetic temperature", crate::path::series::kinetic)
+                .observe_own("configurational temperature", crate::path::series::configurational)
+        }
+
+        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... The start, or a system
+        /// that knows its size, says how many there are.
+        pub fn observe_equipartition(mut self) -> Self
+        where
+            H: Sync,
+        {
+            let system = self.setup.system;
+            let of_start = |start: &crate::algebra::state::State<H::Vector>| crate::algebra::state::Vector::components(&start.q).len();
+            let degrees = self.setup.span.start.as_ref().map_or(system.degrees(), of_start);
+            for i in 0..degrees {
+                self = self.observe_own(format!("kinetic temperature {i}"), move |system, state| {
+                    crate::path::series::kinetic_of(system, state, i)
+                });
+                self = self.observe_own(format!("configurational temperature {i}"), move |system, state| {
+                    crate::path::series::configurational_of(system, state, i)
+                });
+            }
+            self
+        }
+    };
+    (@ watch) => {
+        /// Goes on where the energy has changed and stays so ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), which no
+        /// other run does of a system that keeps its energy: for whoever looks at the energy himself.
+        pub fn unwatched(mut self) -> Self {
+            self.setup.is_watched = false;
+            self
+        }
+    };
+    (@ execution) => {
+        /// On so many threads; all cores if this is not called. The result is the same.
+        pub fn threads(mut self, threads: usize) -> Self {
+            self.setup.execution.threads = Some(threads);
+            self
+        }
+
+        /// Ends the run early when `stop` says so: a deadline, for one. The result is then that of what is done, and says that it is
+        /// partial.
+        ///
+        /// It is asked from all threads, about every 10 ms, and after each step or observed path that takes longer. With the feature
+        /// `interrupt`, Ctrl-C stops a run, too.
+        pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
+            self.setup.execution.stop = Some(Box::new(stop));
+            self
+        }
+
+        /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+        pub fn quiet(mut self) -> Self {
+            self.setup.execution.is_quiet = true;
+            self
+        }
+    };
+    (@ instructions) => {
+        /// With these vector instructions, or the baseline's where the machine does not have them; the best that it has if
+        /// this is not called. The result is the same.
+        pub fn instructions(mut self, set: crate::algebra::lanes::instructions::InstructionSet) -> Self {
+            self.setup.execution.instructions = set;
+            self
+        }
+    };
+}
+pub(crate) use options;

@@ -1,0 +1,145 @@
+//! What of a run is recorded: some of its nodes, and times between them.
+
+use crate::error::ConfigError;
+use crate::ground::digits::Brief;
+use crate::path::span::{Grid, Place};
+
+/// What to record, as the user says it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Request {
+    /// Every so many steps; 0 for none.
+    pub(crate) every: Option<u64>,
+    /// At these times.
+    pub(crate) times: Vec<f64>,
+}
+
+impl Request {
+    /// That of a run with these nodes; every `default` steps if nothing was said.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for a time that the run does not get to, or that does not come after the one before.
+    pub(crate) fn checked(&self, default: u64, grid: &Grid) -> Result<Recording, ConfigError> {
+        let every = self.every.unwrap_or(if self.times.is_empty() { default } else { 0 });
+        let mut recording = Recording { every, ..Recording::default() };
+        let mut before = f64::NAN;
+        for &t in &self.times {
+            let place = grid.place(t).ok_or_else(|| {
+                let [start, end] = [0, grid.steps].map(|node| grid.time(node));
+                let [t, start, end] = [t, start, end].map(Brief);
+                ConfigError::Setting(format!("recorded at t = {t}, which is not between {start} and {end}"))
+            })?;
+            if (t - before) / grid.h <= 0.0 {
+                let wrong = format!(
+                    "recorded at t = {} after t = {}: give the times in the order of the run, each once",
+                    Brief(t),
+                    Brief(before)
+                );
+                return Err(ConfigError::Setting(wrong));
+            }
+            before = t;
+            match place {
+                Place::Node(node) if recording.chosen.last() == Some(&node) => {
+                    let wrong = format!(
+                        "recorded at t = {t:?} and at the time before it, which are the same node up to rounding: give one of them"
+                    );
+                    return Err(ConfigError::Setting(wrong));
+                }
+                Place::Node(node) => recording.chosen.push(node),
+                Place::Inside(step) => recording.between.push(Moment { step, t }),
+            }
+        }
+        Ok(recording)
+    }
+}
+
+/// A time inside a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moment {
+    /// The number of the step.
+    pub(crate) step: u64,
+    pub(crate) t: f64,
+}
+
+/// What a run records, besides the start and the end.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Recording {
+    /// Every so many steps; 0 for none.
+    pub(crate) every: u64,
+    /// After so many steps, in order.
+    pub(crate) chosen: Vec<u64>,
+    /// Inside steps, in order.
+    pub(crate) between: Vec<Moment>,
+}
+
+impl Recording {
+    /// All recorded times of a run, in order: the start, those asked for, the end.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] if there are more than `most`.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn all(&self, grid: &Grid, most: u64) -> Result<Vec<Recorded>, ConfigError> {
+        let steps = grid.steps;
+        let every = if self.every == 0 { steps.max(1) } else { self.every };
+        let asked = (self.chosen.len() + self.between.len()) as u64;
+        let nodes = steps.div_ceil(every).saturating_add(asked);
+        if nodes > most {
+            let wrong = format!("statistics at {nodes} nodes: take a larger `record_every`");
+            return Err(ConfigError::Setting(wrong));
+        }
+        let regular = (0..=steps.div_ceil(every)).map(|node| steps.min(node * every));
+        let nodes = regular.chain(self.chosen.iter().copied());
+        let mut all: Vec<Recorded> =
+            nodes.map(|node| Recorded { node, t: grid.time(node), is_inside: false }).collect();
+        all.extend(self.between.iter().map(|moment| Recorded {
+            node: moment.step + 1,
+            t: moment.t,
+            is_inside: true,
+        }));
+        // Before its end comes what is inside of a step, in the order that it has.
+        all.sort_by_key(|recorded| (recorded.node, !recorded.is_inside));
+        all.dedup();
+        Ok(all)
+    }
+
+    /// Whether a run adds nodes before its end.
+    #[cfg(feature = "serde")]
+    pub(crate) fn adds(&self) -> bool {
+        self.every > 0 || !self.chosen.is_empty() || !self.between.is_empty()
+    }
+
+    /// Chosen nodes up to this step that are not recorded anyway.
+    pub(crate) fn extra(&self, step: u64) -> u64 {
+        let is_regular = |chosen: u64| chosen.checked_rem(self.every) == Some(0);
+        let extra = self.chosen.iter().filter(|&&chosen| chosen > 0 && chosen <= step && !is_regular(chosen));
+        extra.count() as u64
+    }
+
+    /// Times inside of the first so many steps.
+    #[cfg(feature = "serde")]
+    pub(crate) fn inside(&self, steps: u64) -> usize {
+        self.between.partition_point(|moment| moment.step < steps)
+    }
+
+    /// What is recorded after the start when this step has been taken, the end not counted.
+    #[cfg(feature = "serde")]
+    pub(crate) fn nodes(&self, step: u64) -> u64 {
+        step.checked_div(self.every).unwrap_or(0) + self.extra(step) + self.inside(step) as u64
+    }
+
+    /// The next step, after this one, whose node is recorded; the largest number if there is none.
+    pub(crate) fn next(&self, step: u64) -> u64 {
+        let regular = step.checked_div(self.every).map(|count| (count + 1).saturating_mul(self.every));
+        let chosen = self.chosen.get(self.chosen.partition_point(|&chosen| chosen <= step)).copied();
+        regular.unwrap_or(u64::MAX).min(chosen.unwrap_or(u64::MAX))
+    }
+}
+
+/// A recorded time of a run.
+#[cfg(feature = "ensemble")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Recorded {
+    /// The node, or that at the end of the step that has it inside.
+    pub(crate) node: u64,
+    pub(crate) t: f64,
+    pub(crate) is_inside: bool,
+}

@@ -1,0 +1,467 @@
+//! What a run does about a step that fails: it takes it in halves.
+//!
+//! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there: the
+//! retry converges to the same solution. A step that has no solution is subdivided alone. Without noise it is taken in `2^m` parts when these
+//! agree with `2^(m-1)`, not when they are solvable: a step that leaps over a pericentre often is. What the two disagree by is weighed by the slopes of
+//! the energy, and compared with the mean of `p · dq/dt` (`AGREEMENT` in `watch.rs`). With noise, steps are as far from the path as its
+//! strong order says, and parts that have a solution are taken.
+//!
+//! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired where that is noticed: it starts again, all its steps
+//! subdivided once more, so that they stay uniform.
+
+use std::ops::Range;
+
+use crate::algebra::carry::Carry;
+use crate::algebra::memory::Threads;
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, StepError, StepFailure};
+use crate::increments::{Divisible, Interval, Noise};
+use crate::path::Error;
+use crate::path::step::{StepInfo, Stepper};
+use crate::path::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
+use crate::path::watch::{AGREEMENT, Watch, disagreement};
+use crate::scheme::plan::NoiseClass;
+use crate::scheme::system::{CarryOf, Discretized};
+
+/// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
+/// behaviour of a symplectic scheme rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Retry {
+    most: u32,
+}
+
+impl Retry {
+    /// Steps are what they are: the default.
+    pub const fn never() -> Self {
+        Self { most: 0 }
+    }
+
+    /// Into `2^most` parts at the finest, 30 halvings at the most.
+    pub const fn halving(most: u32) -> Self {
+        Self { most: if most < 30 { most } else { 30 } }
+    }
+
+    /// The most halvings.
+    pub const fn most(self) -> u32 {
+        self.most
+    }
+}
+
+/// The steps of a run are whole: no [`Retry`] was asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Whole {}
+
+/// The steps of a run may be halved.
+#[derive(Clone, Copy, Debug)]
+pub enum Halved {}
+
+/// A source of increments that drives runs whose steps are [`Whole`], or that may be [`Halved`] too: those take a [`Divisible`] one.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
+    label = "this noise cannot drive steps that are halved",
+    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
+)]
+pub trait Serves<R> {}
+
+impl<N: Noise> Serves<Whole> for N {}
+impl<N: Divisible> Serves<Halved> for N {}
+
+/// How the steps of a run are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// As they are, and in halves only where they fail.
+    Whole,
+    /// All in `2^halvings` parts at least.
+    Halved(u32),
+    /// The last one, which is shorter.
+    Last,
+}
+
+fn stepper<'a, H: Discretized<E>, E, C: Carry<f64>>(
+    system: &'a H,
+    h: f64,
+    threads: Threads,
+) -> Result<Stepper<'a, H, E, C>, ConfigError> {
+    Ok(Stepper::new(system, h)?.carrying().sharing(threads))
+}
+
+/// Takes the steps of a run, subdividing those that it has to and may.
+pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
+    system: &'a H,
+    h: f64,
+    retry: Retry,
+    is_watched: bool,
+    threads: Threads,
+    way: Way,
+    /// Of the steps of that way.
+    pub(crate) watch: Watch<H::Vector>,
+    /// Takes the steps of that way.
+    pub(crate) stepper: Stepper<'a, H, E, C>,
+    /// Increments of a part of a step.
+    part: Vec<f64>,
+}
+
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
+    pub(crate) fn new(
+        system: &'a H,
+        h: f64,
+        retry: Retry,
+        is_watched: bool,
+        threads: Threads,
+    ) -> Result<Self, ConfigError> {
+        let stepper = stepper(system, h, threads)?;
+        let (way, watch) = (Way::Whole, Watch::of::<H, E>(is_watched));
+        Ok(Self { system, h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
+    }
+
+    /// Takes steps of another size.
+    fn stepper(&self, h: f64) -> Result<Stepper<'a, H, E, C>, ConfigError> {
+        stepper(self.system, h, self.threads)
+    }
+
+    /// Subdivides every step of the run once more, if that may help against `error` and is allowed.
+    pub(crate) fn refine(&mut self, error: &Error) -> Result<bool, ConfigError> {
+        // A divided step whose halves do not agree is shorter than the steps of the run, and has been halved as often as it may be.
+        let own = self.stepper.step_size();
+        let is_unresolved = match error {
+            Error::Step(StepError { cause: StepFailure::Unresolved { .. }, h, .. }) => *h == own,
+            _ => false,
+        };
+        let base = self.base();
+        let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
+        if may {
+            self.way = Way::Halved(base + 1);
+            self.watch = Watch::of::<H, E>(self.is_watched);
+            self.stepper = self.stepper(part_of(self.h, base + 1))?;
+        }
+        Ok(may)
+    }
+
+    /// Halvings of every step of this run.
+    fn base(&self) -> u32 {
+        match self.way {
+            Way::Halved(halvings) => halvings,
+            Way::Whole | Way::Last => 0,
+        }
+    }
+
+    /// Goes on with a last step of another size, which is not halved.
+    pub(crate) fn finish_with(&mut self, h: f64) -> Result<(), ConfigError> {
+        let exchanged = self.stepper.exchanged();
+        (self.stepper, self.way) = (self.stepper(h)?, Way::Last);
+        self.stepper.set_exchanged(exchanged);
+        Ok(())
+    }
+
+    /// The parts of a step that was halved so often, once more: `see` is shown the stepper, the nodes, and the increments of each.
+    #[cold]
+    pub(crate) fn revisit<N: Noise>(
+        &self,
+        before: &State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        halvings: u32,
+        see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+    ) -> Result<(), Error> {
+        let mut stepper = self.stepper(part_of(self.h, halvings))?;
+        let (mut state, mut part) =
+            (before.clone(), vec![0.0; self.system.increments(before.q.components().len())]);
+        let mut path = Single {
+            stepper: &mut stepper,
+            state: &mut state,
+            noise,
+            dw: &mut part,
+            start: interval.start,
+            h: part_of(interval.h, halvings),
+            account: &mut (),
+        };
+        let parts = parts_of(interval.step, halvings).unwrap_or(0..0);
+        take_steps(&mut path, parts, &mut EachPart { before: before.clone(), see })
+    }
+
+    /// The step in `2^from` parts, or as many more as it takes.
+    #[cold]
+    pub(crate) fn subdivide<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+        from: u32,
+    ) -> Result<StepInfo, Error> {
+        let mut level = from;
+        let mut coarse: Option<State<H::Vector>> = None;
+        loop {
+            let mut end = state.clone();
+            let before = self.stepper.exchanged();
+            let is_own = self.way == Way::Halved(level);
+            let outcome = if is_own {
+                self.parts(None, &mut end, interval, noise, dw, level)
+            } else {
+                let mut finer = self.stepper(part_of(self.h, level))?;
+                finer.set_exchanged(before);
+                let outcome = self.parts(Some(&mut finer), &mut end, interval, noise, dw, level);
+                self.stepper.set_exchanged(finer.exchanged());
+                outcome
+            };
+            let error = match outcome {
+                Ok(iterations) => match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end]) {
+                    Some(cause) if !is_own => {
+                        coarse = Some(end);
+                        StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
+                    }
+                    _ => {
+                        end.t = interval.end();
+                        *state = end;
+                        return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
+                    }
+                },
+                Err(Error::Step(error)) if is_curable(error.cause) => {
+                    coarse = None;
+                    StepError { step: interval.step, ..error }
+                }
+                Err(Error::Step(error)) => return Err(StepError { step: interval.step, ..error }.into()),
+                Err(error) => return Err(error),
+            };
+            self.stepper.set_exchanged(before);
+            if level >= self.retry.most {
+                return Err(error.into());
+            }
+            level += 1;
+        }
+    }
+
+    /// Why the second of two ends of a step that begins there is not to be taken: they disagree by more than what they may.
+    fn unsettled(&self, start: &State<H::Vector>, ends: [&State<H::Vector>; 2]) -> Option<StepFailure> {
+        if !matches!(H::PLAN.noise, NoiseClass::None) {
+            return None;
+        }
+        let (energy_error, of_step) = disagreement(self.system, start, ends);
+        let scale = self.watch.mean_motion().unwrap_or(of_step);
+        // Also where one of them is no number.
+        let is_settled = energy_error <= AGREEMENT * scale;
+        (!is_settled).then_some(StepFailure::Unresolved { energy_error, scale })
+    }
+
+    /// The last step.
+    #[cold]
+    fn last<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if let Some(noise) = noise {
+            noise.increments_of_part(interval, self.stepper.step_size(), dw)?;
+        }
+        Ok(self.stepper.step(state, dw).map_err(|error| StepError { step: interval.step, ..error })?)
+    }
+
+    /// The `2^level` parts of a step by `finer`, or by the stepper of the run; their Newton iterations. `dw` becomes the sums of their increments.
+    fn parts<N: Noise>(
+        &mut self,
+        finer: Option<&mut Stepper<'a, H, E, C>>,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+        level: u32,
+    ) -> Result<u32, Error> {
+        let (stepper, watch) = match finer {
+            Some(finer) => (finer, None),
+            None => (&mut self.stepper, Some(&mut self.watch)),
+        };
+        let stepper = &mut Watched { stepper, watch };
+        let steps = parts_of(interval.step, level).ok_or_else(|| {
+            let (step, parts) = (interval.step, 1_u64 << level);
+            ConfigError::Setting(format!(
+                "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
+            ))
+        })?;
+        dw.fill(0.0);
+        self.part.resize(dw.len(), 0.0);
+        let mut account = Parts { dw, iterations: 0 };
+        let mut path = Single {
+            stepper,
+            state,
+            noise,
+            dw: &mut self.part,
+            start: interval.start,
+            h: part_of(interval.h, level),
+            account: &mut account,
+        };
+        take_steps(&mut path, steps, &mut Unmonitored)?;
+        Ok(account.iterations)
+    }
+}
+
+/// Steps of which some are looked at.
+struct Watched<'w, 'a, H: Discretized<E>, E, C> {
+    stepper: &'w mut Stepper<'a, H, E, C>,
+    watch: Option<&'w mut Watch<H::Vector>>,
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        let Self { stepper, watch } = self;
+        let Some(watch) = watch.as_mut().filter(|watch| watch.looks_at(interval.step)) else {
+            return stepper.take_step(state, interval, noise, dw);
+        };
+        let (system, h) = (stepper.system(), stepper.step_size());
+        let room = watch.begin::<H, E>(system, h, state);
+        let info = stepper.take_step(state, interval, noise, dw)?;
+        watch.end::<H, E>(room, system, h, state, interval.step)?;
+        Ok(info)
+    }
+}
+
+/// Shows each part of a step.
+struct EachPart<V, F> {
+    before: State<V>,
+    see: F,
+}
+
+impl<'a, H, E, C, N, F> Monitor<Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>> for EachPart<H::Vector, F>
+where
+    H: Discretized<E>,
+    C: Carry<f64>,
+    N: Noise,
+    F: FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+{
+    type Error = Error;
+
+    fn next(&self, _path: &Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>, node: u64) -> u64 {
+        node + 1
+    }
+
+    fn look(
+        &mut self,
+        path: &mut Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>,
+        _node: u64,
+    ) -> Result<(), Error> {
+        (self.see)(path.stepper, [&self.before, path.state], path.dw);
+        self.before.clone_from(path.state);
+        Ok(())
+    }
+}
+
+/// The parts of a step.
+struct Parts<'d> {
+    /// Sums of their increments.
+    dw: &'d mut [f64],
+    iterations: u32,
+}
+
+impl Account for Parts<'_> {
+    fn count(&mut self, dw: &[f64], info: &StepInfo) {
+        self.dw.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
+        self.iterations = self.iterations.saturating_add(info.iterations);
+    }
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Subdivision<'_, H, E, C> {
+    /// A step of the size of the run, in halves where it fails.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn whole<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if let Some(noise) = noise {
+            noise.increments(interval, dw)?;
+        }
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
+                Err(StepError { step: interval.step, ..error }.into())
+            }
+            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+        }
+    }
+
+    /// The same, looked at.
+    #[cold]
+    fn watched<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        let room = self.watch.begin::<H, E>(self.system, self.h, state);
+        let info = self.whole(state, interval, noise, dw)?;
+        self.watch.end::<H, E>(room, self.system, self.h, state, interval.step)?;
+        Ok(info)
+    }
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        match self.way {
+            Way::Whole if self.watch.looks_at(interval.step) => self.watched(state, interval, noise, dw),
+            Way::Whole => self.whole(state, interval, noise, dw),
+            Way::Halved(halvings) => self.subdivide(state, interval, noise, dw, halvings),
+            Way::Last => self.last(state, interval, noise, dw),
+        }
+    }
+}
+
+/// The numbers of the `2^level` parts of a step among those of all steps; `None` if they cannot be counted.
+fn parts_of(step: u64, level: u32) -> Option<Range<u64>> {
+    let counted = |step: u64| step.checked_mul(1_u64.checked_shl(level)?);
+    Some(counted(step)?..counted(step.checked_add(1)?)?)
+}
+
+/// `h / 2^level`, exactly.
+fn part_of(h: f64, level: u32) -> f64 {
+    h / (1_u64 << level) as f64
+}
+
+/// Whether a shorter step may help it. One that does not resolve the fastest motion is no matter of one step.
+pub(crate) fn is_curable(cause: StepFailure) -> bool {
+    match cause {
+        StepFailure::NotConverged { .. }
+        | StepFailure::Singular { .. }
+        | StepFailure::NoSolution { .. }
+        | StepFailure::NonFinite => true,
+        StepFailure::Unresolved { .. }
+        | StepFailure::Increments { .. }
+        | StepFailure::Dimension { .. }
+        | StepFailure::Index(_)
+        | StepFailure::Bath(_)
+        | StepFailure::Lanes(_)
+        | StepFailure::NonFiniteInput => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parts_of;
+
+    #[test]
+    fn parts_are_numbered_among_those_of_all_steps() {
+        assert_eq!(parts_of(0, 0), Some(0..1));
+        assert_eq!(parts_of(5, 3), Some(40..48));
+        assert_eq!(parts_of((1 << 34) - 2, 30), Some(u64::MAX - (1 << 31) + 1..u64::MAX - (1 << 30) + 1));
+        // The end of the last would be 2^64.
+        assert_eq!(parts_of((1 << 34) - 1, 30), None);
+        assert_eq!(parts_of(1 << 40, 30), None);
+    }
+}

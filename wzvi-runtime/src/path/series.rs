@@ -1,0 +1,30 @@
+//! Averages along one long path, whose neighbouring values are no independent ones.
+//!
+//! With the autocorrelation `ρ(t)` of a stationary series, `τ = 1/2 + Σ_{t ≥ 1} ρ(t)` is its integrated autocorrelation time, in samples, and the mean of `N`
+//! values has the variance `2 τ σ² / N`: as of `N / 2τ` independent ones.
+//!
+//! Two estimates: by [batch means](BatchMeans) of every size, which take a few numbers of memory and end runs that are exact enough
+//! ([`TimeAveraging::until_error`]), and, with the feature `correlation`, by the autocorrelation function itself
+//! (`Autocorrelation`), which also says how long things take. Several paths from different starts show what one path cannot know:
+//! [`Chains`] compares their means.
+
+mod averages;
+mod batches;
+mod chains;
+#[cfg(feature = "correlation")]
+mod correlation;
+mod student;
+mod tally;
+mod temperature;
+#[cfg(feature = "correlation")]
+mod transform;
+
+pub use crate::error::SeriesError;
+pub use averages::{TimeAverage, TimeAverages, TimeAveraging};
+pub use batches::BatchMeans;
+pub use chains::Chains;
+#[cfg(feature = "correlation")]
+pub use correlation::{Autocorrelation, ByLag};
+pub(crate) use tally::{Observed, Tally};
+pub use temperature::{Equipartition, Share};
+pub(crate) use temperature::{configurational, configurational_of, kinetic, kinetic_of};

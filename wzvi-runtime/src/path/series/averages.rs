@@ -1,0 +1,163 @@
+//! One long path that is not kept: its averages, until they are exact enough.
+
+use std::fmt;
+
+use super::BatchMeans;
+use super::tally::{Tally, Targets};
+use crate::algebra::state::State;
+use crate::error::{FileError, UnknownName};
+use crate::ground::interrupt::Interrupt;
+use crate::increments::Noise;
+use crate::path::Error;
+use crate::path::retry::Serves;
+use crate::path::simulate::{Observer, Simulation};
+use crate::scheme::system::{Discretized, Exchange};
+
+/// Averages along one path: [`Simulation::time_averages`] begins it, [`TimeAveraging::run`] runs it.
+#[must_use = "nothing happens before `run`"]
+pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, R> {
+    simulation: Simulation<'a, H, E, N, O, R>,
+    discarded: f64,
+    targets: Targets,
+    stop: Option<Box<dyn Fn() -> bool + 'a>>,
+}
+
+/// The average of one observable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeAverage {
+    /// The name that it was observed under.
+    pub name: String,
+    /// The mean over time, in units of the observable.
+    pub mean: f64,
+    /// The variance of the values.
+    pub variance: f64,
+    /// The standard error of the mean, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too short to know it.
+    pub standard_error: f64,
+    /// `mean ± 1.96 error_bound` covers the mean in 95 %: [`BatchMeans::error_bound`].
+    pub error_bound: f64,
+    /// Degrees of freedom of the error ([`BatchMeans::degrees`]).
+    pub degrees: f64,
+    /// The integrated autocorrelation time, in time units; NaN as the error is.
+    pub time: f64,
+}
+
+/// What a run of averages leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeAverages<V> {
+    /// By observable, in the order in which they were asked for.
+    pub averages: Vec<TimeAverage>,
+    /// Where the path ended: a start for the next.
+    pub last: State<V>,
+    /// Steps that it took.
+    pub steps: u64,
+    /// Energy that it took from forces and bath, in units of energy.
+    pub exchanged: Exchange,
+    /// Whether all targets are met, if there are any.
+    pub met_targets: Option<bool>,
+    /// Whether the run was stopped before its end and its targets.
+    pub is_partial: bool,
+    /// Why the last [checkpoint](Simulation::checkpoint) could not be written; `None` if it was, and without one.
+    pub unsaved: Option<FileError>,
+}
+
+impl<V> TimeAverages<V> {
+    /// The average of the observable with this name.
+    ///
+    /// # Errors
+    /// [`UnknownName`] for a name that nothing was observed under.
+    pub fn of(&self, name: &str) -> Result<&TimeAverage, UnknownName> {
+        self.averages.iter().find(|average| average.name == name).ok_or_else(|| UnknownName {
+            kind: "observable",
+            name: name.to_owned(),
+            known: self.averages.iter().map(|average| average.name.clone()).collect(),
+        })
+    }
+}
+
+impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
+    /// Averages of the observables along the path, which is not kept: over all nodes, or every `record_every`-th.
+    ///
+    /// ```ignore
+    /// let run = system.simulate::<Baoab>(0.1).start(start).noise(Wiener::seed(7)).until(1e6);
+    /// let run = run.observe("q²", |state| state.q[0].powi(2)).time_averages();
+    /// let averages = run.discard(20.0).until_error("q²", 1e-3).run()?;
+    /// println!("{:?}", averages.of("q²")?);
+    /// ```
+    ///
+    /// With `checkpoint` (feature `serde`) a run that was stopped goes on from its file, as one that keeps its path does; targets may then differ.
+    pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R> {
+        TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
+    }
+}
+
+impl<H: Discretized<E>, E, N, O, R> fmt::Debug for TimeAveraging<'_, H, E, N, O, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut all = f.debug_struct("TimeAveraging");
+        all.field("discarded", &self.discarded).field("targets", &self.targets).finish_non_exhaustive()
+    }
+}
+
+impl<'a, H, E, N, O, R> TimeAveraging<'a, H, E, N, O, R>
+where
+    H: Discretized<E>,
+    N: Noise + Serves<R>,
+    O: Observer<H::Vector>,
+{
+    /// Leaves out the nodes of the first `time` (time units), until the path has forgotten its start.
+    pub fn discard(mut self, time: f64) -> Self {
+        self.discarded = time;
+        self
+    }
+
+    /// Ends the run when the error of the average of an observable is `target` (units of the observable) or less, correlations included; the end of the
+    /// run is then a limit. Compared is [`BatchMeans::error_bound`], which is known once the path has lasted for some 200 correlation times. Asked more than
+    /// once, all errors must be that small.
+    ///
+    /// **One path does not know what it has not seen.** A path that has stayed in one of two wells has a small error of the mean over that well, and
+    /// meets the target. Where a system may have more than one region, run several paths from starts in different ones, and compare their
+    /// means: [`Chains`](super::Chains).
+    pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
+        self.targets.push((observable.into(), target));
+        self
+    }
+
+    /// Ends the run early when `stop` says so: a deadline, for one. The averages are then those of what is done
+    /// ([`TimeAverages::is_partial`]). It is asked about ten times a second. With the feature `interrupt`, Ctrl-C stops a run, too.
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
+        self.stop = Some(Box::new(stop));
+        self
+    }
+
+    /// Runs the path.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::run`]; [`Error::Name`] for a target of an observable that there is not, [`Error::Config`] for targets that are not positive
+    /// and settings that averages have no use for: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or gone on from.
+    pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
+        let Self { mut simulation, discarded, targets, stop } = self;
+        let observed = simulation.take_observables()?;
+        let ((h, stride), interrupt) = (simulation.spacing(), Interrupt::watch());
+        let mut tally = Tally::new(observed, stride, discarded, &targets)?;
+        let stop = || interrupt.requested() || stop.as_ref().is_some_and(|stop| stop());
+        let end = simulation.visit(&mut tally, &stop)?;
+        let met_targets = (!targets.is_empty()).then(|| tally.meets_targets());
+        let average = |(name, batches): (&String, &BatchMeans)| TimeAverage {
+            name: name.clone(),
+            mean: batches.mean(),
+            variance: batches.variance(),
+            standard_error: batches.standard_error(),
+            error_bound: batches.error_bound(),
+            degrees: batches.degrees(),
+            time: batches.time() * (h * stride as f64).abs(),
+        };
+        Ok(TimeAverages {
+            averages: tally.batches().map(average).collect(),
+            last: end.last,
+            steps: end.steps,
+            exchanged: end.exchanged,
+            met_targets,
+            is_partial: end.is_stopped,
+            unsaved: end.unsaved,
+        })
+    }
+}

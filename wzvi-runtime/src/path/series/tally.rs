@@ -1,0 +1,112 @@
+//! Averages in the making: what a run that keeps no path is left with.
+
+use std::ops::ControlFlow;
+
+use super::BatchMeans;
+use crate::algebra::state::State;
+use crate::error::{ConfigError, UnknownName};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::path::Error;
+use crate::path::options::Observable;
+
+/// Observables, and the errors that are small enough for them.
+pub(super) type Targets = Vec<(String, f64)>;
+
+/// Names and functions of the observables of a run.
+pub(crate) type Observed<'a, V> = (Vec<String>, Vec<Observable<'a, V>>);
+
+/// When it is looked again whether errors are small enough: after so many values, and after a fiftieth more.
+const LOOKS: u64 = 64;
+
+/// The values of observables at every `stride`-th node.
+pub(crate) struct Tally<'a, V> {
+    names: Vec<String>,
+    functions: Vec<Observable<'a, V>>,
+    pub(crate) stride: u64,
+    /// Time that is left out.
+    discarded: f64,
+    /// The errors that are small enough, infinite where none was asked for.
+    wanted: Vec<f64>,
+    batches: Vec<BatchMeans>,
+    /// How many values there were at the last look at the errors.
+    looked: u64,
+}
+
+impl<'a, V> Tally<'a, V> {
+    /// Of these observables.
+    pub(super) fn new(
+        (names, functions): Observed<'a, V>,
+        stride: u64,
+        discarded: f64,
+        targets: &Targets,
+    ) -> Result<Self, Error> {
+        let mut wanted = vec![f64::INFINITY; names.len()];
+        for (name, target) in targets {
+            let place = names.iter().position(|known| known == name);
+            let unknown = || UnknownName { kind: "observable", name: name.clone(), known: names.clone() };
+            let place = place.ok_or_else(unknown)?;
+            if !(target.is_finite() && *target > 0.0) {
+                let wrong = format!("an error of {target} for `{name}`: take a finite number above 0");
+                return Err(ConfigError::Setting(wrong).into());
+            }
+            wanted[place] = wanted[place].min(*target);
+        }
+        let batches = vec![BatchMeans::new(); names.len()];
+        Ok(Self { names, functions, stride, discarded, wanted, batches, looked: 0 })
+    }
+
+    /// The values at a node, at this time after the start; whether that is enough.
+    pub(crate) fn see(&mut self, state: &State<V>, time: f64) -> ControlFlow<()> {
+        if time.abs() < self.discarded {
+            return ControlFlow::Continue(());
+        }
+        for (batches, function) in self.batches.iter_mut().zip(&self.functions) {
+            batches.add(function(state));
+        }
+        let count = self.count();
+        if count - self.looked >= LOOKS.max(self.looked / 50) {
+            self.looked = count;
+        }
+        if self.has_enough() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Whether the errors were looked at after the last value, and were small enough.
+    pub(crate) fn has_enough(&self) -> bool {
+        let has_targets = self.wanted.iter().any(|wanted| wanted.is_finite());
+        has_targets && self.looked == self.count() && self.meets_targets()
+    }
+
+    /// Whether all errors are small enough.
+    pub(super) fn meets_targets(&self) -> bool {
+        let mut all = self.batches.iter().zip(&self.wanted);
+        all.all(|(batches, wanted)| *wanted == f64::INFINITY || batches.error_bound() <= *wanted)
+    }
+
+    /// With their names.
+    pub(super) fn batches(&self) -> impl Iterator<Item = (&String, &BatchMeans)> {
+        self.names.iter().zip(&self.batches)
+    }
+
+    fn count(&self) -> u64 {
+        self.batches.first().map_or(0, BatchMeans::count)
+    }
+
+    /// What it takes of a path, for a checkpoint to compare, and its values at a state.
+    #[cfg(feature = "serde")]
+    pub(crate) fn settings(&self, start: &State<V>) -> (Vec<(String, String)>, Vec<f64>) {
+        let fields = [
+            ("the averages of", self.names.join(", ")),
+            ("the nodes from one value to the next", self.stride.to_string()),
+            ("the time that is discarded", format!("{:?}", self.discarded)),
+        ];
+        let values = self.functions.iter().map(|function| function(start)).collect();
+        (fields.map(|(name, value)| (name.to_owned(), value)).into(), values)
+    }
+}
+
+impl<V> Numbers for Tally<'_, V> {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.looked);
+        self.batches.pass(tape);
+    }
+}

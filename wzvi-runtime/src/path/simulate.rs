@@ -1,0 +1,490 @@
+//! One path: a builder, and the loop that it starts.
+
+mod tangent;
+mod visit;
+
+pub use tangent::Tangent;
+
+use std::marker::PhantomData;
+
+use crate::algebra::memory::Threads;
+use crate::algebra::state::{State, Vector};
+use crate::algebra::sum::Sums;
+use crate::error::ConfigError;
+use crate::ground::progress::StepsShown;
+use crate::increments::{Interval, NoNoise, Noise};
+use crate::path::Error;
+use crate::path::between::{Between, Part};
+use crate::path::checkpoint::{Keeper, Keeping};
+use crate::path::options::{Observables, options};
+use crate::path::recording::Request;
+use crate::path::retry::{Halved, Retry, Serves, Subdivision, Whole};
+use crate::path::section::Sections;
+use crate::path::series::Tally;
+use crate::path::span::{Grid, Span};
+use crate::path::step::StepInfo;
+use crate::path::steps::{Account, Monitor, Single, take_steps};
+use crate::path::trajectory::{Recorder, Trajectory};
+use crate::path::watch::Watch;
+use crate::scheme::dense::DenseOutput;
+use crate::scheme::system::{Discretized, Hamiltonian};
+
+/// What an observer is told of a node besides the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node<'a> {
+    /// Steps from the start, 0 for the start itself.
+    pub step: u64,
+    /// `W(t) - W(t_0)`, one per noise: the sum of all increments so far.
+    pub wiener: &'a [f64],
+    /// Increments of the step that ended here, one per noise; zeros at the start.
+    pub increments: &'a [f64],
+    /// Newton iterations of that step; 0 at the start.
+    pub iterations: u32,
+    /// How often that step was halved ([`Retry`]); 0 at the start.
+    pub halvings: u32,
+}
+
+/// Sees the nodes of a run. Implemented by closures `|state, node| ...`.
+pub trait Observer<V> {
+    /// Whether it looks at all; a run without observer does not prepare what it would be told.
+    const LOOKS: bool = true;
+
+    /// Called at the start and then at each recorded node.
+    fn observe(&mut self, state: &State<V>, node: &Node<'_>);
+}
+
+impl<V, F: FnMut(&State<V>, &Node<'_>)> Observer<V> for F {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn observe(&mut self, state: &State<V>, node: &Node<'_>) {
+        self(state, node);
+    }
+}
+
+/// Nobody looks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+
+impl<V> Observer<V> for Unobserved {
+    const LOOKS: bool = false;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn observe(&mut self, _state: &State<V>, _node: &Node<'_>) {}
+}
+
+/// As far as a run went: the trajectory up to the last good state and, if that is not the end, what stopped it.
+pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
+
+/// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it, [`Simulation::run`]
+/// runs it.
+///
+/// A start and an end are needed, and a noise if the system has any. A later setting replaces an earlier one.
+#[derive(Clone, Debug)]
+#[must_use = "nothing happens before `run`"]
+pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved, R = Whole> {
+    setup: Setup<'a, H>,
+    noise: Option<N>,
+    observer: O,
+    types: PhantomData<fn() -> (E, R)>,
+}
+
+/// What was said so far, but for noise and observer.
+#[derive(Clone, Debug)]
+struct Setup<'a, H: Hamiltonian> {
+    system: &'a H,
+    h: f64,
+    span: Span<H::Vector>,
+    recorded: Request,
+    observables: Observables<'a, H::Vector>,
+    sections: Sections<'a, H::Vector>,
+    retry: Retry,
+    is_watched: bool,
+    /// All cores if none are asked for.
+    threads: Option<usize>,
+    is_quiet: bool,
+    keeping: Keeping,
+}
+
+impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
+    /// A path of `system` in steps of size `h`.
+    pub fn new(system: &'a H, h: f64) -> Self {
+        let setup = Setup {
+            system,
+            h,
+            span: Span::default(),
+            recorded: Request::default(),
+            observables: Observables::default(),
+            sections: Sections::default(),
+            retry: Retry::never(),
+            is_watched: true,
+            threads: None,
+            is_quiet: false,
+            keeping: Default::default(),
+        };
+        Self { setup, noise: None, observer: Unobserved, types: PhantomData }
+    }
+}
+
+impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
+    options!(start, end, exact, record, observe, temperatures, section, watch);
+
+    /// Observes a function of the system, too.
+    fn observe_own(
+        self,
+        name: impl Into<String>,
+        observable: impl Fn(&H, &State<H::Vector>) -> f64 + Send + Sync + 'a,
+    ) -> Self
+    where
+        H: Sync,
+    {
+        let system = self.setup.system;
+        self.observe(name, move |state| observable(system, state))
+    }
+
+    /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
+    /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
+    /// for nothing.
+    pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R> {
+        Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
+    }
+
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for.
+    ///
+    /// A noise then has to know its path between the nodes ([`Divisible`](crate::increments::Divisible)), as all but `Increments` do. A run
+    /// that starts again in shorter steps shows its observer the nodes again, from step 0; one with checkpoints does not
+    /// start again.
+    pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved> {
+        self.setup.retry = retry;
+        Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
+    }
+
+    /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
+    /// where that pays. One switches it off. The result is the same, bit for bit.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.setup.threads = Some(threads);
+        self
+    }
+
+    /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+    pub fn quiet(mut self) -> Self {
+        self.setup.is_quiet = true;
+        self
+    }
+
+    /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)` or [`Simulation::record_at`] alone), start and
+    /// end included, as the run gets there: for whoever wants to see increments and iterations, or to act on the way. It is not shown what is
+    /// recorded between nodes.
+    pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R>
+    where
+        F: FnMut(&State<H::Vector>, &Node<'_>),
+    {
+        Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
+    }
+
+    /// Goes on from a checkpoint, and writes it.
+    #[cfg(feature = "serde")]
+    pub(crate) fn keeping(mut self, keeping: Keeping) -> Self {
+        self.setup.keeping = keeping;
+        self
+    }
+}
+
+impl<H, E, N, O, R> Simulation<'_, H, E, N, O, R>
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    /// Runs the path.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Noise`] if the source has no increments,
+    /// [`Error::Step`] if a step fails. To keep what was computed before, use [`Simulation::run_partial`].
+    pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error>
+    where
+        N: Serves<R>,
+    {
+        match self.run_partial()? {
+            (trajectory, None) => Ok(trajectory),
+            (_, Some(error)) => Err(error),
+        }
+    }
+
+    /// Runs the path as far as it goes: the trajectory up to the last good state, and what ended it early, if
+    /// anything did ([`Error::Step`] or [`Error::Noise`]).
+    ///
+    /// # Errors
+    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
+    /// then there is no trajectory.
+    pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
+    where
+        N: Serves<R>,
+    {
+        let Self { setup, noise, observer, .. } = self;
+        let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
+        let Setup { is_watched, threads, is_quiet, keeping, .. } = setup;
+        let (names, functions) = observables.checked("observables")?;
+        let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
+        let (start, grid) = span.checked::<H, E>(system, h)?;
+        let recording = recorded.checked(1, &grid)?;
+        let processes = system.increments(start.q.components().len());
+        let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
+        let looks_inside = !sections.is_empty() || !recording.between.is_empty();
+        let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
+        let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
+        let mut account = Records::new(records()?, processes, O::LOOKS || keeping.is_set() || looks_inside);
+        let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
+        let mut looks = between();
+        let mut keeper = keeping.open(
+            &mut stepper.stepper,
+            &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch),
+            noise.as_ref(),
+            (&grid, retry, &sections),
+        )?;
+        let mut first = keeper.first();
+        if let Some(looks) = &mut looks {
+            looks.arrive(first, &state);
+        }
+        let shown = StepsShown::new(is_quiet, false, first, grid.steps);
+        let due = keeper.next().min(shown.next());
+        let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
+        let mut monitor = Nodes { observer, keeper: &mut keeper, shown, due, grid, looks, dense };
+        let error = loop {
+            if first == 0 {
+                monitor.show(&state, 0, &account, &dw);
+            }
+            let mut path = Single {
+                stepper: &mut stepper,
+                state: &mut state,
+                noise: &mut noise,
+                dw: &mut dw,
+                start: grid.start,
+                h,
+                account: &mut account,
+            };
+            match take_all(&mut path, first, &mut monitor) {
+                Ok(()) => break None,
+                // A run that is kept does not start again: its file says that it went this far.
+                Err(error) if monitor.keeper.keeps() || !stepper.refine(&error)? => break Some(error),
+                Err(_) => {
+                    (first, state) = (0, start.clone());
+                    account = Records::new(records()?, processes, account.has_sums);
+                    monitor.looks = between();
+                    dw.fill(0.0);
+                }
+            }
+        };
+        let exchanged = stepper.stepper.exchanged();
+        let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let trajectory =
+            trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());
+        let trajectory = trajectory.named(system.variables()).saved_but_for(keeper.unsaved());
+        Ok((trajectory, error))
+    }
+}
+
+/// Takes all steps from this one on, the last one of another size if it is shorter.
+fn take_all<'s, H, E, N, O>(
+    path: &mut OnePath<'_, 's, H, E, N>,
+    first: u64,
+    monitor: &mut Nodes<'_, '_, '_, O, H::Vector>,
+) -> Result<(), Error>
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    let grid = monitor.grid;
+    take_steps(path, first..grid.whole(), monitor)?;
+    match grid.shorter {
+        Some(h) if first < grid.steps => {
+            path.stepper.finish_with(h)?;
+            take_steps(path, grid.whole()..grid.steps, monitor)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The noise of a run, ready for it; none for a deterministic system, which asks for nothing.
+fn prepared<H: Discretized<E>, E, N: Noise>(
+    noise: Option<N>,
+    grid: &Grid,
+    processes: usize,
+) -> Result<Option<N>, Error> {
+    if processes == 0 {
+        return Ok(None);
+    }
+    let Grid { start, h, .. } = *grid;
+    let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
+    noise.prepare(&H::PLAN, h, processes, start)?;
+    if let Some(shorter) = grid.shorter {
+        // What has no increments for the last step says so before the run.
+        noise.increments_of_part(
+            &Interval { start, h, step: grid.whole() },
+            shorter,
+            &mut vec![0.0; processes],
+        )?;
+    }
+    Ok(Some(noise))
+}
+
+/// What a run writes down of its steps.
+struct Records<V> {
+    recorder: Recorder<V>,
+    /// Sums of all increments, for an observer and a checkpoint.
+    wiener: Sums,
+    /// Whether anybody asks for them.
+    has_sums: bool,
+    /// Newton iterations and halvings of the last step.
+    last: [u32; 2],
+}
+
+impl<V: Vector> Records<V> {
+    fn new(recorder: Recorder<V>, processes: usize, has_sums: bool) -> Self {
+        Self { recorder, wiener: Sums::new(processes), has_sums, last: [0; 2] }
+    }
+}
+
+impl<V: Vector> Account for Records<V> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count(&mut self, dw: &[f64], info: &StepInfo) {
+        self.recorder.step(dw, info);
+        if self.has_sums {
+            self.wiener.add(dw);
+            self.last = [info.iterations, info.halvings];
+        }
+    }
+}
+
+/// What a run is, beside its stepper: all that a checkpoint keeps and brings back.
+#[cfg_attr(not(feature = "serde"), expect(dead_code, reason = "nothing is kept"))]
+pub(crate) struct Run<'r, 's, 'a, V> {
+    pub(crate) state: &'r mut State<V>,
+    pub(crate) recorder: &'r mut Recorder<V>,
+    pub(crate) wiener: &'r mut Sums,
+    pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
+    pub(crate) watch: &'r mut Watch<V>,
+    /// The averages of a run that keeps no path.
+    pub(crate) tally: Option<&'r mut Tally<'a, V>>,
+}
+
+impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
+    fn averaging(
+        state: &'r mut State<V>,
+        account: &'r mut Records<V>,
+        tally: &'r mut Tally<'a, V>,
+        watch: &'r mut Watch<V>,
+    ) -> Self {
+        let Records { recorder, wiener, .. } = account;
+        Self { state, recorder, wiener, looks: None, watch, tally: Some(tally) }
+    }
+
+    fn new(
+        state: &'r mut State<V>,
+        account: &'r mut Records<V>,
+        looks: &'r mut Option<Box<Between<'s, 'a, V>>>,
+        watch: &'r mut Watch<V>,
+    ) -> Self {
+        let Records { recorder, wiener, .. } = account;
+        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch, tally: None }
+    }
+}
+
+/// Shows nodes to the observer, records them and what is between them, and saves the run.
+struct Nodes<'k, 's, 'a, O, V> {
+    observer: O,
+    keeper: &'k mut Keeper,
+    shown: StepsShown,
+    /// The next node at which it may be time to save, or to show how far the run is.
+    due: u64,
+    grid: Grid,
+    /// Looks between the nodes, if something is to be found there.
+    looks: Option<Box<Between<'s, 'a, V>>>,
+    dense: Option<Box<DenseOutput<V>>>,
+}
+
+impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn show(&mut self, state: &State<V>, step: u64, account: &Records<V>, dw: &[f64]) {
+        let [iterations, halvings] = account.last;
+        let node = Node { step, wiener: account.wiener.totals(), increments: dw, iterations, halvings };
+        self.observer.observe(state, &node);
+    }
+
+    /// Looks into the step that ended at a node.
+    #[inline(never)]
+    fn look_inside<H, E, N>(&mut self, path: &mut OnePath<'_, '_, H, E, N>, node: u64) -> Result<(), Error>
+    where
+        H: Discretized<E, Vector = V>,
+        N: Noise,
+    {
+        let (Some(looks), Some(dense)) = (&mut self.looks, &mut self.dense) else { return Ok(()) };
+        let Single { stepper, state, noise, dw, account, start, h } = path;
+        let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
+        if looks.wants(node, recorder.next_inside()) {
+            if halvings == 0 {
+                stepper.stepper.fill([&looks.before, state], dw, dense);
+                looks.look(dense, &Part { step, dw, later: &[], is_last: true }, recorder);
+            } else {
+                let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
+                let interval = Interval { start: *start, h: *h, step };
+                stepper.revisit(&before, &interval, noise, halvings, |stepper, nodes, dw| {
+                    later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+                    parts -= 1;
+                    stepper.fill(nodes, dw, dense);
+                    looks.look(dense, &Part { step, dw, later: &later, is_last: parts == 0 }, recorder);
+                })?;
+            }
+        }
+        looks.arrive(node, state);
+        Ok(())
+    }
+}
+
+impl<'s, H, E, N, O> Monitor<OnePath<'_, 's, H, E, N>> for Nodes<'_, '_, '_, O, H::Vector>
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    type Error = Error;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&self, path: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
+        let recorder = &path.account.recorder;
+        let shown = if O::LOOKS && recorder.shows_all() { node + 1 } else { recorder.next() };
+        let inside = self.looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
+        shown.min(self.due).min(inside)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look(&mut self, path: &mut OnePath<'_, 's, H, E, N>, node: u64) -> Result<(), Error> {
+        if node == self.grid.steps {
+            path.state.t = self.grid.end.unwrap_or(path.state.t);
+        }
+        if self.looks.is_some() {
+            self.look_inside(path, node)?;
+        }
+        let Single { stepper, state, account, dw, .. } = path;
+        let is_recorded = account.recorder.reach(state);
+        if O::LOOKS && (is_recorded || account.recorder.shows_all() || node == self.grid.steps) {
+            self.show(state, node, account, dw);
+        }
+        if node >= self.due {
+            if self.keeper.is_due(node) {
+                let Subdivision { stepper, watch, .. } = &mut **stepper;
+                let mut run = Run::new(state, account, &mut self.looks, watch);
+                self.keeper.save(stepper, &mut run, node)?;
+            }
+            self.shown.look(node);
+            self.due = self.keeper.next().min(self.shown.next());
+        }
+        Ok(())
+    }
+}
+
+/// The path of a run.
+type OnePath<'r, 's, H, E, N> =
+    Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N, Records<<H as Hamiltonian>::Vector>>;
+
+const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
+                     `Increments::from(...)`";

@@ -1,0 +1,274 @@
+//! From where to where a run goes, and where its nodes are: the same for every builder.
+
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, StepFailure};
+use crate::ground::digits::Brief;
+use crate::scheme::system::{Discretized, Hamiltonian};
+
+/// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
+pub(crate) const MOST_STEPS: u64 = 1 << 53;
+
+/// The end of a run, as the user says it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum End {
+    Time(f64),
+    Steps(u64),
+    /// One after the other was said.
+    Both(f64, u64),
+}
+
+/// Where a run starts and where it ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Span<V> {
+    pub(crate) start: Option<State<V>>,
+    pub(crate) end: Option<End>,
+    /// Whether the last node is at the end, wherever that is.
+    pub(crate) is_exact: bool,
+}
+
+impl<V> Default for Span<V> {
+    fn default() -> Self {
+        Self { start: None, end: None, is_exact: false }
+    }
+}
+
+/// The nodes of a run: `start + n h`, and the end where that is another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Grid {
+    pub(crate) start: f64,
+    pub(crate) h: f64,
+    /// All steps, a shorter last one included.
+    pub(crate) steps: u64,
+    /// The time of the last node, if it was asked for to the last bit.
+    pub(crate) end: Option<f64>,
+    /// The size of a last step that is shorter than the others.
+    pub(crate) shorter: Option<f64>,
+}
+
+/// Where a time is in a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Place {
+    /// At the node after so many steps, up to rounding.
+    Node(u64),
+    /// Inside the step with this number.
+    Inside(u64),
+}
+
+impl Grid {
+    /// Steps of size `h` without more.
+    pub(crate) fn of(start: f64, h: f64, steps: u64) -> Self {
+        Self { start, h, steps, end: None, shorter: None }
+    }
+
+    /// Steps of size `h` up to a time.
+    fn until(start: f64, end: f64, h: f64) -> Option<Self> {
+        let (steps, is_node) = located(start, end, h)?;
+        let rest = end - (start + (steps.saturating_sub(1)) as f64 * h);
+        Some(Self { start, h, steps, end: Some(end), shorter: (!is_node).then_some(rest) })
+    }
+
+    /// The time of a node.
+    #[inline]
+    pub(crate) fn time(&self, node: u64) -> f64 {
+        match self.end {
+            Some(end) if node == self.steps => end,
+            _ => self.start + node as f64 * self.h,
+        }
+    }
+
+    /// The steps of size `h`.
+    pub(crate) fn whole(&self) -> u64 {
+        self.steps - u64::from(self.shorter.is_some())
+    }
+
+    /// Where a time is; `None` outside of the run, and for NaN.
+    pub(crate) fn place(&self, t: f64) -> Option<Place> {
+        let (node, is_node) = located(self.start, t, self.h)?;
+        if is_node && node <= self.whole() {
+            return Some(Place::Node(node));
+        }
+        if node <= self.whole() {
+            return Some(Place::Inside(node - 1));
+        }
+        let last = self.time(self.steps);
+        // What is left of it in units of the last step: as in `located`, one rounding for each time.
+        let rest = (last - t) / self.h;
+        let allowance = 2.0 * f64::EPSILON * (last.abs() + t.abs()) / self.h.abs();
+        match self.shorter {
+            Some(_) if rest.abs() <= allowance => Some(Place::Node(self.steps)),
+            Some(_) if rest > 0.0 => Some(Place::Inside(self.steps - 1)),
+            _ => None,
+        }
+    }
+}
+
+impl<V> Span<V> {
+    /// Another end of the same kind replaces the one before.
+    pub(crate) fn end_at(&mut self, end: End) {
+        self.end = Some(match (self.end, end) {
+            (Some(End::Time(t) | End::Both(t, _)), End::Steps(steps)) => End::Both(t, steps),
+            (Some(End::Steps(steps) | End::Both(_, steps)), End::Time(t)) => End::Both(t, steps),
+            _ => end,
+        });
+    }
+}
+
+impl<V: Vector> Span<V> {
+    /// The first state, and the nodes from there to the end in steps of size `h`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where one of them is missing, does not fit the system, or cannot be reached.
+    pub(crate) fn checked<H: Discretized<E, Vector = V>, E>(
+        self,
+        system: &H,
+        h: f64,
+    ) -> Result<(State<V>, Grid), ConfigError> {
+        let start = checked(system, self.start)?;
+        let grid = grid(self.end, self.is_exact, start.t, h)?;
+        Ok((start, grid))
+    }
+}
+
+const START: &str = "a start: add `.start(State::new(q, p))`";
+const END: &str = "an end: add `.until(time)` or `.steps(number)`";
+const TIME: &str = "a time to end at exactly: `.until(time).exactly()`; a number of steps ends at a node";
+
+/// Refuses states of another number of degrees of freedom than the system has.
+pub(crate) fn sized<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> Result<(), ConfigError> {
+    let [q, p] = [&state.q, &state.p].map(|vector| vector.components().len());
+    // Where only the state knows the size, the momenta have to match the coordinates.
+    let expected = if system.fits(q) { q } else { system.degrees() };
+    match [q, p].into_iter().find(|got| *got != expected) {
+        Some(got) => Err(ConfigError::Start(StepFailure::Dimension { expected, got })),
+        None => Ok(()),
+    }
+}
+
+fn checked<H: Discretized<E>, E>(
+    system: &H,
+    start: Option<State<H::Vector>>,
+) -> Result<State<H::Vector>, ConfigError> {
+    let state = start.ok_or(ConfigError::Missing(START))?;
+    let (q, p) = (state.q.components(), state.p.components());
+    sized(system, &state)?;
+    system.check(q.len()).map_err(ConfigError::Start)?;
+    if q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
+        Ok(state)
+    } else {
+        Err(ConfigError::Start(StepFailure::NonFiniteInput))
+    }
+}
+
+fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
+    match end.ok_or(ConfigError::Missing(END))? {
+        End::Both(t, steps) => Err(ConfigError::Setting(format!(
+            "`until({})` and `steps({steps})`: a run has one end; leave one of them out",
+            Brief(t)
+        ))),
+        End::Time(end) if is_exact => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
+        End::Time(end) => {
+            let steps = steps_between(start, end, h).ok_or(ConfigError::End { start, end, h })?;
+            Ok(Grid::of(start, h, steps))
+        }
+        End::Steps(_) if is_exact => Err(ConfigError::Missing(TIME)),
+        End::Steps(steps) if steps <= MOST_STEPS => Ok(Grid::of(start, h, steps)),
+        End::Steps(steps) => Err(ConfigError::End { start, end: start + steps as f64 * h, h }),
+    }
+}
+
+/// `⌈(end - start)/h⌉`, or the integer that the quotient would be but for rounding; `None` if it is negative, NaN or
+/// more than can be counted.
+pub(crate) fn steps_between(start: f64, end: f64, h: f64) -> Option<u64> {
+    located(start, end, h).map(|(steps, _)| steps)
+}
+
+/// The same, and whether it is that integer.
+fn located(start: f64, end: f64, h: f64) -> Option<(u64, bool)> {
+    let quotient = (end - start) / h;
+    // One rounding each in start, end, their difference, h and the quotient, and one to spare.
+    let allowance = 2.0 * f64::EPSILON * (quotient + (start.abs() + end.abs()) / h.abs());
+    let nearest = quotient.round();
+    let is_node = (quotient - nearest).abs() <= allowance;
+    let steps = if is_node { nearest } else { quotient.ceil() };
+    // Also false for NaN.
+    (quotient >= 0.0 && steps <= MOST_STEPS as f64).then_some((steps as u64, is_node))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_counted_despite_rounding() {
+        assert_eq!(steps_between(0.0, 20.0, 0.02), Some(1000));
+        assert_eq!(steps_between(0.0, 0.3, 0.1), Some(3)); // 2.9999999999999996
+        assert_eq!(steps_between(0.1, 0.7, 0.1), Some(6)); // 5.999999999999999
+        assert_eq!(steps_between(0.1 + 0.2, 0.9, 0.3), Some(2));
+        assert_eq!(steps_between(0.0, 1.0, 0.3), Some(4));
+        assert_eq!(steps_between(0.0, 1.0 + 1e-12, 0.25), Some(5));
+        assert_eq!(steps_between(0.0, 1e-17, 1.0), Some(1));
+        assert_eq!(steps_between(2.0, 2.0, 0.1), Some(0));
+        assert_eq!(steps_between(1.0, -1.0, -0.5), Some(4));
+        for n in 1..2000_u32 {
+            for h in [0.1, 0.02, 1e-3, 1.0 / 3.0, 0.7] {
+                for t0 in [0.0, 0.1, -17.3, 1e3] {
+                    assert_eq!(
+                        steps_between(t0, t0 + f64::from(n) * h, h),
+                        Some(u64::from(n)),
+                        "{t0} {n} {h}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn times_have_their_places() {
+        use Place::{Inside, Node};
+        let grid = Grid::of(0.5, 0.1, 7);
+        let places = [
+            (0.5, Node(0)),
+            (0.55, Inside(0)),
+            (0.7999999999999999, Node(3)),
+            (0.8 + 1e-12, Inside(3)),
+            (1.2, Node(7)),
+        ];
+        for (t, place) in places {
+            assert_eq!(grid.place(t), Some(place), "{t}");
+        }
+        for t in [0.49, 1.21, f64::NAN, f64::INFINITY] {
+            assert_eq!(grid.place(t), None, "{t}");
+        }
+        let backwards = Grid::of(1.0, -0.25, 4);
+        assert_eq!([0.9, 0.5, 1.1].map(|t| backwards.place(t)), [Some(Inside(0)), Some(Node(2)), None]);
+    }
+
+    #[test]
+    fn an_exact_end_is_a_node() {
+        use Place::{Inside, Node};
+        let grid = Grid::until(0.0, 1.05, 0.1).unwrap();
+        assert_eq!((grid.steps, grid.whole(), grid.time(10), grid.time(11)), (11, 10, 1.0, 1.05));
+        assert!((grid.shorter.unwrap() - 0.05).abs() < 1e-15);
+        let placed = [1.0, 1.02, 1.05, 1.06, 1.1, 1.2].map(|t| grid.place(t));
+        assert_eq!(placed, [Some(Node(10)), Some(Inside(10)), Some(Node(11)), None, None, None]);
+        // At a node up to rounding, and then at the time that was asked for.
+        let grid = Grid::until(0.0, 0.3, 0.1).unwrap();
+        assert_eq!((grid.steps, grid.shorter, grid.time(3)), (3, None, 0.3));
+        assert_eq!(Grid::until(0.0, 0.0, 0.1).unwrap().steps, 0);
+        let grid = Grid::until(0.0, 1e-3, 1.0).unwrap();
+        assert_eq!((grid.steps, grid.shorter, grid.place(5e-4)), (1, Some(1e-3), Some(Inside(0))));
+        let backwards = Grid::until(1.0, 0.3, -0.25).unwrap();
+        assert_eq!((backwards.steps, backwards.place(0.4)), (3, Some(Inside(2))));
+    }
+
+    #[test]
+    fn ends_that_cannot_be_reached_are_refused() {
+        let (nan, inf) = (f64::NAN, f64::INFINITY);
+        for (start, end, h) in
+            [(0.0, -1.0, 0.1), (0.0, 1.0, -0.1), (0.0, nan, 0.1), (0.0, inf, 0.1), (0.0, 1e300, 1e-300)]
+        {
+            assert_eq!(steps_between(start, end, h), None, "{start} {end} {h}");
+        }
+        assert_eq!(steps_between(0.0, 9_007_199_254_740_994.0, 1.0), None);
+    }
+}

@@ -1,0 +1,478 @@
+//! One step at a time.
+
+mod account;
+#[cfg(feature = "serde")]
+mod kept;
+mod rare;
+
+use std::marker::PhantomData;
+
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::few::List;
+use crate::algebra::memory::{Iteration, Method, StepMemory, Threads};
+use crate::algebra::solve::Effort;
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, StepError, StepFailure};
+use crate::scheme::continuation::Hard;
+use crate::scheme::dense::{DenseOutput, copy, copy_state};
+use crate::scheme::plan::{NoiseClass, Solver};
+use crate::scheme::system::{
+    CarryOf, Discretized, Exchange, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf,
+};
+use account::Ledger;
+use rare::{Arrived, Cause, Rare, Refused};
+
+/// What one step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StepInfo {
+    /// Newton iterations of the solution, over all blocks; 0 for explicit and linear steps.
+    pub iterations: u32,
+    /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
+    /// [`Retry`](crate::path::retry::Retry) allows more.
+    pub halvings: u32,
+    /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Many in a row say that the step is
+    /// long for the fastest motion.
+    pub is_hard: bool,
+    /// Whether the solution could not be followed from the state along the step, so that it is the connected one by the
+    /// orientation of its Jacobian only. Where that happens the step is far too long for a stiff force.
+    pub is_doubtful: bool,
+}
+
+/// A prepared integrator: everything that depends on the system and the step size only is computed once.
+///
+/// Its steps allocate nothing. Time is `t_0 + n h` for `n` consecutive steps of one state, never accumulated.
+///
+/// Nobody looks at the energy of its steps, as that of runs is ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`] with that at the start.
+#[derive(Debug)]
+pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
+    system: &'a H,
+    h: f64,
+    prepared: PreparedOf<H, E>,
+    memory: MemoryOf<H, E, f64>,
+    /// What rounding took from the state, if it is kept.
+    carry: C,
+    /// Steps before the clock was last restarted.
+    before: u64,
+    clock: Clock,
+    /// `q` and `p` after the last step.
+    reached: [H::Vector; 2],
+    /// What all steps exchanged.
+    exchanged: Exchange,
+    /// Whether nobody asks for that.
+    is_unaccounted: bool,
+    /// Where a system's steps exchange more than their scheme accounts for; made by the first of them.
+    ledger: Option<Box<Ledger<H::Vector>>>,
+    scheme: PhantomData<E>,
+}
+
+/// Time as `t_0 + n h`, restarted whenever the caller's state is at another time.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    start: f64,
+    ticks: u64,
+    now: f64,
+}
+
+/// More steps than anyone takes.
+const MOST_TICKS: f64 = (1_u64 << 63) as f64;
+
+impl Clock {
+    fn started(at: f64) -> Self {
+        Self { start: at, ticks: 0, now: at }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(self, h: f64) -> Self {
+        let ticks = self.ticks + 1;
+        // The conversion of a signed integer is one instruction.
+        Self { ticks, now: self.start + ticks.cast_signed() as f64 * h, ..self }
+    }
+}
+
+impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
+    /// Prepares steps of size `h` (time units of the Hamiltonian; negative runs backwards).
+    ///
+    /// # Errors
+    /// [`ConfigError::StepSize`] unless `h` is finite and not zero; [`ConfigError::Parameter`] and
+    /// [`ConfigError::Singular`] if what is computed once for all steps is not finite or not invertible; [`ConfigError::Bath`] if friction,
+    /// temperature or masses make no sense.
+    pub fn new(system: &'a H, h: f64) -> Result<Self, ConfigError> {
+        if !h.is_finite() || h == 0.0 {
+            return Err(ConfigError::StepSize(h));
+        }
+        let (d, prepared) = (system.degrees(), prepared(system, h)?);
+        let mut memory: MemoryOf<H, E, f64> = SchemeOf::<H, E>::memory(system);
+        memory.share(Threads::Cores);
+        Ok(Self {
+            system,
+            h,
+            prepared,
+            memory,
+            carry: Default::default(),
+            before: 0,
+            clock: Clock::started(f64::NAN),
+            reached: [H::Vector::zeros(d), H::Vector::zeros(d)],
+            exchanged: Exchange::default(),
+            is_unaccounted: false,
+            ledger: None,
+            scheme: PhantomData,
+        })
+    }
+
+    /// The same steps, but what rounding takes from the state is carried to the next one ([`crate::algebra::carry`]): the drift
+    /// of first integrals by rounding shrinks by about the ratio of a step's increment to the state. Costs six
+    /// additions per component; on from the start where that is less than about 5 % of the step.
+    pub fn compensated(self) -> Stepper<'a, H, E, <SchemeOf<H, E> as Scheme<H>>::Compensated<f64>> {
+        self.carrying()
+    }
+
+    /// The same steps with plain sums.
+    pub fn plain(self) -> Stepper<'a, H, E, Plain> {
+        self.carrying()
+    }
+
+    pub(crate) fn carrying<C: Carry<f64>>(self) -> Stepper<'a, H, E, C> {
+        Stepper {
+            carry: C::default(),
+            clock: Clock::started(f64::NAN),
+            before: self.before + self.clock.ticks,
+            system: self.system,
+            h: self.h,
+            prepared: self.prepared,
+            memory: self.memory,
+            reached: self.reached,
+            exchanged: self.exchanged,
+            is_unaccounted: self.is_unaccounted,
+            ledger: self.ledger,
+            scheme: PhantomData,
+        }
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
+    /// For one of many paths, which have the threads already, with plain sums; whether it accounts for what forces and bath do.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::new`].
+    pub(crate) fn beside_others(system: &'a H, h: f64, accounts: bool) -> Result<Self, ConfigError> {
+        let stepper = Stepper::<H, E>::new(system, h)?.plain().sharing(Threads::Caller);
+        Ok(Self { is_unaccounted: !accounts, ..stepper })
+    }
+}
+
+impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
+    /// Whether what rounding takes is carried.
+    pub fn is_compensated(&self) -> bool {
+        C::CARRIES
+    }
+
+    /// The step size.
+    pub fn step_size(&self) -> f64 {
+        self.h
+    }
+
+    /// Pins how implicit steps are iterated, where there is a choice: in systems of elements. Costs or saves time, and no
+    /// digit that counts. A step whose fixed point does not contract is then an error
+    /// ([`StepFailure::NotConverged`]): nothing else is tried.
+    #[must_use]
+    pub fn iteration(mut self, iteration: Iteration) -> Self {
+        self.memory.pin(iteration);
+        self
+    }
+
+    /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
+    /// where that pays ([systems of any size](crate::scheme::elements)). One switches it off. The result is the same, bit for bit. Every step then begins
+    /// threads of its own, an implicit one in each iteration, which allocates.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for zero.
+    pub fn threads(self, threads: usize) -> Result<Self, ConfigError> {
+        Threads::asked(Some(threads)).map(|threads| self.sharing(threads))
+    }
+
+    /// [`Stepper::threads`]
+    pub(crate) fn sharing(mut self, threads: Threads) -> Self {
+        self.memory.share(threads);
+        self
+    }
+
+    /// How the linear equations of a step are solved where that depends on its size: in systems of elements.
+    pub fn method(&self) -> Option<Method> {
+        self.memory.method()
+    }
+
+    /// The system that it steps.
+    pub fn system(&self) -> &'a H {
+        self.system
+    }
+
+    /// Number of successful steps so far.
+    pub fn steps(&self) -> u64 {
+        self.before + self.clock.ticks
+    }
+
+    /// The energy that its successful steps so far took from forces and bath, in units of energy: [work](crate::path::trajectory::Trajectory::work) and
+    /// [heat](crate::path::trajectory::Trajectory::heat). The energy changes by both and by the error of the scheme.
+    pub fn exchanged(&self) -> Exchange {
+        self.exchanged
+    }
+
+    /// Accounts for what other steps exchanged, too.
+    pub(crate) fn set_exchanged(&mut self, exchanged: Exchange) {
+        self.exchanged = exchanged;
+    }
+
+    /// One step of `state` with the given increments: one per noise (`&[]` without noise), and after them `√h` times the standard normals of a
+    /// [bath](crate::scheme::bath), which [`Discretized::increments`] counts.
+    ///
+    /// # Errors
+    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
+    /// stepper.
+    #[inline]
+    pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
+        // A constant noise, or one whose force is zero, would not show them.
+        if !matches!(H::PLAN.noise, NoiseClass::None) && zero_if_finite(dw) != 0.0 {
+            return Err(self.no_number(state, dw));
+        }
+        if Self::MAY_EXCHANGE {
+            self.begin(state);
+        }
+        if state.t != self.clock.now || self.jumped(state) {
+            return self.step_anew(state, dw);
+        }
+        let (time, ends) = ([state.t, self.h], [&mut state.q, &mut state.p]);
+        let Self { system, prepared, memory, carry, .. } = self;
+        match SchemeOf::<H, E>::advance_vectors::<C, false>(system, prepared, time, ends, dw, memory, carry) {
+            Ok(effort) => {
+                self.arrive(state, self.clock.next(self.h), dw);
+                Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
+            }
+            Err(cause) if !Self::IS_ITERATED => Err(self.error(state, dw, cause)),
+            Err(cause) => self.step_rarely(state, dw, self.clock, Cause::Failed(cause)),
+        }
+    }
+
+    /// Of increments that are no numbers: they may not be those of the system at all.
+    #[cold]
+    fn no_number(&self, state: &State<H::Vector>, dw: &[f64]) -> StepError {
+        let (degrees, got) = (state.q.components().len(), dw.len());
+        let expected = self.system.increments(degrees);
+        let cause = match self.system.check(degrees) {
+            Err(cause) => cause,
+            Ok(()) if got != expected => StepFailure::Increments { expected, got },
+            Ok(()) => StepFailure::NonFiniteInput,
+        };
+        self.error(state, dw, cause)
+    }
+
+    /// Whether care may find what the short way does not.
+    const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton);
+
+    /// [`Stepper::step`], and what lies between its nodes into `dense`: see [`crate::scheme::dense`]. Allocates nothing after the first step.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::step`]; `dense` is then what it was, too.
+    pub fn step_densely(
+        &mut self,
+        state: &mut State<H::Vector>,
+        dw: &[f64],
+        dense: &mut DenseOutput<H::Vector>,
+    ) -> Result<StepInfo, StepError> {
+        let before = dense.lend(state);
+        let taken = self.step(state, dw);
+        if taken.is_ok() {
+            dense.forget();
+            self.fill([&before, state], dw, dense);
+        }
+        dense.give_back(before);
+        taken
+    }
+
+    /// What lies between the nodes of the last step, which led from `before` to `after` with these increments.
+    pub(crate) fn fill(&self, nodes: [&State<H::Vector>; 2], dw: &[f64], dense: &mut DenseOutput<H::Vector>) {
+        dense.fill::<H, E>((self.system, &self.prepared, &self.memory), nodes, self.h, dw);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn arrive(&mut self, state: &mut State<H::Vector>, at: Clock, dw: &[f64]) {
+        self.clock = at;
+        state.t = at.now;
+        if H::PROPERTIES.exchanges && !self.is_unaccounted {
+            self.exchanged += SchemeOf::<H, E>::exchanged(self.system, &self.memory);
+        }
+        if Self::MAY_EXCHANGE {
+            self.settle(state, dw);
+        }
+        if Self::REMEMBERS {
+            copy(&mut self.reached[0], &state.q);
+            copy(&mut self.reached[1], &state.p);
+        }
+    }
+
+    /// Whether forces or friction may be at work in steps.
+    pub(crate) const MAY_EXCHANGE: bool = H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges;
+
+    /// Keeps where a step begins.
+    fn begin(&mut self, state: &State<H::Vector>) {
+        if self.is_unaccounted || !account::is_wanted::<H, E>(self.system) {
+            return;
+        }
+        let ledger = self.ledger.get_or_insert_with(|| Box::new(Ledger::of(state, H::PLAN.order)));
+        copy_state(&mut ledger.before, state);
+    }
+
+    /// Accounts for what a step exchanged.
+    fn settle(&mut self, state: &State<H::Vector>, dw: &[f64]) {
+        let Some(mut ledger) = self.ledger.take() else { return };
+        if !H::PROPERTIES.exchanges {
+            let Ledger { before, dense, .. } = &mut *ledger;
+            self.fill([before, state], dw, dense);
+        }
+        self.exchanged += ledger.exchanged::<H, E>(self.system, state, self.h, dw);
+        self.ledger = Some(ledger);
+    }
+
+    /// A step from another state than the last one led to: time is counted from there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn step_anew(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
+        cold();
+        // If time cannot overflow from here, no step needs to check its own.
+        if !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
+            return Err(self.error(state, dw, StepFailure::NonFinite));
+        }
+        // With the room that it has; a copy of what it remembers comes back if the step fails.
+        let (clock, left, mut memory) =
+            (Clock::started(state.t), self.memory.clone(), std::mem::take(&mut self.memory));
+        memory.forget();
+        if Self::IS_ITERATED {
+            let taken = self.step_rarely(state, dw, clock, Cause::Moved(memory));
+            if taken.is_err() {
+                self.memory.adopt(left);
+            }
+            return taken;
+        }
+        let (time, ends, mut carry) = ([state.t, self.h], [&mut state.q, &mut state.p], C::default());
+        let Self { system, prepared, .. } = self;
+        let (room, lost) = (&mut memory, &mut carry);
+        match SchemeOf::<H, E>::advance_vectors::<C, false>(system, prepared, time, ends, dw, room, lost) {
+            Ok(effort) => {
+                self.before += self.clock.ticks;
+                (self.memory, self.carry) = (memory, carry);
+                self.arrive(state, clock.next(self.h), dw);
+                Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
+            }
+            Err(cause) => {
+                memory.adopt(left);
+                self.memory = memory;
+                Err(self.error(state, dw, cause))
+            }
+        }
+    }
+
+    /// A step that is none of the usual ones, from a time of this clock.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn step_rarely(
+        &mut self,
+        state: &mut State<H::Vector>,
+        dw: &[f64],
+        clock: Clock,
+        cause: Cause<MemoryOf<H, E, f64>>,
+    ) -> Result<StepInfo, StepError> {
+        cold();
+        let (is_moved, pinned) = match &cause {
+            Cause::Moved(memory) => (true, memory.pinned()),
+            Cause::Failed(_) => (false, self.memory.pinned()),
+        };
+        let hard = Hard {
+            system: self.system,
+            prepared: self.prepared.clone(),
+            t: state.t,
+            h: self.h,
+            q: state.q.clone(),
+            p: state.p.clone(),
+            dw: List::of(dw),
+            carry: self.carry.clone(),
+            blocks: None,
+        };
+        // Care takes Newton's method, which a pinned fixed point excludes.
+        let is_iterated = pinned != Iteration::FixedPoint;
+        let Arrived { taken, is_hard } = match (Rare { hard, is_iterated }).take(cause) {
+            Ok(arrived) => arrived,
+            Err(Refused { cause, memory }) => {
+                if let Some(memory) = memory {
+                    self.memory = memory;
+                }
+                return Err(self.error(state, dw, cause));
+            }
+        };
+        if is_moved {
+            self.before += self.clock.ticks;
+            self.memory = taken.memory;
+        } else {
+            self.memory.adopt(taken.memory);
+        }
+        (state.q, state.p) = (taken.q, taken.p);
+        self.carry = taken.carry;
+        self.arrive(state, clock.next(self.h), dw);
+        let Effort { iterations, doubtful, .. } = taken.effort;
+        Ok(StepInfo { iterations, halvings: 0, is_hard, is_doubtful: is_hard && doubtful })
+    }
+
+    /// Whether steps use what the ones before left; otherwise nothing of them is kept.
+    const REMEMBERS: bool = H::PROPERTIES.remembers || C::CARRIES;
+
+    /// Whether the caller moved the state since the last step: then what that step left is no guide.
+    #[inline]
+    fn jumped(&self, state: &State<H::Vector>) -> bool {
+        Self::REMEMBERS && (state.q != self.reached[0] || state.p != self.reached[1])
+    }
+
+    /// Bad input shows in the result of a step, so that a good step does not pay for the check.
+    ///
+    /// Inlined, and each list read by itself: state and increments stay in registers only where nothing walks over their addresses.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn error(&self, state: &State<H::Vector>, dw: &[f64], cause: StepFailure) -> StepError {
+        let of_state = zero_if_finite(state.q.components()) + zero_if_finite(state.p.components());
+        let zero = of_state + zero_if_finite(dw) + 0.0 * state.t;
+        cold();
+        let is_good = zero == 0.0 || cause.is_of_arguments();
+        let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
+        StepError { step: self.steps(), t: state.t, h: self.h, cause }
+    }
+}
+
+/// What does not change from step to step, of a system that makes sense.
+///
+/// # Errors
+/// Those of the system, with the name of a parameter that is no number.
+pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<PreparedOf<H, E>, ConfigError> {
+    match system.validate().and_then(|()| SchemeOf::<H, E>::prepare(system, h)) {
+        Err(ConfigError::Parameter) => Err(mistaken_parameter(system)),
+        prepared => prepared,
+    }
+}
+
+/// Which parameter makes no sense.
+fn mistaken_parameter(system: &impl Hamiltonian) -> ConfigError {
+    let mut index = 0;
+    while let Some((parameter, value)) = system.parameter(index) {
+        if value.is_nan() {
+            return ConfigError::NotANumber { parameter };
+        }
+        index += 1;
+    }
+    ConfigError::Parameter
+}
+
+/// Zero times a finite number is zero, and NaN otherwise.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn zero_if_finite(list: &[f64]) -> f64 {
+    list.iter().fold(0.0, |zeros, x| zeros + x * 0.0)
+}
+
+/// Marks the branch that calls it as the unlikely one. The compiler sees the mark, and no call is left.
+#[cold]
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn cold() {}

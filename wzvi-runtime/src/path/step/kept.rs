@@ -1,0 +1,50 @@
+//! What of a stepper a checkpoint keeps.
+
+use super::{Clock, Stepper};
+use crate::algebra::carry::Carry;
+use crate::algebra::state::Vector;
+use crate::ground::numbers::{Numbers, Tape};
+use crate::scheme::system::{Discretized, PreparedOf};
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
+    /// Everything that steps change. What depends on system and step size only is computed anew.
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+        let Self {
+            system: _,
+            h: _,
+            prepared: _,
+            memory,
+            carry,
+            before,
+            clock,
+            reached,
+            exchanged,
+            ledger: _,
+            is_unaccounted: _,
+            scheme: _,
+        } = self;
+        let Clock { start, ticks, now } = clock;
+        tape.word(before);
+        tape.word(ticks);
+        tape.numbers([start, now]);
+        for vector in reached {
+            // A system may not know its size before its first step.
+            let length = vector.components().len();
+            let kept = tape.length(length);
+            if kept != length {
+                *vector = H::Vector::zeros(kept);
+            }
+            tape.numbers(vector.components_mut());
+        }
+        memory.pass(tape);
+        carry.pass(tape);
+        if Self::MAY_EXCHANGE {
+            tape.numbers([&mut exchanged.work, &mut exchanged.heat]);
+        }
+    }
+
+    /// What is computed once for all steps, for people and checksums.
+    pub(crate) fn prepared(&self) -> &PreparedOf<H, E> {
+        &self.prepared
+    }
+}

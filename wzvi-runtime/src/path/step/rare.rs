@@ -1,0 +1,101 @@
+//! Steps that do not begin where the last one ended, or that the short way does not take: out of line.
+//!
+//! Everything goes there and comes back by value, because state and stepper stay in registers only where no function is given their
+//! address.
+
+use crate::algebra::carry::Carry;
+use crate::algebra::memory::StepMemory;
+use crate::error::StepFailure;
+use crate::scheme::continuation::{Continued, Hard, Taken, solve_by_continuation};
+use crate::scheme::system::{Discretized, MemoryOf, Scheme, SchemeOf};
+
+type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
+
+/// Why a step is none of the usual ones.
+pub(super) enum Cause<M> {
+    /// What the last step left is no guide from another state: the memory, which has forgotten it.
+    Moved(M),
+    /// The short way failed.
+    Failed(StepFailure),
+}
+
+/// A step to take.
+pub(super) struct Rare<'a, H: Discretized<E>, E, C> {
+    pub(super) hard: Hard<'a, H, E, C>,
+    /// Whether it may be taken with care.
+    pub(super) is_iterated: bool,
+}
+
+/// A step that was taken.
+pub(super) struct Arrived<H: Discretized<E>, E, C> {
+    pub(super) taken: Taken<H, E, C>,
+    pub(super) is_hard: bool,
+}
+
+/// A step that was not taken.
+pub(super) struct Refused<M> {
+    pub(super) cause: StepFailure,
+    /// What was given: its room, and nothing that is remembered.
+    pub(super) memory: Option<M>,
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
+    /// Takes it: the short way if that is not known to fail, then with care.
+    ///
+    /// # Errors
+    /// The cause, or those of [`solve_by_continuation`].
+    #[cold]
+    #[inline(never)]
+    pub(super) fn take(self, cause: Cause<MemoryOf<H, E, f64>>) -> Outcome<H, E, C> {
+        let Self { mut hard, is_iterated } = self;
+        let (failure, memory) = match cause {
+            Cause::Failed(failure) => (failure, None),
+            Cause::Moved(mut memory) => {
+                hard.carry = C::default();
+                let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
+                let Hard { system, prepared, t, h, dw, .. } = &hard;
+                let (time, ends) = ([*t, *h], [&mut q, &mut p]);
+                let short = SchemeOf::<H, E>::advance_vectors::<C, false>(
+                    system,
+                    prepared,
+                    time,
+                    ends,
+                    dw,
+                    &mut memory,
+                    &mut carry,
+                );
+                match short {
+                    Ok(effort) => match if is_iterated {
+                        hard.check([&q, &p], &mut Default::default())
+                    } else {
+                        Ok(None)
+                    } {
+                        Ok(None) => {
+                            let taken = Continued { q, p, memory, carry, effort };
+                            return Ok(Arrived { taken, is_hard: false });
+                        }
+                        Ok(Some(mut taken)) => {
+                            memory.adopt(taken.memory);
+                            taken.memory = memory;
+                            return Ok(Arrived { taken, is_hard: true });
+                        }
+                        Err(cause) => return Err(Refused { cause, memory: Some(memory) }),
+                    },
+                    Err(failure) => (failure, Some(memory)),
+                }
+            }
+        };
+        if !is_iterated {
+            return Err(Refused { cause: failure, memory });
+        }
+        let mut taken = match solve_by_continuation(hard, failure) {
+            Ok(solved) => solved,
+            Err(cause) => return Err(Refused { cause, memory }),
+        };
+        if let Some(mut memory) = memory {
+            memory.adopt(taken.memory);
+            taken.memory = memory;
+        }
+        Ok(Arrived { taken, is_hard: true })
+    }
+}

@@ -1,0 +1,213 @@
+//! The loop over the steps of a path: there is one.
+//!
+//! [`take_steps`] takes steps, each with its increments from a source, and stops at the nodes at which somebody wants to look. What a step
+//! is, is the business of [`Advance`]: one path ([`Single`]), the parts of a step that is halved, paths in the lanes of vector
+//! registers, or coupled pairs of those. What is wanted of the nodes, is that of a [`Monitor`].
+
+use std::ops::Range;
+
+use crate::algebra::carry::Carry;
+use crate::algebra::state::State;
+use crate::increments::{Interval, Noise};
+use crate::path::Error;
+use crate::path::step::{StepInfo, Stepper};
+use crate::scheme::system::Discretized;
+
+/// One path or several: what takes their steps.
+pub(crate) trait Advance {
+    /// Why a step cannot be taken.
+    type Error;
+
+    /// Draws the increments of the step with this number, and takes it. Steps are taken in order.
+    ///
+    /// # Errors
+    /// If the run cannot go on; where it was before, it still is.
+    fn advance(&mut self, step: u64) -> Result<(), Self::Error>;
+}
+
+/// Looks at the nodes of a run.
+pub(crate) trait Monitor<P: Advance> {
+    /// What ends the run.
+    type Error: From<P::Error>;
+
+    /// The next node, after this one, at which it wants to look. The last node of the run is looked at in any case.
+    fn next(&self, path: &P, node: u64) -> u64;
+
+    /// Looks at the node that was reached.
+    ///
+    /// # Errors
+    /// To end the run there.
+    fn look(&mut self, path: &mut P, node: u64) -> Result<(), Self::Error>;
+}
+
+/// Takes the steps with these numbers, and lets `monitor` look at the nodes that it wants to see.
+///
+/// # Errors
+/// The first one, of a step or of the monitor.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn take_steps<P: Advance, M: Monitor<P>>(
+    path: &mut P,
+    steps: Range<u64>,
+    monitor: &mut M,
+) -> Result<(), M::Error> {
+    let mut node = steps.start;
+    while node < steps.end {
+        let until = monitor.next(path, node).min(steps.end);
+        loop {
+            path.advance(node)?;
+            node += 1;
+            if node >= until {
+                break;
+            }
+        }
+        monitor.look(path, node)?;
+    }
+    Ok(())
+}
+
+/// Nobody looks.
+pub(crate) struct Unmonitored;
+
+impl<P: Advance> Monitor<P> for Unmonitored {
+    type Error = P::Error;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&self, _path: &P, _node: u64) -> u64 {
+        u64::MAX
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look(&mut self, _path: &mut P, _node: u64) -> Result<(), P::Error> {
+        Ok(())
+    }
+}
+
+/// Takes one step of one path: a [`Stepper`], or one that may subdivide it.
+pub(crate) trait TakeStep<V> {
+    /// Fills in the increments of a step, and takes it.
+    ///
+    /// # Errors
+    /// [`Error::Noise`] or [`Error::Step`]; `state` is then what it was.
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<V>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error>;
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Stepper<'_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(
+        &mut self,
+        state: &mut State<H::Vector>,
+        interval: &Interval,
+        noise: &mut Option<N>,
+        dw: &mut [f64],
+    ) -> Result<StepInfo, Error> {
+        if let Some(noise) = noise {
+            noise.increments(interval, dw)?;
+        }
+        Ok(self.step(state, dw)?)
+    }
+}
+
+/// Is told of every step that was taken.
+pub(crate) trait Account {
+    /// A step with these increments.
+    fn count(&mut self, dw: &[f64], info: &StepInfo);
+}
+
+impl Account for () {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count(&mut self, _dw: &[f64], _info: &StepInfo) {}
+}
+
+/// One path.
+pub(crate) struct Single<'r, T, V, N, A> {
+    pub(crate) stepper: &'r mut T,
+    pub(crate) state: &'r mut State<V>,
+    /// `None` for a system without noise, which is asked for nothing.
+    pub(crate) noise: &'r mut Option<N>,
+    /// Increments of the last step, one per noise.
+    pub(crate) dw: &'r mut [f64],
+    /// Time of node 0, in the units of the Hamiltonian.
+    pub(crate) start: f64,
+    /// Step size, same units.
+    pub(crate) h: f64,
+    pub(crate) account: &'r mut A,
+}
+
+impl<T: TakeStep<V>, V, N: Noise, A: Account> Advance for Single<'_, T, V, N, A> {
+    type Error = Error;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance(&mut self, step: u64) -> Result<(), Error> {
+        let interval = Interval { start: self.start, h: self.h, step };
+        let info = self.stepper.take_step(self.state, &interval, self.noise, self.dw)?;
+        self.account.count(self.dw, &info);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The steps that were taken, and the nodes that were looked at.
+    #[derive(Default)]
+    struct Seen {
+        steps: Vec<u64>,
+        /// Fails at this step.
+        bad: Option<u64>,
+    }
+
+    impl Advance for Seen {
+        type Error = &'static str;
+
+        fn advance(&mut self, step: u64) -> Result<(), &'static str> {
+            if self.bad == Some(step) {
+                return Err("step");
+            }
+            self.steps.push(step);
+            Ok(())
+        }
+    }
+
+    struct Every {
+        stride: u64,
+        nodes: Vec<u64>,
+        last: u64,
+    }
+
+    impl Monitor<Seen> for Every {
+        type Error = &'static str;
+
+        fn next(&self, _path: &Seen, node: u64) -> u64 {
+            (node / self.stride + 1).saturating_mul(self.stride)
+        }
+
+        fn look(&mut self, path: &mut Seen, node: u64) -> Result<(), &'static str> {
+            assert_eq!(path.steps.last(), Some(&(node - 1)));
+            self.nodes.push(node);
+            if node == self.last { Err("node") } else { Ok(()) }
+        }
+    }
+
+    #[test]
+    fn every_step_is_taken_once_and_every_wanted_node_seen() {
+        let run = |steps: Range<u64>, stride, bad, last| {
+            let (mut path, mut monitor) =
+                (Seen { bad, ..Seen::default() }, Every { stride, nodes: vec![], last });
+            let outcome = take_steps(&mut path, steps, &mut monitor);
+            (path.steps, monitor.nodes, outcome)
+        };
+        assert_eq!(run(0..7, 3, None, 99), ((0..7).collect(), vec![3, 6, 7], Ok(())));
+        assert_eq!(run(5..9, 3, None, 99), ((5..9).collect(), vec![6, 9], Ok(())));
+        assert_eq!(run(0..3, u64::MAX, None, 99), ((0..3).collect(), vec![3], Ok(())));
+        assert_eq!(run(4..4, 1, None, 99), (vec![], vec![], Ok(())));
+        assert_eq!(run(0..7, 2, Some(3), 99), (vec![0, 1, 2], vec![2], Err("step")));
+        assert_eq!(run(0..7, 2, None, 4), (vec![0, 1, 2, 3], vec![2, 4], Err("node")));
+    }
+}

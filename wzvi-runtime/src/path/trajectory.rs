@@ -1,0 +1,473 @@
+//! What a run leaves: states at the recorded nodes and the increments between them.
+
+mod recorder;
+#[cfg(feature = "serde")]
+mod serial;
+mod table;
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::algebra::state::{State, Vector};
+use crate::algebra::sum::Sum;
+use crate::error::{FileError, PathError, UnknownName};
+use crate::ground::calculus::{Function, Interior, Nodes, TimeScale};
+use crate::ground::variables::Variables;
+use crate::path::options::Observable;
+use crate::path::section::Crossing;
+#[cfg(doc)]
+use crate::path::step::StepInfo;
+use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
+use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment};
+#[cfg(feature = "serde")]
+pub(crate) use recorder::Kept;
+pub(crate) use recorder::Recorder;
+pub use table::PathTable;
+
+/// Newton iterations of a run, and what its steps took besides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Iterations {
+    /// Over all steps.
+    pub total: u64,
+    /// The most that one step took.
+    pub largest: u32,
+    /// Steps to which the ones before were no guide ([`StepInfo::is_hard`]): many say that the step is long for the fastest motion.
+    pub hard: u64,
+    /// Steps whose solution is the connected one by its orientation only ([`StepInfo::is_doubtful`]).
+    pub doubtful: u64,
+    /// Steps that were halved ([`Retry`](crate::path::retry::Retry)).
+    pub halved: u64,
+    /// The most halvings of a step.
+    pub halvings: u32,
+    /// How often the energy was off by more than a tenth of the mean of `p · dq/dt`, of the steps that were looked at, one in eight: excursions that
+    /// returned, or a run that was [`unwatched`](crate::path::simulate::Simulation::unwatched).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub suspected: u64,
+}
+
+/// A path by the scheme `E`: never empty, its first state is the start.
+///
+/// It does not hold the system; what depends on it takes it again, as in `path.energy_drift(&kubo)`.
+pub struct Trajectory<V, E> {
+    path: Path<V>,
+    /// Of no weight: what is read from a file has none.
+    variables: Option<Variables>,
+    unsaved: Option<FileError>,
+    scheme: PhantomData<fn() -> E>,
+}
+
+/// The part of a trajectory that the scheme has no say in.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Path<V> {
+    h: f64,
+    every: u64,
+    steps: u64,
+    iterations: Iterations,
+    processes: usize,
+    /// Sums of the increments from each recorded node to the next, by rows.
+    increments: Vec<f64>,
+    states: Vec<State<V>>,
+    last: State<V>,
+    /// Nodes that are recorded besides the `every`-th.
+    #[cfg_attr(feature = "serde", serde(default))]
+    chosen: u64,
+    /// What was observed at the recorded nodes, by name.
+    #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
+    observed: Vec<(String, Vec<f64>)>,
+    #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
+    crossings: Vec<Crossing<V>>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    exchanged: Exchange,
+    /// Whether that is all that was exchanged, but for what the scheme does.
+    #[cfg_attr(feature = "serde", serde(default))]
+    is_accounted: bool,
+    /// What the energy gained, where it is not to be kept.
+    #[cfg_attr(feature = "serde", serde(default))]
+    gained: Option<f64>,
+}
+
+impl<V: Clone, E> Clone for Trajectory<V, E> {
+    fn clone(&self) -> Self {
+        Self {
+            path: self.path.clone(),
+            variables: self.variables,
+            unsaved: self.unsaved.clone(),
+            scheme: PhantomData,
+        }
+    }
+}
+
+impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Path {
+            h,
+            every,
+            steps,
+            iterations,
+            processes,
+            increments,
+            states,
+            last: _,
+            chosen,
+            observed,
+            crossings,
+            exchanged,
+            is_accounted: _,
+            gained,
+        } = &self.path;
+        f.debug_struct("Trajectory")
+            .field("h", h)
+            .field("every", every)
+            .field("steps", steps)
+            .field("iterations", iterations)
+            .field("processes", processes)
+            .field("increments", increments)
+            .field("states", states)
+            .field("chosen", chosen)
+            .field("observed", observed)
+            .field("crossings", crossings)
+            .field("exchanged", exchanged)
+            .field("gained", gained)
+            .finish()
+    }
+}
+
+impl<V: PartialEq, E> PartialEq for Trajectory<V, E> {
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+}
+
+impl<V: Vector, E> Trajectory<V, E> {
+    /// The state at the end of the run.
+    pub fn last(&self) -> &State<V> {
+        &self.path.last
+    }
+
+    /// The recorded states: the start, every `record_every`-th node, those of `record_at`, the end.
+    pub fn states(&self) -> &[State<V>] {
+        &self.path.states
+    }
+
+    /// The recorded states in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, State<V>> {
+        self.path.states.iter()
+    }
+
+    /// The work that was done on the path, in units of energy: `H(end) - H(start)` without the [heat](Trajectory::heat), exactly. What the path gave counts
+    /// negative. Forces do work, listed noises, explicit time, and the scheme, whose part is the
+    /// [shadow work](Trajectory::shadow_work). It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which with a
+    /// [bath](crate::scheme::bath) holds exactly at every step size. 0 where a system has no bath, force or friction, and its drift does not read the time.
+    pub fn work(&self) -> f64 {
+        self.path.gained.map_or(0.0, |gained| gained - self.path.exchanged.heat)
+    }
+
+    /// The part of the [work](Trajectory::work) that the scheme does: what a quadrature of forces, noises and explicit time along the steps leaves of it. It
+    /// falls with the order of the scheme. `None` without bath, force and friction, where nothing is added up along the steps.
+    pub fn shadow_work(&self) -> Option<f64> {
+        self.path.is_accounted.then(|| self.work() - self.path.exchanged.work)
+    }
+
+    /// The energy that the path took from friction and bath, in units of energy: the kinetic energy that their parts of the steps gained.
+    pub fn heat(&self) -> f64 {
+        self.path.exchanged.heat
+    }
+
+    /// With the account of a run of this system.
+    pub(crate) fn accounted<H: Discretized<E, Vector = V>>(
+        mut self,
+        system: &H,
+        start: &State<V>,
+        exchanged: Exchange,
+    ) -> Self {
+        let is_accounted = H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges;
+        let gained =
+            (is_accounted || H::READS_TIME).then(|| system.energy(&self.path.last) - system.energy(start));
+        let path = &mut self.path;
+        (path.exchanged, path.is_accounted, path.gained) = (exchanged, is_accounted, gained);
+        self
+    }
+
+    pub(crate) fn suspecting(mut self, suspected: u64) -> Self {
+        self.path.iterations.suspected = suspected;
+        self
+    }
+
+    /// Where the path crossed the sections of the run, in the order of time: see [`crate::path::section`].
+    pub fn crossings(&self) -> &[Crossing<V>] {
+        &self.path.crossings
+    }
+
+    /// What was observed under this name ([`Simulation::observe`](crate::path::simulate::Simulation::observe)), at each recorded node.
+    ///
+    /// # Errors
+    /// [`UnknownName`] for a name that the run did not have.
+    pub fn observed(&self, name: &str) -> Result<&[f64], UnknownName> {
+        let found = self.path.observed.iter().find(|(known, _)| known == name);
+        found.map(|(_, values)| values.as_slice()).ok_or_else(|| UnknownName {
+            kind: "observable",
+            name: name.to_owned(),
+            known: self.path.observed.iter().map(|(known, _)| known.clone()).collect(),
+        })
+    }
+
+    /// Why the last [checkpoint](crate::path::simulate::Simulation::checkpoint) of the run could not be written: what has happened since the one before is in this
+    /// path only. `None` if it was written, and without a checkpoint.
+    pub fn unsaved(&self) -> Option<&FileError> {
+        self.unsaved.as_ref()
+    }
+
+    /// What the closure of the drift calls the variables of the path; `q`, `p` and `t` after a path was read from a file.
+    pub fn variables(&self) -> Variables {
+        self.variables.unwrap_or_else(|| Variables::unnamed(self.path.last.q.components().len()))
+    }
+
+    /// The same, of a run whose last checkpoint could not be written.
+    pub(crate) fn saved_but_for(mut self, error: Option<FileError>) -> Self {
+        self.unsaved = error;
+        self
+    }
+
+    /// The same, with the names of its system.
+    pub(crate) fn named(mut self, variables: Variables) -> Self {
+        self.variables = Some(variables);
+        self
+    }
+
+    /// Adds what functions of the state, by name, are at the recorded nodes.
+    pub(crate) fn observing(mut self, names: Vec<String>, functions: &[Observable<'_, V>]) -> Self {
+        let states = &self.path.states;
+        let columns = names.into_iter().zip(functions);
+        self.path.observed =
+            columns.map(|(name, f)| (name, states.iter().map(|state| f(state)).collect())).collect();
+        self
+    }
+
+    /// Number of recorded nodes, at least 1.
+    pub fn len(&self) -> usize {
+        self.path.states.len()
+    }
+
+    /// Never: the start is always there.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Times of the recorded nodes, in the units of the Hamiltonian.
+    pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        self.iter().map(|state| state.t)
+    }
+
+    /// The step size `h`, same units; negative for a backward run.
+    pub fn step_size(&self) -> f64 {
+        self.path.h
+    }
+
+    /// Number of steps taken.
+    pub fn steps(&self) -> u64 {
+        self.path.steps
+    }
+
+    /// What `record_every` was.
+    pub fn stride(&self) -> u64 {
+        self.path.every
+    }
+
+    /// Number of noises.
+    pub fn processes(&self) -> usize {
+        self.path.processes
+    }
+
+    /// Newton iterations, all zero for explicit and linear steps.
+    pub fn iterations(&self) -> Iterations {
+        self.path.iterations
+    }
+
+    /// The increments from each recorded node to the next, one row per interval and one number per noise: those of
+    /// the steps where every step was recorded, their sums otherwise.
+    ///
+    /// Given noise is no more than this, so [`Increments`](crate::increments::Increments) of them repeats the run.
+    pub fn increments(&self) -> impl ExactSizeIterator<Item = &[f64]> + '_ {
+        (0..self.len().saturating_sub(1)).map(|interval| self.row(interval))
+    }
+
+    fn row(&self, interval: usize) -> &[f64] {
+        let k = self.path.processes;
+        self.path.increments.get(interval * k..(interval + 1) * k).unwrap_or(&[])
+    }
+
+    /// `W_k(t) - W_k(t_0)` at the recorded nodes; noises count from 0, and one that does not exist is zero.
+    pub fn wiener(&self, k: usize) -> Vec<f64> {
+        let mut sum = Sum::default();
+        let steps = self.increments().map(|row| {
+            sum.add(row.get(k).copied().unwrap_or(0.0));
+            sum.total()
+        });
+        std::iter::once(0.0).chain(steps).collect()
+    }
+
+    /// `max_i |H_0(z_i, t_i) - H_0(z_0, t_0)|` over the recorded nodes: absolute, in units of energy; NaN if a value
+    /// is.
+    ///
+    /// Small where the system keeps its energy (`PLAN.conserves_energy`); elsewhere it measures what the noise does.
+    /// Whether it is what the theory of symplectic methods promises says [`Trajectory::shadow_energy_drift`].
+    pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> f64 {
+        self.drift(|state| system.energy(state))
+    }
+
+    /// `max_i |H~(z_i) - H~(z_0)|` over the recorded nodes for the modified Hamiltonian of the scheme with the step size of the run:
+    /// absolute, in units of energy; NaN if a value is.
+    ///
+    /// Much less than [`Trajectory::energy_drift`] where the run is one that the theory of symplectic methods applies to, and falling
+    /// by its own order with the step size. As large where the step is too long for it. The last step of a run counts as the others,
+    /// and so do those that were halved, although they follow another modified Hamiltonian.
+    pub fn shadow_energy_drift<H>(&self, system: &H) -> f64
+    where
+        H: Discretized<E, Vector = V> + Conservative,
+        E: ModifiedBy,
+    {
+        let modified = ModifiedHamiltonian::<E>::new(self.step_size());
+        self.drift(|state| modified.energy(system, state))
+    }
+
+    /// `max_i |I(z_i) - I(z_0)|` over the recorded nodes for first integral `index` of the system, in the order of the
+    /// attribute; NaN if a value is.
+    ///
+    /// # Errors
+    /// [`PathError::Invariant`] for one that the system does not have.
+    pub fn invariant_drift<H: Hamiltonian<Vector = V>>(
+        &self,
+        system: &H,
+        index: usize,
+    ) -> Result<f64, PathError> {
+        let known = system.invariants();
+        if index >= known {
+            return Err(PathError::Invariant { index, known });
+        }
+        Ok(self.drift(|state| system.invariant(index, state)))
+    }
+
+    fn drift(&self, value: impl Fn(&State<V>) -> f64) -> f64 {
+        let mut values = self.iter().map(value);
+        let first = values.next().unwrap_or(f64::NAN);
+        // The start counts too: NaN there must show.
+        largest(std::iter::once(first).chain(values).map(|value| value - first))
+    }
+
+    /// The time scale T of the recorded nodes.
+    ///
+    /// # Errors
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if the last interval is shorter.
+    pub fn time_scale(&self) -> Result<TimeScale, PathError> {
+        let Path { every, steps, states, last, chosen, .. } = &self.path;
+        let [first, .., _] = states.as_slice() else { return Err(PathError::Empty) };
+        if *chosen > 0 || *every > 1 && states.len() > 2 && steps % every != 0 {
+            return Err(PathError::Uneven { every: *every, steps: *steps });
+        }
+        Ok(TimeScale::new(first.t, last.t, states.len() - 1)?)
+    }
+
+    /// An observable along the path, as a function on T: the discrete calculus starts here.
+    ///
+    /// # Errors
+    /// As [`Trajectory::time_scale`].
+    pub fn observable<T>(&self, value: impl FnMut(&State<V>) -> T) -> Result<Function<Nodes, T>, PathError> {
+        Ok(Function::new(self.time_scale()?, self.iter().map(value).collect())?)
+    }
+
+    /// What is left of the discrete Euler-Lagrange equations at each interior node (T^±): the equation of the node and
+    /// that of the momentum of the step that starts there.
+    ///
+    /// # Errors
+    /// [`PathError::Gaps`] unless every step was recorded, [`PathError::Empty`] for a path without steps,
+    /// [`PathError::System`] if the path is not one of `system`.
+    pub fn euler_lagrange<H>(
+        &self,
+        system: &H,
+    ) -> Result<Function<Interior, EulerLagrangeResidual<V>>, PathError>
+    where
+        H: Discretized<E, Vector = V>,
+    {
+        self.check_every_step(system)?;
+        let scale = self.time_scale()?;
+        let mut residuals = Vec::with_capacity(self.len().saturating_sub(2));
+        let mut previous: Option<(Segment<V>, &[f64])> = None;
+        for next in self.segments(system) {
+            if let Some((segment, dw)) = &previous {
+                residuals.push(system.euler_lagrange_residual(segment, &next.0, dw, next.1));
+            }
+            previous = Some(next);
+        }
+        Ok(Function::new(scale, residuals)?)
+    }
+
+    /// The largest residual of the discrete Euler-Lagrange equations, in absolute value: over the interior nodes
+    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is, and where steps follow from no Lagrangian: with a [bath](crate::scheme::bath). At rounding level on any
+    /// path that the scheme computed.
+    ///
+    /// # Errors
+    /// As [`Trajectory::euler_lagrange`].
+    pub fn euler_lagrange_residual<H>(&self, system: &H) -> Result<f64, PathError>
+    where
+        H: Discretized<E, Vector = V>,
+    {
+        let interior = self.euler_lagrange(system)?;
+        let first = self.segments(system).next();
+        let first = first.map(|(segment, dw)| system.discrete_lagrangian_gradient(&segment, dw).p);
+        let both = interior.values().iter().flat_map(|residual| [&residual.node, &residual.momentum]);
+        Ok(largest(both.chain(&first).flat_map(|vector| vector.components()).copied()))
+    }
+
+    fn check_every_step<H: Discretized<E, Vector = V>>(&self, system: &H) -> Result<(), PathError> {
+        if self.path.every != 1 && self.path.steps > 1 {
+            return Err(PathError::Gaps { every: self.path.every });
+        }
+        let path = (self.last().q.components().len(), self.processes());
+        let asked = (system.degrees(), system.increments(path.0));
+        if system.fits(path.0) && path.1 == asked.1 {
+            Ok(())
+        } else {
+            Err(PathError::System { path, system: asked })
+        }
+    }
+
+    /// The steps with their increments.
+    fn segments<H>(&self, system: &H) -> impl Iterator<Item = (Segment<V>, &[f64])>
+    where
+        H: Discretized<E, Vector = V>,
+    {
+        let h = self.step_size();
+        let ends = self.states().iter().zip(self.states().iter().skip(1));
+        ends.zip(self.increments()).map(move |((before, after), dw)| {
+            let p = system.step_momentum(before, after, h, dw);
+            (Segment { q0: before.q.clone(), q1: after.q.clone(), p, t: before.t, h }, dw)
+        })
+    }
+}
+
+/// The largest absolute value, 0 of none, NaN if one is.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values
+        .map(f64::abs)
+        .fold(0.0, |largest, value| if value <= largest || largest.is_nan() { largest } else { value })
+}
+
+impl<V, E> IntoIterator for Trajectory<V, E> {
+    type Item = State<V>;
+    type IntoIter = std::vec::IntoIter<State<V>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.path.states.into_iter()
+    }
+}
+
+impl<'a, V, E> IntoIterator for &'a Trajectory<V, E> {
+    type Item = &'a State<V>;
+    type IntoIter = std::slice::Iter<'a, State<V>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.path.states.iter()
+    }
+}

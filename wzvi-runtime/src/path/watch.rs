@@ -1,0 +1,322 @@
+//! Whether a run of constant step still has the energy that it began with.
+//!
+//! A step that is far too long for the orbit is solved as well as any other, and its state is wrong. What shows it is the energy. Both ends of one
+//! step in eight of a deterministic run of constant step, and of the paths of an ensemble of few steps until one is off ([`Watch::among_others`]),
+//!
+//! ```text
+//! E_h = H                                   Midpoint, Gauss and their compositions (`KeptEnergy::Hamiltonian`)
+//! E_h = H - h²/8 H_q · H_pp H_q             kick, drift, kick (`KeptEnergy::KickDriftKick`)
+//! E_h = H + h (l - 1/2) H_q · H_p           one quadrature point l (`KeptEnergy::Point`)
+//! A   = mean of |(p_i + p_{i+1})/2 · Δq/h| so far
+//! W   = min over the nodes of the last eight looks of |E_h - E_h(0)| / A
+//! ```
+//!
+//! are looked at, and `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact first integral of every linear system
+//! `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick keeps `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` keeps `p² + ω² q² +
+//! (2l - 1) h ω² q p`, and a mid-point keeps every quadratic form that the flow keeps. So a stable linear motion gives rounding at any `ω h`, and
+//! what is left in others is of the order of the scheme beyond that. Compositions of kicks and drifts keep an energy near `H` that differs more
+//! and more as they come near the limit of their stability; there `E_h(0)` is all that `H` is at the first eight looks (`KeptEnergy::Nearly`), and what goes wrong
+//! before is not seen. Excursions that return, at a pericentre or on the chord of a
+//! mid-point, are forgiven by the minimum, and so is a stiff direction that is excited at every other node. `A` is the size of the motion, twice the kinetic energy of a mechanical system, in units of
+//! energy: its mean does not grow with the error, as its largest value does. Its value depends on a constant that is added to `p`.
+//!
+//! One step in each eight is looked at, and not always the same one of them: a motion whose period is a multiple of eight steps would show
+//! the same phase each time.
+
+use crate::algebra::scalar::{Dual, Rounded};
+use crate::algebra::state::{State, Vector};
+use crate::error::{StepError, StepFailure};
+use crate::scheme::dense::copy_state;
+use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass};
+use crate::scheme::system::{Discretized, Hamiltonian};
+
+/// Steps of which one is looked at.
+const STRIDE: u64 = 8;
+/// Looks that an energy has to be off for: 64 steps.
+const SPAN: usize = 8;
+/// The steps that they span.
+const TAIL: u64 = STRIDE * SPAN as u64;
+/// How far the energy may be off, in units of the mean of `p · dq/dt`. Resolved motions of all kinds stay below 0.031, and those that are wrong
+/// leave the constant energy by a multiple of their kinetic energy.
+const HARMFUL: f64 = 0.1;
+/// What the halves of one divided step may disagree by, in the same units: as many divided steps as a look spans, one after the other and all off to the
+/// same side, are then not what is called harmful.
+pub(crate) const AGREEMENT: f64 = HARMFUL / TAIL as f64;
+
+/// Whether the energy of a run of this scheme is what is watched.
+pub(crate) const fn keeps_energy<H: Discretized<E>, E>() -> bool {
+    matches!(H::PLAN.noise, NoiseClass::None)
+        && matches!(H::PLAN.conserves_energy, Knowledge::Proven)
+        && H::PROPERTIES.is_variational
+}
+
+/// The energy of a run so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch<V> {
+    /// The step to look at; the largest number if nothing is watched.
+    next: u64,
+    /// The steps of a path of an ensemble, which is looked at rarely as long as its energy is right.
+    steps: Option<u64>,
+    is_refusing: bool,
+    looks: u64,
+    suspected: u64,
+    /// `E_h` at the start: the least and the largest of the first looks where a scheme keeps it nearly.
+    band: [f64; 2],
+    /// The sum of `|p · Δq/h|` over all looks.
+    motion: f64,
+    /// By how much the energy is off before the step that is looked at, and, the less of both its ends, was at the last looks.
+    off: f64,
+    recent: [f64; SPAN],
+    /// Made by the first look, and away in each.
+    room: Option<Box<Room<V>>>,
+}
+
+/// What a look needs, and where its step began.
+#[derive(Clone, Debug)]
+pub(crate) struct Room<V> {
+    before: State<V>,
+    slopes: [V; 2],
+    dual: [Vec<Dual<1>>; 4],
+}
+
+impl<V> Default for Watch<V> {
+    /// Of nothing.
+    fn default() -> Self {
+        let recent = [0.0; SPAN];
+        let (band, motion, room) = ([0.0; 2], 0.0, None);
+        let (next, steps, is_refusing, looks, suspected, off) = (u64::MAX, None, false, 0, 0, 0.0);
+        Self { next, steps, is_refusing, looks, suspected, band, motion, off, recent, room }
+    }
+}
+
+impl<V: Vector> Watch<V> {
+    /// Of a run by this scheme from step 0, if the system keeps its energy; whether it refuses what it finds, or counts it only.
+    pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_refusing: bool) -> Self {
+        Self { next: if keeps_energy::<H, E>() { 0 } else { u64::MAX }, is_refusing, ..Self::default() }
+    }
+
+    /// Of a path of so many steps that is one of many, which refuses what it finds: it looks at the start, at steps eight times as far each, and where 64 steps are
+    /// left. From one that is off on it looks as any other, until one is not. So a path pays for four looks in its first
+    /// thousand steps and one more for eight times as many, and what has gone wrong 64 steps before its end is found.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
+        let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
+        Self { next, steps: Some(steps), is_refusing: true, ..Self::default() }
+    }
+
+    /// The same, of the next path.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn restart<H: Discretized<E, Vector = V>, E>(&mut self, steps: u64) {
+        *self = Self { room: self.room.take(), ..Self::among_others::<H, E>(steps) };
+    }
+
+    /// The step to look at.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Whether this step is looked at.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn looks_at(&self, step: u64) -> bool {
+        step == self.next
+    }
+
+    /// How many looks found an energy that was off by more than a tenth of the mean of `p · dq/dt`.
+    pub(crate) fn suspected(&self) -> u64 {
+        self.suspected
+    }
+
+    /// The mean of `|p · Δq/h|`, if there is one.
+    pub(crate) fn mean_motion(&self) -> Option<f64> {
+        (self.looks > 0).then(|| self.motion / self.looks as f64)
+    }
+
+    /// Before a step of size `h` that is looked at: what [`Watch::end`] takes after it.
+    #[inline(never)]
+    pub(crate) fn begin<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        system: &H,
+        h: f64,
+        state: &State<V>,
+    ) -> Box<Room<V>> {
+        let mut room = self.room.take().unwrap_or_else(|| Box::new(Room::of(state)));
+        copy_state(&mut room.before, state);
+        let energy = room.kept_energy::<H, E>(system, state, h);
+        if self.looks == 0 {
+            self.band = [energy; 2];
+        }
+        self.off = self.distance::<H, E>(energy);
+        room
+    }
+
+    /// After that step, which led to this state.
+    ///
+    /// # Errors
+    /// [`StepFailure::Unresolved`]; the state is then what it was before the step.
+    #[inline(never)]
+    pub(crate) fn end<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        mut room: Box<Room<V>>,
+        system: &H,
+        h: f64,
+        state: &mut State<V>,
+        step: u64,
+    ) -> Result<(), StepError> {
+        let motion = (0.5 / h * moved(&room.before, state)).abs();
+        // A stiff direction that alternates may excite every other node only.
+        let energy = room.kept_energy::<H, E>(system, state, h);
+        let off = self.off.min(self.distance::<H, E>(energy));
+        let judged = self.judge::<H, E>(system, state, off, motion);
+        if judged.is_err() {
+            copy_state(state, &room.before);
+        }
+        self.room = Some(room);
+        judged.map_err(|cause| StepError { step, t: state.t, h, cause })
+    }
+
+    /// By how much this energy is off.
+    fn distance<H: Discretized<E>, E>(&mut self, energy: f64) -> f64 {
+        let [least, largest] = &mut self.band;
+        if matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.looks < SPAN as u64 {
+            (*least, *largest) = (least.min(energy), largest.max(energy));
+        }
+        // NaN stays.
+        if energy < *least {
+            *least - energy
+        } else if energy > *largest {
+            energy - *largest
+        } else {
+            0.0 * energy
+        }
+    }
+
+    fn judge<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        system: &H,
+        state: &State<V>,
+        error: f64,
+        motion: f64,
+    ) -> Result<(), StepFailure> {
+        if let Some(place) = self.recent.get_mut((self.looks % SPAN as u64) as usize) {
+            *place = error;
+        }
+        self.looks += 1;
+        self.motion += motion;
+        let scale = self.motion / self.looks as f64;
+        let harmful = HARMFUL * scale;
+        // Both energies have terms of the same size.
+        let is_off = error > harmful && error > harmful + 2.0 * rounding_of_energy(system, state);
+        let is_learning = matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.looks < SPAN as u64;
+        self.next = self.after(self.next, is_off || is_learning);
+        if !is_off {
+            return Ok(());
+        }
+        self.suspected += 1;
+        let least = self.recent.iter().fold(f64::INFINITY, |least, error| least.min(*error));
+        if self.is_refusing && self.looks >= SPAN as u64 && least > harmful {
+            return Err(StepFailure::Unresolved { energy_error: least, scale });
+        }
+        Ok(())
+    }
+
+    /// The step to look at after this one.
+    fn after(&self, step: u64, is_soon: bool) -> u64 {
+        let group = step / STRIDE + 1;
+        let soon = STRIDE * group + 5 * group % STRIDE;
+        match self.steps.map(|steps| steps.saturating_sub(TAIL)) {
+            Some(last) if !is_soon && step < last => last.min(TAIL.max(step.saturating_mul(8))),
+            Some(_) if !is_soon => u64::MAX,
+            _ => soon,
+        }
+    }
+
+    /// What a checkpoint keeps.
+    #[cfg(feature = "serde")]
+    pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
+        let Self { next, steps: _, is_refusing: _, looks, suspected, band, motion, off: _, recent, room: _ } =
+            self;
+        [next, looks, suspected].into_iter().for_each(|word| tape.word(word));
+        tape.number(motion);
+        tape.numbers(band);
+        tape.numbers(recent);
+    }
+}
+
+impl<V: Vector> Room<V> {
+    fn of(state: &State<V>) -> Self {
+        let slopes = [&state.q, &state.p].map(|vector| V::zeros(vector.components().len()));
+        Self { before: state.clone(), slopes, dual: Default::default() }
+    }
+
+    /// `E_h`
+    fn kept_energy<H: Discretized<E, Vector = V>, E>(&mut self, system: &H, state: &State<V>, h: f64) -> f64 {
+        let energy = system.energy(state);
+        if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::Hamiltonian | KeptEnergy::Nearly) } {
+            return energy;
+        }
+        let [by_q, by_p] = &mut self.slopes;
+        let (q, p) = (state.q.components(), state.p.components());
+        system.differentiate(0, q, p, state.t, by_q.components_mut(), by_p.components_mut());
+        if let KeptEnergy::Point(l) = H::PROPERTIES.kept_energy {
+            return energy + h * (l - 0.5) * dot(by_q.components(), by_p.components());
+        }
+        if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::KickDriftKick) } {
+            // `H_p(q, p + ε H_q)`
+            let [along_q, along_p, out_q, out_p] = &mut self.dual;
+            let along = |into: &mut Vec<Dual<1>>, from: &[f64], slope: &dyn Fn(usize) -> f64| {
+                let numbers = from.iter().enumerate();
+                into.clear();
+                into.extend(numbers.map(|(i, &value)| Dual { value, derivative: [slope(i)] }));
+            };
+            let by_q = by_q.components();
+            along(along_q, q, &|_| 0.0);
+            along(along_p, p, &|i| by_q.get(i).copied().unwrap_or(0.0));
+            for out in [&mut *out_q, &mut *out_p] {
+                out.resize(q.len(), Dual::constant(0.0));
+            }
+            system.differentiate(0, along_q, along_p, state.t, out_q, out_p);
+            let bent: f64 = by_q.iter().zip(&*out_p).map(|(force, slope)| force * slope.derivative[0]).sum();
+            return energy - 0.125 * h * h * bent;
+        }
+        energy
+    }
+}
+
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+/// `(p_0 + p_1) · (q_1 - q_0)`
+fn moved<V: Vector>(before: &State<V>, after: &State<V>) -> f64 {
+    let moved = after.q.components().iter().zip(before.q.components()).map(|(q1, q0)| q1 - q0);
+    let momenta = after.p.components().iter().zip(before.p.components()).map(|(p1, p0)| p1 + p0);
+    moved.zip(momenta).map(|(q, p)| q * p).sum()
+}
+
+/// What rounding does to the energy at all states that round to this one.
+#[cold]
+fn rounding_of_energy<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
+    let lift =
+        |of: &H::Vector| -> Vec<Rounded> { of.components().iter().copied().map(Rounded::nearest).collect() };
+    system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error
+}
+
+/// How much energy depends on which of two ends of the same step is right, `Σ_i |H_q δq| + |H_p δp|`, and the energy that moves in the step,
+/// `Σ_i |p H_p| + |Δq H_q|`, from its start to the second of them: terms of one degree of freedom each, so that no unit counts.
+#[cold]
+pub(crate) fn disagreement<H: Hamiltonian>(
+    system: &H,
+    start: &State<H::Vector>,
+    ends: [&State<H::Vector>; 2],
+) -> (f64, f64) {
+    let [coarse, fine] = ends;
+    let slopes = system.energy_gradient(fine);
+    let weighed = |slopes: &H::Vector, to: &H::Vector, from: Option<&H::Vector>| -> f64 {
+        let from = |i: usize| from.and_then(|from| from.components().get(i).copied()).unwrap_or(0.0);
+        let terms = slopes.components().iter().zip(to.components()).enumerate();
+        terms.map(|(i, (slope, to))| (slope * (to - from(i))).abs()).sum()
+    };
+    let apart = weighed(&slopes.q, &fine.q, Some(&coarse.q)) + weighed(&slopes.p, &fine.p, Some(&coarse.p));
+    (apart, weighed(&slopes.p, &fine.p, None) + weighed(&slopes.q, &fine.q, Some(&start.q)))
+}

@@ -1,0 +1,12 @@
+//! What takes a step: systems, and the schemes that serve them.
+
+pub mod bath;
+pub mod compose;
+pub(crate) mod continuation;
+pub mod dense;
+pub mod elements;
+pub mod embedding;
+pub mod gauss;
+pub mod modified;
+pub mod plan;
+pub mod system;

@@ -1,0 +1,176 @@
+//! Thermostats: friction and the noise that goes with it.
+//!
+//! A system with the quadratic kinetic energy `p · M⁻¹ p / 2` and the symmetric, positive semidefinite friction matrix `Γ` (mass/time) obeys,
+//! at the temperature `kT` (energy units), the Langevin equation
+//!
+//! ```text
+//! dq = M⁻¹ p dt,   dp = -∂H/∂q dt - Γ M⁻¹ p dt + σ dW,   σ σᵀ = 2 kT Γ
+//! ```
+//!
+//! whose noise follows from friction and temperature: the Gibbs measure `exp(-H / kT)` is stationary. Friction and noise alone are an
+//! Ornstein-Uhlenbeck process, which is known exactly: over the time `s`, with standard normals `ξ`,
+//!
+//! ```text
+//! O:   p <- E p + R ξ,   E = exp(-s Γ M⁻¹),   R Rᵀ = kT (M - E M Eᵀ),   R lower triangular
+//! ```
+//!
+//! ([`Relaxation`]). Where `Γ` depends on `q`, which rests meanwhile, that holds with the `Γ` of this place. The schemes put O between parts of
+//! a step that keep the symplectic form, each letter with an equal share of the step:
+//!
+//! | scheme | step | for |
+//! |---|---|---|
+//! | [`Baoab`] | kick, drift, O, drift, kick | `T(p) + V(q, t)` |
+//! | [`Obabo`] | O, kick, drift, kick, O | `T(p) + V(q, t)` |
+//! | [`Gjf`] | kick, drift, O with Cayley's map in the place of the exponential, drift, kick | `T(p) + V(q, t)` |
+//! | [`GjI`] | kick, drift, O, drift, kick, with kicks and drifts over a shorter time | `T(p) + V(q, t)`, one rate |
+//! | [`Thermostat<E>`](Thermostat) | O, step of `E`, O | any `H` that `E` serves |
+//!
+//! (B. Leimkuhler, C. Matthews, *Molecular Dynamics*, Springer 2015, chapter 7; G. Bussi, M. Parrinello, "Accurate sampling using Langevin
+//! dynamics", Phys. Rev. E 75, 2007). With a harmonic force `Baoab` has the exact variance of `q`, `Obabo` that of `p`, and `Thermostat<Midpoint>`
+//! both, whatever step size and friction.
+//!
+//! Distributions are right to order `h²` at any friction, but not how fast they are reached. A particle that nothing holds diffuses with `D = kT/(m γ)` in the
+//! equation, and with all of these but `Gjf` and `GjI` with
+//!
+//! ```text
+//! D = kT/(m γ) · (γh/2) coth(γh/2) = kT/(m γ) · (1 + (γh)²/12 - (γh)⁴/720 + ...)
+//! ```
+//!
+//! because the O part lasts `h` and the positions move by half-steps around it; so do rates of passages over barriers where friction is large: by 8 % at `γh = 1`.
+//! `Gjf` and `GjI` have this diffusion and the variance of the positions in a harmonic well both exactly (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct
+//! Langevin simulations", Mol. Phys. 118, 2020).
+//!
+//! What drives a step are the increments of the noises that the system lists, and after them `√h` times the standard normals of its O parts: for
+//! each O part, in the order of the step, one for each degree of freedom. A system without temperature has none, which is friction alone.
+
+mod beside;
+mod diagonal;
+mod matrix;
+mod modes;
+mod part;
+mod relaxation;
+mod splitting;
+mod thermostat;
+mod windowed;
+mod word;
+
+use std::marker::PhantomData;
+
+use crate::algebra::scalar::Scalar;
+use crate::error::{BathError, ConfigError};
+use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
+use crate::scheme::system::Hamiltonian;
+
+#[doc(hidden)]
+pub use modes::Decay;
+#[doc(hidden)]
+pub use relaxation::Relaxation;
+pub use splitting::{Letters, Splitting};
+#[doc(hidden)]
+pub use thermostat::Around;
+pub use word::{A, B, HarmonicLaw, Letter, O, Part, Spelling, Word};
+
+/// Half a kick, half a drift, friction and noise, half a drift, half a kick: one force for each step, explicit, for `T(p) + V(q, t)`. The
+/// positions of a harmonic oscillator have the exact variance, its momenta too little by the factor `1 - h² ω² / 4`; otherwise the
+/// bias of averages is of order 2, and of order 4 where friction is large (B. Leimkuhler, C. Matthews, "Rational construction of stochastic
+/// numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and passages over barriers where friction is large, are too fast by the factor
+/// `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`: where times matter and `γh` is no small number, take [`Gjf`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Baoab;
+
+/// Friction and noise of half the step, half a kick, a drift, half a kick, friction and noise of the other half: one force for each step, explicit,
+/// for `T(p) + V(q, t)`. Momenta of a harmonic oscillator have the exact variance, positions too much by `1 / (1 - h² ω² / 4)`. Its middle is a step of
+/// [`Verlet`](crate::scheme::compose::Verlet), so that it can be made exact by accepting or rejecting that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Obabo;
+
+/// [`Baoab`] whose momenta keep `c = (1 - γh/2)/(1 + γh/2)` in the place of `e^{-γh}`: a free particle diffuses with `D = kT/(m γ)`, and the positions of a harmonic
+/// oscillator have the exact variance, whatever `h` and `γ` (N. Grønbech-Jensen, O. Farago, "A simple and effective Verlet-type algorithm for simulating
+/// Langevin dynamics", Mol. Phys. 111, 2013). Momenta alternate in sign from `γh = 2` on, where positions stay right. Several rates and matrices are taken by
+/// Cayley's map of `Γ M⁻¹`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gjf;
+
+/// [`Baoab`] whose kicks and drifts last `s h` with `s = √(tanh(γh/2)/(γh/2))` in the place of `h`: exact in the same as [`Gjf`], with the decay `e^{-γh}` of the momenta
+/// (N. Grønbech-Jensen, Mol. Phys. 118, 2020). One rate of friction for all degrees of freedom, and no other noises: else
+/// [`ConfigError`]. Ensembles with [`systems`](crate::ensemble::Ensemble::systems) take a stepper for each path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GjI;
+
+/// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. It samples as well as `E` keeps the energy:
+/// `Thermostat<Midpoint>` has the exact distribution of positions and momenta for every quadratic Hamiltonian and every `h`,
+/// `Thermostat<Gauss<S>>` too, and otherwise a bias of order `2S`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Thermostat<E>(PhantomData<E>);
+
+/// `E` of the system without its bath, which a [`Thermostat`] stands around: not to be called for by itself.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Isolated<E>(PhantomData<E>);
+
+/// Whether friction and masses make sense, of a system whose steps have friction and no bath.
+///
+/// # Errors
+/// [`ConfigError::Bath`]
+#[doc(hidden)]
+pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
+    let degrees = system.degrees();
+    if T::IS_CONFORMAL {
+        let rate = system.friction_rate();
+        let is_rate = rate.is_finite() && rate >= 0.0;
+        return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };
+    }
+    if degrees != 0 {
+        // Forwards, by any step: friction alone may go back.
+        Relaxation::new(system, degrees, 1.0, (1.0, Decay::Exponential)).map_err(ConfigError::Bath)?;
+    }
+    Ok(())
+}
+
+/// A system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with the quadratic kinetic energy `p · M⁻¹ p / 2`, which the compiler has
+/// proven; generated.
+#[doc(hidden)]
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no friction",
+    note = "add `friction = ...` (1/time) or `damping = [[...]]` (mass/time), and `temperature = ...` (energy), to `#[hamiltonian(...)]`"
+)]
+pub trait Damped: Hamiltonian {
+    /// Whether [`Damped::damping`] is the matrix `Γ` (mass/time), and not rates (1/time).
+    const IS_MATRIX: bool;
+    /// Whether it depends on the coordinates.
+    const PER_STATE: bool;
+    /// Whether `M` is diagonal. Where it is not, rates are all the same.
+    const HAS_DIAGONAL_MASSES: bool;
+
+    /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
+    fn damping<S: Scalar>(&self, q: &[S], into: &mut [S]);
+
+    /// `kT`, if the system has a temperature; else the bath is at rest.
+    fn temperature(&self) -> Option<f64>;
+
+    /// `M⁻¹`: its diagonal, one number per degree of freedom, or its rows.
+    fn inverse_mass(&self, into: &mut [f64]) {
+        let degrees = if Self::HAS_DIAGONAL_MASSES { into.len() } else { into.len().isqrt() };
+        let zeros = vec![0.0; degrees];
+        let (mut p, mut by_q, mut velocity) = (zeros.clone(), zeros.clone(), zeros.clone());
+        // The velocities are linear in the momenta and read nothing else.
+        if Self::HAS_DIAGONAL_MASSES {
+            p.fill(1.0);
+            self.differentiate(0, &zeros, &p, 0.0, &mut by_q, into);
+            return;
+        }
+        for (column, start) in (0..degrees).enumerate() {
+            p.fill(0.0);
+            p[start] = 1.0;
+            self.differentiate(0, &zeros, &p, 0.0, &mut by_q, &mut velocity);
+            velocity.iter().enumerate().for_each(|(row, v)| into[row * degrees + column] = *v);
+        }
+    }
+}
+
+/// The plan of steps of this one with friction and bath around: symmetric, and so of order two at most.
+const fn with_bath(plan: Plan) -> Plan {
+    let order = if plan.order < 2 { plan.order } else { 2 };
+    let noise = if matches!(plan.noise, NoiseClass::None) { NoiseClass::Thermal } else { plan.noise };
+    Plan { order, noise, conserves_energy: Knowledge::Refuted, ..plan }
+}

@@ -1,0 +1,137 @@
+//! The O part where rates and masses are lists: every momentum by itself, `p <- E p + R ξ`.
+//!
+//! The heat is summed in blocks, whose sums are added in their order, so that it does not depend on how many places are taken at once.
+
+use std::array::from_fn;
+use std::ops::{Mul, Range};
+
+use super::relaxation::{gain, of_normal};
+use crate::algebra::lanes::Lanes;
+use crate::algebra::scalar::Scalar;
+
+/// Lists of one number per degree of freedom.
+#[derive(Clone, Debug)]
+pub(super) struct Diagonal<N = f64> {
+    /// `E`
+    pub(super) decay: Vec<N>,
+    /// `R / √h`
+    pub(super) deviation: Vec<N>,
+    /// `M⁻¹`
+    pub(super) inverse_mass: Vec<N>,
+}
+
+impl<const L: usize> Diagonal<Lanes<L>> {
+    /// Those of systems beside each other.
+    pub(super) fn beside(laws: [&Diagonal; L]) -> Self {
+        let list = |of: fn(&Diagonal) -> &[f64]| {
+            let lists = laws.map(of);
+            let degrees = lists.iter().map(|list| list.len()).min().unwrap_or(0);
+            (0..degrees).map(|i| Lanes::new(from_fn(|lane| lists[lane][i]))).collect()
+        };
+        Self {
+            decay: list(|law| &law.decay),
+            deviation: list(|law| &law.deviation),
+            inverse_mass: list(|law| &law.inverse_mass),
+        }
+    }
+}
+
+/// Places whose heat is one sum.
+pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
+
+/// Places that are taken beside each other.
+const BESIDE: usize = 8;
+
+impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
+    /// All momenta, between two drifts over a time where there are coordinates; the heat.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>>(
+        &self,
+        normals: &[S],
+        mut drift: Option<(f64, &mut [S])>,
+        p: &mut [S],
+    ) -> S {
+        let (mut heat, degrees) = (S::from_f64(0.0), self.decay.len().min(p.len()));
+        // Numbers of several parts have them beside each other already.
+        if S::LANES > 1 || degrees < BLOCK {
+            return self.one_by_one(normals, drift, p);
+        }
+        for start in (0..degrees).step_by(BLOCK) {
+            let places = start..(start + BLOCK).min(degrees);
+            let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[places.clone()]));
+            let p = &mut p[places.clone()];
+            heat = heat + self.block(places, normals, drift, p);
+        }
+        heat
+    }
+
+    /// The same.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn one_by_one<S: Scalar + Mul<N, Output = S>>(
+        &self,
+        normals: &[S],
+        mut drift: Option<(f64, &mut [S])>,
+        p: &mut [S],
+    ) -> S {
+        let Self { decay, deviation, inverse_mass } = self;
+        let mut heat = S::from_f64(0.0);
+        let constants = decay.iter().zip(deviation).zip(inverse_mass);
+        for ((i, p), ((&decay, &deviation), &inverse)) in p.iter_mut().enumerate().zip(constants) {
+            let before = *p;
+            *p = before * decay + of_normal(normals, i) * deviation;
+            if let Some((time, q)) = &mut drift {
+                let drift = inverse * *time;
+                q[i] = q[i] + before * drift + *p * drift;
+            }
+            heat = heat + gain(before, *p, inverse);
+        }
+        heat
+    }
+
+    /// The momenta of at most one block, with their coordinates; the heat.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn block<S: Scalar + Mul<N, Output = S>>(
+        &self,
+        places: Range<usize>,
+        normals: &[S],
+        drift: Option<(f64, &mut [S])>,
+        p: &mut [S],
+    ) -> S {
+        let zero = S::from_f64(0.0);
+        let len = places.len().min(BLOCK);
+        let [decay, deviation, inverse_mass] =
+            [&self.decay, &self.deviation, &self.inverse_mass].map(|list| &list[places.clone()][..len]);
+        // Without temperature there are none.
+        let none = [zero; BLOCK];
+        let normals = normals.get(places).unwrap_or(&none);
+        let (normals, p) = (&normals[..len], &mut p[..len]);
+        let mut gains = [zero; BLOCK];
+        let gains = &mut gains[..len];
+        match drift {
+            None => {
+                for i in 0..len {
+                    let before = p[i];
+                    p[i] = before * decay[i] + normals[i] * deviation[i];
+                    gains[i] = gain(before, p[i], inverse_mass[i]);
+                }
+            }
+            Some((time, q)) => {
+                let q = &mut q[..len];
+                for i in 0..len {
+                    let (before, drift) = (p[i], inverse_mass[i] * time);
+                    p[i] = before * decay[i] + normals[i] * deviation[i];
+                    q[i] = q[i] + before * drift + p[i] * drift;
+                    gains[i] = gain(before, p[i], inverse_mass[i]);
+                }
+            }
+        }
+        let mut heats = [zero; BESIDE];
+        let (groups, rest) = gains.as_chunks::<BESIDE>();
+        for group in groups {
+            for i in 0..BESIDE {
+                heats[i] = heats[i] + group[i];
+            }
+        }
+        rest.iter().chain(&heats).fold(zero, |sum, &heat| sum + heat)
+    }
+}

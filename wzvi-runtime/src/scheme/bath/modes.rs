@@ -1,0 +1,184 @@
+//! The modes of friction that is a matrix: `A = Cᵀ Γ C = V Λ Vᵀ` and `W = N V`, as in [`relaxation`](super::relaxation).
+
+use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
+use crate::algebra::scalar::{Mask, Scalar};
+use crate::error::BathError;
+
+/// How much of the momenta an O part leaves, of a mode with the rate `λ` over the time `s`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decay {
+    /// `e^{-s λ}`, as the flow does.
+    Exponential,
+    /// `(1 - s λ/2)/(1 + s λ/2)`
+    Cayley,
+}
+
+impl Decay {
+    /// Of a share `s λ`.
+    pub(super) fn factor(self, share: f64) -> f64 {
+        match self {
+            Self::Exponential => (-share).exp(),
+            Self::Cayley => (1.0 - 0.5 * share) / (1.0 + 0.5 * share),
+        }
+    }
+}
+
+/// Time and temperature of an O part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bath {
+    /// `s`
+    pub(super) time: f64,
+    /// `kT`
+    pub(super) temperature: f64,
+    /// `1 / √h` of the whole step: what drives it is `√h ξ`.
+    pub(super) unit: f64,
+    pub(super) decay: Decay,
+}
+
+impl Bath {
+    /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn mode<S: Scalar>(&self, rate: S) -> (S, S) {
+        match self.decay {
+            Decay::Exponential => {
+                let x = -(rate * self.time);
+                (x.exp(), (-(x * 2.0).exp_m1() * self.temperature).sqrt() * self.unit)
+            }
+            // 1 - E² = 4 x/(1 + x)² with x = s λ/2.
+            Decay::Cayley => {
+                let (x, one) = (rate * (0.5 * self.time), S::from_f64(1.0));
+                let sum = one + x;
+                ((one - x) / sum, (x * (4.0 * self.temperature)).sqrt() / sum * self.unit)
+            }
+        }
+    }
+
+    /// `1 - E` of a mode.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lost<S: Scalar>(&self, rate: S) -> S {
+        match self.decay {
+            Decay::Exponential => -(-(rate * self.time)).exp_m1(),
+            Decay::Cayley => {
+                let x = rate * (0.5 * self.time);
+                x * 2.0 / (S::from_f64(1.0) + x)
+            }
+        }
+    }
+}
+
+/// Factors of the masses; empty where rates and masses are lists.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Factors {
+    /// `C`
+    pub(super) lower: Vec<f64>,
+    /// `N`
+    pub(super) upper: Vec<f64>,
+    /// The lower triangular `L` with `M = L Lᵀ`.
+    pub(super) mass: Vec<f64>,
+}
+
+impl Factors {
+    pub(super) fn of(inverse_mass: &[f64], d: usize) -> Result<Self, BathError> {
+        let mut lower = inverse_mass.to_vec();
+        if !cholesky(&mut lower, d) {
+            return Err(BathError::Masses);
+        }
+        let upper = inverse_transposed(&lower, d);
+        let mut mass = upper.clone();
+        triangularise(&mut mass, d);
+        Ok(Self { lower, upper, mass })
+    }
+}
+
+/// `Γ`, and what it becomes: room for three matrices.
+pub(super) struct Modes<'r, S> {
+    /// `Γ`, then `Λ` on the diagonal.
+    pub(super) rates: &'r mut [S],
+    /// `V`
+    pub(super) vectors: &'r mut [S],
+    /// `W`
+    pub(super) modes: &'r mut [S],
+}
+
+impl<S: Scalar> Modes<'_, S> {
+    /// From the friction in `rates`.
+    ///
+    /// # Errors
+    /// The smallest rate, if it is negative.
+    pub(super) fn solve(&mut self, mass: &Factors, d: usize) -> Result<(), f64> {
+        let Self { rates, vectors, modes } = self;
+        let zero = S::from_f64(0.0);
+        // Γ C, then Cᵀ Γ C.
+        for i in 0..d {
+            for k in 0..d {
+                modes[i * d + k] = (k..d).fold(zero, |sum, j| sum + rates[i * d + j] * mass.lower[j * d + k]);
+            }
+        }
+        for i in 0..d {
+            for k in 0..=i {
+                let entry = (i..d).fold(zero, |sum, j| sum + modes[j * d + k] * mass.lower[j * d + i]);
+                (rates[i * d + k], rates[k * d + i]) = (entry, entry);
+            }
+        }
+        diagonalise(rates, vectors, d);
+        let largest = (0..d).fold(zero, |largest, k| largest.larger(rates[k * (d + 1)]));
+        // What the roundings of the products can make of zero.
+        let rounding = largest * (4.0 * d as f64 * f64::EPSILON);
+        for k in 0..d {
+            let rate = &mut rates[k * (d + 1)];
+            refuse_negative(*rate + rounding).map_err(|_| lowest(*rate))?;
+            *rate = rate.max(zero);
+        }
+        for i in 0..d {
+            for k in 0..d {
+                modes[i * d + k] =
+                    (i..d).fold(zero, |sum, j| sum + vectors[j * d + k] * mass.upper[i * d + j]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The smallest rate `μ` and `e^{-s μ}`, which is taken out of all; nothing is taken out of what is no exponential.
+    pub(super) fn slowest(&self, bath: &Bath, d: usize) -> (S, S) {
+        if bath.decay == Decay::Cayley {
+            return (S::from_f64(0.0), S::from_f64(1.0));
+        }
+        let smallest = (1..d).fold(self.rates[0], |least, k| least.min(self.rates[k * (d + 1)]));
+        (smallest, (-(smallest * bath.time)).exp())
+    }
+
+    /// `1 - E` of the rate `λ_k - μ`
+    pub(super) fn faster(&self, bath: &Bath, smallest: S, k: usize, d: usize) -> S {
+        bath.lost(self.rates[k * (d + 1)] - smallest)
+    }
+
+    /// `W⁻¹` at row `k` and column `j`
+    pub(super) fn inverse(&self, mass: &Factors, [k, j]: [usize; 2], d: usize) -> S {
+        let zero = S::from_f64(0.0);
+        (0..=j).fold(zero, |sum, i| sum + self.vectors[i * d + k] * mass.lower[j * d + i])
+    }
+
+    /// `R / √h`, in the place of `W`.
+    pub(super) fn deviation(&mut self, bath: &Bath, d: usize) {
+        for k in 0..d {
+            let (_, deviation) = bath.mode(self.rates[k * (d + 1)]);
+            for row in self.modes.chunks_exact_mut(d) {
+                row[k] = row[k] * deviation;
+            }
+        }
+        triangularise(self.modes, d);
+    }
+}
+
+/// The smallest of the lanes of a number.
+fn lowest<S: Scalar>(number: S) -> f64 {
+    (0..S::LANES).map(|lane| number.lane(lane)).fold(f64::INFINITY, f64::min)
+}
+
+/// # Errors
+/// The number, if it is negative in any lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn refuse_negative<S: Scalar>(number: S) -> Result<(), f64> {
+    let is_negative = number.less(S::from_f64(0.0));
+    if (!is_negative).all() { Ok(()) } else { Err(lowest(number)) }
+}

@@ -1,0 +1,257 @@
+//! The O parts of a step: their constants, their share of what drives it, and the heat that they bring.
+
+use std::ops::Range;
+
+use super::diagonal::{BLOCK, Diagonal};
+use super::modes::Decay;
+use super::relaxation::Momenta;
+use super::{Damped, Relaxation};
+use crate::algebra::carry::Carry;
+use crate::algebra::scalar::Scalar;
+use crate::error::{ConfigError, StepFailure};
+
+/// The O parts of a step: how many, with an equal share each, and how momenta decay in them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shares {
+    pub(super) parts: usize,
+    pub(super) decay: Decay,
+}
+
+impl Shares {
+    fn of_one(self) -> (f64, Decay) {
+        (1.0 / self.parts as f64, self.decay)
+    }
+}
+
+/// The constants of the O parts of steps of size `h`; none of a system whose size only its state knows.
+///
+/// # Errors
+/// [`ConfigError::Bath`]
+pub(super) fn prepare<T: Damped>(
+    system: &T,
+    h: f64,
+    shares: Shares,
+) -> Result<Option<Relaxation>, ConfigError> {
+    let degrees = system.degrees();
+    if degrees == 0 {
+        Relaxation::check(system).map_err(ConfigError::Bath)?;
+        return Ok(None);
+    }
+    let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(ConfigError::Bath)?;
+    Ok(Some(relaxation))
+}
+
+/// Constants of steps of one size, of a system of so many degrees of freedom.
+#[derive(Debug)]
+struct Own {
+    h: f64,
+    degrees: usize,
+    relaxation: Relaxation,
+}
+
+impl Own {
+    #[cold]
+    fn new<T: Damped>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
+        system.check(degrees)?;
+        let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(StepFailure::Bath)?;
+        Ok(Self { h, degrees, relaxation })
+    }
+}
+
+/// What O parts need besides, and what they leave.
+#[derive(Debug)]
+pub(super) struct Memory<S> {
+    own: Option<Own>,
+    room: Vec<S>,
+    /// The heat of each part, block by block, where a step goes window by window.
+    blocks: Vec<f64>,
+    /// The heat of the last step.
+    pub(super) heat: S,
+}
+
+impl<S: Scalar> Default for Memory<S> {
+    fn default() -> Self {
+        Self { own: None, room: Vec::new(), blocks: Vec::new(), heat: S::from_f64(0.0) }
+    }
+}
+
+impl<S: Scalar> Memory<S> {
+    /// With room for a system that knows its size.
+    pub(super) fn of_system<T: Damped>(system: &T) -> Self {
+        let mut memory = Self::default();
+        memory.fit::<T>(system.degrees());
+        memory
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fit<T: Damped>(&mut self, degrees: usize) {
+        let room = Relaxation::room::<T>(degrees);
+        if self.room.len() != room {
+            self.room.resize(room, S::from_f64(0.0));
+        }
+    }
+
+    /// The O parts of a step of size `h`, driven by `normals`. Allocates in the first step only, and only where the system does not know its size.
+    ///
+    /// # Errors
+    /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
+    /// [`StepFailure::Bath`] as [`prepare`]; what [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check) says in the first step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn parts<'m, T: Damped>(
+        &'m mut self,
+        system: &'m T,
+        prepared: &'m Option<Relaxation>,
+        (h, shares, degrees): (f64, Shares, usize),
+        (dw, noises): (&'m [S], usize),
+    ) -> Result<Parts<'m, T, S>, StepFailure> {
+        let expected = noises + normals(system, degrees, shares.parts);
+        if dw.len() != expected {
+            return Err(StepFailure::Increments { expected, got: dw.len() });
+        }
+        self.fit::<T>(degrees);
+        let relaxation = match prepared {
+            Some(relaxation) => relaxation,
+            None => {
+                let own = self.own.take().filter(|own| own.h == h && own.degrees == degrees);
+                let own = match own {
+                    Some(own) => own,
+                    None => Own::new(system, degrees, h, shares)?,
+                };
+                &self.own.insert(own).relaxation
+            }
+        };
+        let per_part = (expected - noises) / shares.parts;
+        let Self { room, blocks, .. } = self;
+        Ok(Parts { system, relaxation, normals: &dw[noises..], per_part, room, blocks })
+    }
+}
+
+/// Standard normals that drive a step with so many O parts.
+pub(super) fn normals<T: Damped>(system: &T, degrees: usize, parts: usize) -> usize {
+    if system.temperature().is_some() { parts * degrees } else { 0 }
+}
+
+/// The O parts of a step.
+pub(super) struct Parts<'m, T, S> {
+    system: &'m T,
+    relaxation: &'m Relaxation,
+    normals: &'m [S],
+    per_part: usize,
+    room: &'m mut Vec<S>,
+    blocks: &'m mut Vec<f64>,
+}
+
+/// O parts of a step: of one system, or of several beside each other.
+pub(super) trait Relaxes<S: Scalar> {
+    /// Whether there is no friction, and nothing to do.
+    fn are_still(&self) -> bool;
+
+    /// The first part between two drifts over `time`, and its heat; `None` where that is not done at once.
+    fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S>;
+
+    /// Part number `part`, and its heat.
+    ///
+    /// # Errors
+    /// [`StepFailure::Bath`] where friction is negative; `p` is then any.
+    fn apply<C: Carry<S>>(
+        &mut self,
+        part: usize,
+        q: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+    ) -> Result<S, StepFailure>;
+}
+
+impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
+    /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
+        let Self { relaxation, normals, per_part, blocks, .. } = self;
+        let (law, normals) = (relaxation.diagonal()?, S::plain(normals)?);
+        blocks.resize(parts * degrees.div_ceil(BLOCK), 0.0);
+        Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
+    }
+}
+
+impl<T: Damped, S: Scalar> Relaxes<S> for Parts<'_, T, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn are_still(&self) -> bool {
+        self.relaxation.is_still()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S> {
+        self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn apply<C: Carry<S>>(
+        &mut self,
+        part: usize,
+        q: &[S],
+        p: &mut [S],
+        lost: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, self.room)
+    }
+}
+
+/// The O parts of a step, which may be taken place by place, in any order.
+#[derive(Debug)]
+pub(super) struct ByPlace<'m> {
+    law: &'m Diagonal,
+    normals: &'m [f64],
+    per_part: usize,
+    /// The place that `blocks` begin with, which are the heats of `parts` of each block.
+    first: usize,
+    blocks: &'m mut [f64],
+    parts: usize,
+}
+
+impl<'m> ByPlace<'m> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn lend(&mut self) -> ByPlace<'_> {
+        ByPlace { blocks: self.blocks, ..*self }
+    }
+
+    /// The places before one that a block begins with, and those from it on.
+    pub(super) fn divide(self, place: usize) -> [Self; 2] {
+        let Self { law, normals, per_part, first, blocks, parts } = self;
+        let before = ((place - first).div_ceil(BLOCK) * parts).min(blocks.len());
+        let (blocks, behind) = blocks.split_at_mut(before);
+        [(first, blocks), (place, behind)].map(|(first, blocks)| Self {
+            law,
+            normals,
+            per_part,
+            first,
+            blocks,
+            parts,
+        })
+    }
+
+    /// Some places of a part, from the first of a block on, between two drifts over a time where there are coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn apply(
+        &mut self,
+        part: usize,
+        places: Range<usize>,
+        mut drift: Option<(f64, &mut [f64])>,
+        p: &mut [f64],
+    ) {
+        let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        let heats = self.blocks[(places.start - self.first) / BLOCK * self.parts..].chunks_mut(self.parts);
+        for (block, (p, heats)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
+            let (from, len) = (block * BLOCK, p.len());
+            let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[from..from + len]));
+            heats[part] = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
+        }
+    }
+
+    /// The heat of all parts.
+    pub(super) fn heat(&self) -> f64 {
+        let of_part =
+            |part| self.blocks.iter().skip(part).step_by(self.parts).fold(0.0, |sum, heat| sum + heat);
+        (0..self.parts).fold(0.0, |sum, part| sum + of_part(part))
+    }
+}

@@ -1,0 +1,405 @@
+//! Friction and noise alone, which are an Ornstein-Uhlenbeck process: `p <- E p + R ξ`.
+//!
+//! With `M⁻¹ = C Cᵀ` and `N = C⁻ᵀ`, so that `M = N Nᵀ`, the friction `A = Cᵀ Γ C = V Λ Vᵀ` is symmetric, and with `W = N V` and the time `s`
+//!
+//! ```text
+//! E = exp(-s Γ M⁻¹) = W exp(-s Λ) W⁻¹ = e^{-s μ} (1 - W (1 - exp(-s (Λ - μ))) W⁻¹),   W⁻¹ = Vᵀ Cᵀ,   μ the smallest of Λ
+//! R Rᵀ = kT (M - E M Eᵀ) = kT W (1 - exp(-2 s Λ)) Wᵀ
+//! ```
+//!
+//! [`Decay::Cayley`] has `E = (1 + s Γ M⁻¹/2)⁻¹ (1 - s Γ M⁻¹/2)` in the place of the exponential.
+//!
+//! No difference of nearly equal numbers is in it, neither for small friction nor for large, and degrees of freedom without friction keep their
+//! momenta to the last bit.
+
+use std::ops::Mul;
+
+use super::Damped;
+use super::diagonal::Diagonal;
+use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
+use crate::algebra::carry::Carry;
+use crate::algebra::scalar::Scalar;
+use crate::error::{BathError, StepFailure};
+
+/// The O part of a step, with everything that does not depend on the state.
+#[derive(Clone, Debug)]
+pub struct Relaxation(Law);
+
+/// Lists have one number per degree of freedom, matrices all rows, one after the other.
+#[derive(Clone, Debug)]
+enum Law {
+    /// No friction.
+    Still,
+    /// Rates and masses by degree of freedom: lists.
+    Diagonal(Diagonal),
+    /// The same as matrices.
+    Matrix { decay: Vec<f64>, deviation: Vec<f64>, inverse_mass: Vec<f64> },
+    /// By the friction at each state.
+    Frozen(Frozen),
+}
+
+/// What an O part with the friction of a place is made of.
+#[derive(Clone, Debug)]
+struct Frozen {
+    /// A list if rates and masses are lists, else a matrix.
+    inverse_mass: Vec<f64>,
+    mass: Factors,
+    bath: Bath,
+}
+
+/// Momenta that an O part moves, and what moves them.
+pub(super) struct Momenta<'m, S> {
+    /// Where they are.
+    pub(super) q: &'m [S],
+    /// `√h ξ`, none without temperature.
+    pub(super) normals: &'m [S],
+    pub(super) p: &'m mut [S],
+    /// What is carried for them.
+    pub(super) lost: &'m mut [S],
+}
+
+impl Relaxation {
+    /// That of the fraction `share` of a step of size `h`, with this decay.
+    ///
+    /// # Errors
+    /// [`BathError`] for a friction, a temperature or a mass that makes no sense, and for steps backwards in time.
+    pub fn new<T: Damped>(
+        system: &T,
+        degrees: usize,
+        h: f64,
+        (share, decay): (f64, Decay),
+    ) -> Result<Self, BathError> {
+        let temperature = Self::check(system)?;
+        let mut gamma = vec![0.0; if T::IS_MATRIX { degrees * degrees } else { degrees }];
+        if !T::PER_STATE {
+            system.damping(&vec![0.0; degrees], &mut gamma);
+            if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite()) {
+                return Err(BathError::Friction { rate });
+            }
+            if gamma.iter().all(|&gamma| gamma == 0.0) {
+                return Ok(Self(Law::Still));
+            }
+        }
+        if h < 0.0 {
+            return Err(BathError::Backwards { h });
+        }
+        let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip(), decay };
+        let inverse_mass = inverse_mass(system, degrees);
+        let mass = if is_list::<T>() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
+        if T::PER_STATE {
+            if is_list::<T>()
+                && let Some(degree) = inverse_mass.iter().position(|&inverse| inverse <= 0.0)
+            {
+                return Err(BathError::Mass { degree, inverse: inverse_mass[degree] });
+            }
+            return Ok(Self(Law::Frozen(Frozen { mass, inverse_mass, bath })));
+        }
+        Ok(Self(match (T::IS_MATRIX, T::HAS_DIAGONAL_MASSES) {
+            (false, true) => diagonal(&gamma, inverse_mass, &bath)?,
+            (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath)?,
+            (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees)?,
+        }))
+    }
+
+    /// The temperature, 0 if there is none.
+    ///
+    /// # Errors
+    /// [`BathError::Temperature`]
+    pub(super) fn check<T: Damped>(system: &T) -> Result<f64, BathError> {
+        let temperature = system.temperature().unwrap_or(0.0);
+        if temperature.is_finite() && temperature >= 0.0 {
+            Ok(temperature)
+        } else {
+            Err(BathError::Temperature { temperature })
+        }
+    }
+
+    /// Whether there is no friction.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn is_still(&self) -> bool {
+        matches!(self.0, Law::Still)
+    }
+
+    /// A drift over `time`, the O part, and the same drift again, in one pass over lists of masses and rates; `None` where they are no lists.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn apply_between_drifts<S: Scalar>(
+        &self,
+        time: f64,
+        normals: &[S],
+        q: &mut [S],
+        p: &mut [S],
+    ) -> Option<S> {
+        let law = self.diagonal()?;
+        Some(law.all_blocks(normals, Some((time, q)), p))
+    }
+
+    /// Rates and masses, if they are lists.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn diagonal(&self) -> Option<&Diagonal> {
+        if let Law::Diagonal(law) = &self.0 { Some(law) } else { None }
+    }
+
+    /// How much room [`Relaxation::apply`] needs.
+    pub(super) fn room<T: Damped>(degrees: usize) -> usize {
+        if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
+    }
+
+    /// Moves the momenta, and gives the heat that they took: the gain of kinetic energy. Lanes do not account for it.
+    ///
+    /// # Errors
+    /// [`BathError::Friction`] where it is negative; `p` is then any.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn apply<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        mut momenta: Momenta<'_, S>,
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        Ok(match &self.0 {
+            Law::Still => S::from_f64(0.0),
+            Law::Diagonal(law) if !C::CARRIES => law.all_blocks(momenta.normals, None, momenta.p),
+            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
+                .relax::<C>(inverse_mass, |i| Ok((S::from_f64(decay[i]), S::from_f64(deviation[i]))))?,
+            Law::Matrix { decay, deviation, inverse_mass } => {
+                let d = momenta.p.len();
+                for (i, to) in room.iter_mut().enumerate().take(d) {
+                    let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + momenta.p[j] * decay[i * d + j]);
+                    *to = momenta.with_noise(kept, i, &deviation[i * d..]);
+                }
+                momenta.replace::<C>(&room[..d], inverse_mass)
+            }
+            Law::Frozen(frozen) => {
+                if T::IS_MATRIX {
+                    frozen.apply_matrix::<T, S, C>(system, momenta, room)?
+                } else {
+                    frozen.apply_rates::<T, S, C>(system, momenta, room)?
+                }
+            }
+        })
+    }
+}
+
+/// `√h ξ` of a degree of freedom; zero without temperature.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
+    normals.get(i).copied().unwrap_or(S::from_f64(0.0))
+}
+
+impl<S: Scalar> Momenta<'_, S> {
+    /// A number and the noise of a lower triangular matrix in its row number `i`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_noise<T: Copy>(&self, number: S, i: usize, row: &[T]) -> S
+    where
+        S: Mul<T, Output = S>,
+    {
+        (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
+    }
+
+    /// `p <- E p + R ξ` by degree of freedom, with what is carried; and the heat.
+    ///
+    /// # Errors
+    /// Those of the constants `E` and `R / √h`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn relax<C: Carry<S>>(
+        &mut self,
+        inverse_mass: &[f64],
+        constants: impl Fn(usize) -> Result<(S, S), StepFailure>,
+    ) -> Result<S, StepFailure> {
+        let mut heat = S::from_f64(0.0);
+        for (i, inverse) in inverse_mass.iter().enumerate().take(self.p.len()) {
+            let (decay, deviation) = constants(i)?;
+            let (before, noise) = (self.p[i], of_normal(self.normals, i) * deviation);
+            if C::CARRIES {
+                (self.p[i], self.lost[i]) = C::add(before * decay, noise, self.lost[i] * decay);
+            } else {
+                self.p[i] = before * decay + noise;
+            }
+            heat = heat + gain(before, self.p[i], *inverse);
+        }
+        Ok(heat)
+    }
+
+    /// New momenta, and the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn replace<C: Carry<S>>(&mut self, new: &[S], inverse_mass: &[f64]) -> S {
+        let (zero, d) = (S::from_f64(0.0), self.p.len());
+        let mut heat = zero;
+        if S::LANES == 1 {
+            for (i, row) in inverse_mass.chunks_exact(d).enumerate() {
+                let sum = (0..d).fold(zero, |sum, j| sum + (new[j] + self.p[j]) * row[j]);
+                heat = heat + (new[i] - self.p[i]) * sum * 0.5;
+            }
+        }
+        self.p.copy_from_slice(new);
+        if C::CARRIES {
+            self.lost.fill(zero);
+        }
+        heat
+    }
+}
+
+/// What the kinetic energy of one momentum gains.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn gain<S, N>(before: S, after: S, inverse_mass: N) -> S
+where
+    S: Scalar + Mul<N, Output = S>,
+    N: Mul<f64, Output = N>,
+{
+    if S::LANES == 1 { (after - before) * (after + before) * (inverse_mass * 0.5) } else { S::from_f64(0.0) }
+}
+
+/// Whether friction and masses are lists by degree of freedom.
+pub(super) const fn is_list<T: Damped>() -> bool {
+    !T::IS_MATRIX && T::HAS_DIAGONAL_MASSES
+}
+
+/// `M⁻¹`: a list where friction is one too, else a matrix.
+fn inverse_mass<T: Damped>(system: &T, d: usize) -> Vec<f64> {
+    if !T::HAS_DIAGONAL_MASSES {
+        let mut rows = vec![0.0; d * d];
+        system.inverse_mass(&mut rows);
+        return rows;
+    }
+    let mut list = vec![0.0; d];
+    system.inverse_mass(&mut list);
+    if !T::IS_MATRIX {
+        return list;
+    }
+    let mut rows = vec![0.0; d * d];
+    rows.iter_mut().step_by(d + 1).zip(list).for_each(|(entry, inverse)| *entry = inverse);
+    rows
+}
+
+/// # Errors
+/// [`BathError::Friction`] unless the rate is a finite number that is not negative.
+fn check_rate(rate: f64) -> Result<f64, BathError> {
+    if rate >= 0.0 && rate.is_finite() { Ok(rate) } else { Err(BathError::Friction { rate }) }
+}
+
+fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, BathError> {
+    let (mut decay, mut deviation) = (vec![1.0; rates.len()], vec![0.0; rates.len()]);
+    for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
+        if rate == 0.0 {
+            continue;
+        }
+        if inverse.is_nan() || inverse <= 0.0 {
+            return Err(BathError::Mass { degree, inverse });
+        }
+        let (kept, noise) = bath.mode(check_rate(rate)?);
+        (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
+    }
+    Ok(Law::Diagonal(Diagonal { decay, deviation, inverse_mass }))
+}
+
+/// One rate for masses that are a matrix.
+fn uniform(rate: Option<f64>, mass: &Factors, inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, BathError> {
+    let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(0.0))?);
+    let deviation: Vec<f64> = mass.mass.iter().map(|entry| noise * entry).collect();
+    let mut decay = vec![0.0; deviation.len()];
+    decay.iter_mut().step_by(deviation.len().isqrt() + 1).for_each(|entry| *entry = kept);
+    Ok(Law::Matrix { decay, deviation, inverse_mass })
+}
+
+/// Friction that is a matrix.
+fn constant(
+    mut gamma: Vec<f64>,
+    mass: &Factors,
+    inverse_mass: Vec<f64>,
+    bath: &Bath,
+    d: usize,
+) -> Result<Law, BathError> {
+    for i in 0..d {
+        for j in 0..i {
+            if gamma[i * d + j] != gamma[j * d + i] {
+                return Err(BathError::Asymmetric { entry: [i, j] });
+            }
+        }
+    }
+    let (mut vectors, mut modes) = (vec![0.0; d * d], vec![0.0; d * d]);
+    let mut found = Modes { rates: &mut gamma, vectors: &mut vectors, modes: &mut modes };
+    found.solve(mass, d).map_err(|rate| BathError::Friction { rate })?;
+    let (smallest, slowest) = found.slowest(bath, d);
+    let mut decay = vec![0.0; d * d];
+    for (at, entry) in decay.iter_mut().enumerate() {
+        let (i, j) = (at / d, at % d);
+        let lost: f64 = (0..d)
+            .map(|k| {
+                found.modes[i * d + k] * found.faster(bath, smallest, k, d) * found.inverse(mass, [k, j], d)
+            })
+            .sum();
+        *entry = slowest * (if i == j { 1.0 } else { 0.0 } - lost);
+    }
+    found.deviation(bath, d);
+    Ok(Law::Matrix { decay, deviation: modes, inverse_mass })
+}
+
+/// Friction that would heat.
+#[cold]
+fn negative(rate: f64) -> StepFailure {
+    StepFailure::Bath(BathError::Friction { rate })
+}
+
+impl Frozen {
+    /// Decay and noise of a mode with this rate, as [`Bath::mode`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mode<S: Scalar>(&self, rate: S) -> Result<(S, S), StepFailure> {
+        refuse_negative(rate).map_err(negative)?;
+        Ok(self.bath.mode(rate))
+    }
+
+    /// Rates by degree of freedom, or one for masses that are a matrix.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn apply_rates<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        mut momenta: Momenta<'_, S>,
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let (rates, new) = room.split_at_mut(momenta.p.len());
+        system.damping(momenta.q, rates);
+        if T::HAS_DIAGONAL_MASSES {
+            return momenta.relax::<C>(&self.inverse_mass, |i| {
+                let (decay, noise) = self.mode(rates[i])?;
+                Ok((decay, noise / self.inverse_mass[i].sqrt()))
+            });
+        }
+        let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
+        let (decay, noise) = self.mode(rate)?;
+        let masses = self.mass.mass.chunks_exact(momenta.p.len());
+        for (i, (new, mass)) in new.iter_mut().zip(masses).enumerate() {
+            *new = momenta.p[i] * decay + momenta.with_noise(S::from_f64(0.0), i, mass) * noise;
+        }
+        Ok(momenta.replace::<C>(new, &self.inverse_mass))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn apply_matrix<T: Damped, S: Scalar, C: Carry<S>>(
+        &self,
+        system: &T,
+        mut momenta: Momenta<'_, S>,
+        room: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let (zero, d) = (S::from_f64(0.0), momenta.p.len());
+        let (rates, room) = room.split_at_mut(d * d);
+        let (vectors, room) = room.split_at_mut(d * d);
+        let (modes, room) = room.split_at_mut(d * d);
+        let (along, new) = room.split_at_mut(d);
+        system.damping(momenta.q, rates);
+        let mut found = Modes { rates, vectors, modes };
+        found.solve(&self.mass, d).map_err(negative)?;
+        let (smallest, slowest) = found.slowest(&self.bath, d);
+        for (k, along) in along.iter_mut().enumerate() {
+            let own = (0..d).fold(zero, |sum, j| sum + found.inverse(&self.mass, [k, j], d) * momenta.p[j]);
+            *along = found.faster(&self.bath, smallest, k, d) * own;
+        }
+        for (i, new) in new.iter_mut().enumerate().take(d) {
+            let lost = (0..d).fold(zero, |sum, k| sum + found.modes[i * d + k] * along[k]);
+            *new = slowest * (momenta.p[i] - lost);
+        }
+        found.deviation(&self.bath, d);
+        for (i, (new, row)) in new.iter_mut().zip(found.modes.chunks_exact(d)).enumerate() {
+            *new = momenta.with_noise(*new, i, row);
+        }
+        Ok(momenta.replace::<C>(&new[..d], &self.inverse_mass))
+    }
+}

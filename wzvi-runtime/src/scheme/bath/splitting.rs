@@ -1,0 +1,382 @@
+//! Kicks, drifts and O parts in turn: [`Baoab`], [`Obabo`], [`Gjf`] and [`GjI`].
+//!
+//! Kicks and drifts are the flows of [`compose::flows`](crate::scheme::compose), with the increments of the noises; the force at the end of a step is that at the
+//! start of the next.
+//!
+//! For a system with [`Flows`] and [`Damped`].
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+use super::beside::Baths;
+use super::modes::Decay;
+use super::part::Shares;
+use super::part::{self, Relaxes};
+use super::relaxation::is_list;
+use super::windowed::WithBath;
+use super::word::{A, B, O, Spelling, Word};
+use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::lanes::Lanes;
+use crate::algebra::memory::{StepMemory, Threads};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::Vector;
+use crate::error::{BathError, ConfigError, StepFailure};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::scheme::compose::flows::{Flows, FlowsBeside, FlowsOf, Slopes};
+use crate::scheme::compose::stages::{self, Rooms, Stage, Stages, Take};
+use crate::scheme::compose::substeps::Substep;
+use crate::scheme::compose::windowed::{self, Givens, least_alone, takes_windows};
+use crate::scheme::elements::Taken;
+use crate::scheme::gauss::{Field, Shape};
+use crate::scheme::plan::{NoiseClass, Plan, Solver};
+use crate::scheme::system::{At, Exchange, Properties, Scheme};
+
+/// A word of kicks, drifts and O parts, and how these are taken.
+pub trait Letters {
+    /// Its letters.
+    type Word: Word;
+    /// What the O parts leave of the momenta.
+    const DECAY: Decay = Decay::Exponential;
+    /// Whether kicks and drifts are shortened.
+    const IS_SHORTENED: bool = false;
+    /// The letters as steps take them.
+    const SPELLING: &'static Spelling = &Spelling::of(<Self::Word as Word>::LETTERS);
+}
+
+impl<W: Word> Letters for W {
+    type Word = W;
+}
+
+impl Letters for Baoab {
+    type Word = (B, A, O, A, B);
+}
+
+impl Letters for Obabo {
+    type Word = (O, B, A, B, O);
+}
+
+impl Letters for Gjf {
+    type Word = (B, A, O, A, B);
+    const DECAY: Decay = Decay::Cayley;
+}
+
+impl Letters for GjI {
+    type Word = (B, A, O, A, B);
+    const IS_SHORTENED: bool = true;
+}
+
+/// The O parts of a word.
+const fn shares<W: Letters>() -> Shares {
+    Shares { parts: W::SPELLING.relaxes_before().len(), decay: W::DECAY }
+}
+
+/// The steps of a word.
+#[derive(Clone, Copy, Debug)]
+pub struct Splitting<W>(PhantomData<W>);
+
+/// What is computed once.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    flows: Stages,
+    /// The same with neighbours as one: without friction nothing is between them.
+    still: Stages,
+    relaxation: Option<Relaxation>,
+}
+
+/// What a step leaves.
+#[derive(Debug)]
+pub struct Memory<S: Scalar, H: Shape> {
+    flows: stages::Memory<S, H>,
+    bath: part::Memory<S>,
+}
+
+impl<S: Scalar, H: Shape> Default for Memory<S, H> {
+    fn default() -> Self {
+        Self { flows: Default::default(), bath: Default::default() }
+    }
+}
+
+/// The copy allocates its own room, as that of the flows.
+impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
+    fn clone(&self) -> Self {
+        Self { flows: self.flows.clone(), bath: Default::default() }
+    }
+}
+
+impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
+    fn pass(&mut self, _: &mut Tape) {}
+}
+
+impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
+    fn forget(&mut self) {}
+    fn adopt(&mut self, _: Self) {}
+
+    fn share(&mut self, threads: Threads) {
+        self.flows.share(threads);
+    }
+}
+
+impl<F, W> Scheme<F> for Splitting<W>
+where
+    F: Flows + Damped,
+    W: Letters,
+{
+    const PLAN: Plan = {
+        let order = W::SPELLING.order;
+        // One noise in kicks and drifts needs what makes the order two.
+        let consistent = order == 2 || !matches!(F::FACTS.noise, NoiseClass::Multiplicative);
+        with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
+    };
+    const PROPERTIES: Properties = Properties {
+        // Windows are for lists of rates and masses.
+        fills_registers_from: match is_list::<F>() && !F::PER_STATE {
+            true => least_alone::<F>(),
+            false => usize::MAX,
+        },
+        exchanges: true,
+        is_variational: false,
+        ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
+    };
+    type Prepared = Prepared;
+    type Memory<S: Scalar> = Memory<S, F::Shape>;
+    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Carry<S: Scalar> = Plain;
+
+    fn increments(system: &F, degrees: usize) -> usize {
+        system.noises() + part::normals(system, degrees, W::SPELLING.relaxes_before().len())
+    }
+
+    fn exchanged(_: &F, memory: &Self::Memory<f64>) -> Exchange {
+        Exchange { work: 0.0, heat: memory.bath.heat }
+    }
+
+    fn memory(system: &F) -> Self::Memory<f64> {
+        Memory { flows: stages::Memory::of_system(system), bath: part::Memory::of_system(system) }
+    }
+
+    fn prepare(system: &F, h: f64) -> Result<Self::Prepared, ConfigError> {
+        stages::check(system)?;
+        let relaxation = part::prepare(system, h, shares::<W>())?;
+        let substeps: Vec<Substep> =
+            W::SPELLING.flows().iter().map(|&(half, weight, _)| (half, weight)).collect();
+        let factor = if W::IS_SHORTENED { shortened(system, h)? } else { 1.0 };
+        let flows = W::SPELLING.flows().iter().map(|&(half, weight, node)| (half, factor * weight, node));
+        let flows = Stages::listed(flows);
+        Ok(Prepared { flows, still: Stages::of(&substeps), relaxation })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Self::Prepared,
+        At { t, h, q, p, dw }: At<'_, S>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let Memory { flows: memory, bath } = memory;
+        let (degrees, noises) = (q.len(), system.noises());
+        if !system.fits(degrees) {
+            system.check(degrees)?;
+        }
+        if const { F::IN_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+            && takes_windows::<F>(degrees)
+            && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+        {
+            let givens = Givens { t, h, q, p, dw: &own[..noises.min(own.len())] };
+            if let Some(taken) =
+                in_windows::<F, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
+            {
+                let (taken, heat) = taken?;
+                taken.copy(q, p);
+                bath.heat = S::from_f64(heat);
+                return Ok(Effort::fast(0));
+            }
+        }
+        let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
+        let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
+        let mut word = Spoken::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
+        let effort =
+            stages::advance(system, &mut word, list, At { t, h, q, p, dw: &dw[..noises] }, memory, carry)?;
+        bath.heat = word.heat;
+        Ok(effort)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Self::Prepared,
+        [t, h]: [f64; 2],
+        [q, p]: [&mut F::Vector; 2],
+        dw: &[f64],
+        memory: &mut Self::Memory<f64>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        if const { F::IN_WINDOWS && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
+            let noises = system.noises().min(dw.len());
+            let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
+            let Memory { flows, bath } = memory;
+            if let Some(taken) =
+                in_windows::<F, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
+            {
+                let (taken, heat) = taken?;
+                taken.exchange(q, p);
+                bath.heat = heat;
+                return Ok(Effort::fast(0));
+            }
+        }
+        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        Self::advance::<f64, C, CAREFUL>(system, prepared, at, memory, carry)
+    }
+
+    type Beside<const L: usize> = Beside<F, L>;
+
+    fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared; L]) -> Option<Beside<F, L>> {
+        // Each system has kicks and drifts of its own length.
+        if !is_list::<F>() || F::PER_STATE || W::IS_SHORTENED {
+            return None;
+        }
+        let first = *prepared.first()?;
+        let baths = Baths::new(systems, prepared.map(|prepared| &prepared.relaxation), F::noises)?;
+        let stages = if baths.are_still() { &first.still } else { &first.flows };
+        Some(Beside { flows: FlowsBeside::new(systems, stages)?, baths })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance_beside<const L: usize>(
+        beside: &Beside<F, L>,
+        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let Beside { flows: system, baths } = beside;
+        let (Stages(list), (dw, parts)) =
+            (system.stages(), baths.parts(W::SPELLING.relaxes_before().len(), dw)?);
+        let flows = FlowsOf { system, t, h, count: list.len() };
+        let mut word = Spoken::<_, _, _, W>::new(flows, parts);
+        stages::advance(system, &mut word, list, At { t, h, q, p, dw }, &mut memory.flows, &mut Plain)
+    }
+}
+
+/// The factor `s = √(tanh(γh/2)/(γh/2))` of the time in kicks and drifts of [`GjI`], with which `s² (1 + c)/(1 - c) = 2/(γh)` for `c = e^{-γh}`: the diffusion of a
+/// free particle is right.
+///
+/// # Errors
+/// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] beside noises, whose increments would be shortened, too.
+fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
+    if system.noises() > 0 {
+        let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
+        return Err(ConfigError::Setting(wrong.into()));
+    }
+    // A system that does not know its size has one rate for any.
+    let mut rates = vec![f64::NAN; system.degrees().max(1)];
+    if !T::IS_MATRIX && !T::PER_STATE {
+        system.damping(&vec![0.0; rates.len()], &mut rates);
+    }
+    let rate = rates[0];
+    if !(rate >= 0.0 && rates.iter().all(|other| *other == rate)) {
+        return Err(ConfigError::Bath(BathError::Rates));
+    }
+    let x = 0.5 * h * rate;
+    Ok(if x == 0.0 { 1.0 } else { (x.tanh() / x).sqrt() })
+}
+
+/// A step window by window, and its heat; `None` where friction and masses are no lists.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
+    system: &F,
+    prepared: &'m Prepared,
+    givens: Givens<'_>,
+    dw: &[S],
+    windows: &'m mut windowed::Memory,
+    bath: &mut part::Memory<S>,
+) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
+    let (degrees, parts) = (givens.q.len(), W::SPELLING.relaxes_before().len());
+    let size = (givens.h, shares::<W>(), degrees);
+    let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
+        Ok(driven) => driven,
+        Err(failure) => return Some(Err(failure)),
+    };
+    let relaxing = driven.by_place(parts, degrees)?;
+    let word = |flows| WithBath::new::<W>(flows, relaxing, &prepared.flows.0, givens.h);
+    let taken = windows.advance(system, &prepared.flows.0, givens, word);
+    Some(taken.map(|(taken, word)| (taken, word.heat())))
+}
+
+/// What a step of `L` systems beside each other reads of them.
+pub struct Beside<F: Field, const L: usize> {
+    flows: FlowsBeside<F, L>,
+    baths: Baths<L>,
+}
+
+/// The parts of a step.
+struct Spoken<'m, F, B, S, W> {
+    flows: FlowsOf<'m, F>,
+    parts: B,
+    heat: S,
+    /// Whether the O part and the drift behind it have been taken with the drift before it.
+    is_done: bool,
+    word: PhantomData<W>,
+}
+
+impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Spoken<'m, F, B, S, W> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new(flows: FlowsOf<'m, F>, parts: B) -> Self {
+        Self { flows, parts, heat: S::from_f64(0.0), is_done: false, word: PhantomData }
+    }
+
+    /// The O part in front of flow number `index`, if there is one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn relax<C: Carry<S>, H: Shape>(
+        &mut self,
+        index: usize,
+        rooms: &mut Rooms<S, H>,
+    ) -> Result<(), StepFailure> {
+        if self.parts.are_still() {
+            return Ok(());
+        }
+        if let Some(part) = W::SPELLING.relaxes_before().iter().position(|&before| before == index) {
+            let Rooms { q, p, lost_p, .. } = rooms;
+            let heat = self.parts.apply::<C>(part, q.as_ref(), p.as_mut(), lost_p.as_mut())?;
+            self.heat = self.heat + heat;
+        }
+        Ok(())
+    }
+}
+
+impl<F, B, S, W> Take<S, F::Shape> for Spoken<'_, F, B, S, W>
+where
+    F: Slopes<S>,
+    B: Relaxes<S>,
+    S: Scalar,
+    W: Letters,
+{
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<C: Carry<S>>(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        rooms: &mut Rooms<S, F::Shape>,
+        memory: &mut stages::Memory<S, F::Shape>,
+    ) -> Result<(), StepFailure> {
+        // Lists of masses say what a drift is, unless a noise drifts too: one pass instead of three.
+        if W::SPELLING.drifts_around == Some(index)
+            && !C::CARRIES
+            && memory.dw.is_empty()
+            && !self.parts.are_still()
+        {
+            let Rooms { q, p, .. } = rooms;
+            let time = stage.weight * self.flows.h;
+            if let Some(heat) = self.parts.apply_between_drifts(time, q.as_mut(), p.as_mut()) {
+                (self.heat, self.is_done) = (self.heat + heat, true);
+                return Ok(());
+            }
+        }
+        if self.is_done && W::SPELLING.drifts_around.is_some_and(|first| first + 1 == index) {
+            return Ok(());
+        }
+        self.relax::<C, _>(index, rooms)?;
+        self.flows.take::<C>(index, stage, rooms, memory)?;
+        if index + 1 == W::SPELLING.flows().len() { self.relax::<C, _>(index + 1, rooms) } else { Ok(()) }
+    }
+}

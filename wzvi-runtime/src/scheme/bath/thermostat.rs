@@ -1,0 +1,258 @@
+//! O parts around the steps of any scheme: [`Thermostat`](super::Thermostat).
+//!
+//! It is of the order that `E` has, but not above 2.
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+use super::beside::Baths;
+use super::modes::Decay;
+use super::part::{self, Relaxes, Shares, normals};
+use super::relaxation::is_list;
+use super::{Damped, Relaxation, with_bath};
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::lanes::Lanes;
+use crate::algebra::memory::{Iteration, Method, StepMemory, Threads};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::error::{ConfigError, FailedLanes, StepFailure};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::scheme::compose::kept;
+use crate::scheme::elements::are_finite;
+use crate::scheme::plan::Plan;
+use crate::scheme::system::{At, Exchange, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
+
+/// O parts in front of and behind a step.
+const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
+
+/// Steps of `E`, of the system without its bath, between two O parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<E>(PhantomData<E>);
+
+/// What is computed once.
+#[derive(Clone, Debug)]
+pub struct Prepared<M> {
+    step: M,
+    relaxation: Option<Relaxation>,
+}
+
+/// What a step leaves.
+#[derive(Debug)]
+pub struct Memory<S: Scalar, M> {
+    /// That of the step between, and the state before it all.
+    kept: kept::Memory<S, M, ()>,
+    /// What is carried for coordinates and momenta.
+    lost: [Vec<S>; 2],
+    bath: part::Memory<S>,
+}
+
+impl<S: Scalar, M> Memory<S, M> {
+    fn of(kept: kept::Memory<S, M, ()>) -> Self {
+        Self { kept, lost: [Vec::new(), Vec::new()], bath: Default::default() }
+    }
+}
+
+impl<S: Scalar, M> Default for Memory<S, M> {
+    fn default() -> Self {
+        Self::of(Default::default())
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S: Scalar, M: Clone> Clone for Memory<S, M> {
+    fn clone(&self) -> Self {
+        Self::of(self.kept.clone())
+    }
+}
+
+impl<S: Scalar, M: Numbers + Default> Numbers for Memory<S, M> {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.kept.pass(tape);
+    }
+}
+
+impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
+    fn forget(&mut self) {
+        self.kept.forget();
+    }
+
+    fn hold(&mut self) {
+        self.kept.hold();
+    }
+
+    fn adopt(&mut self, left: Self) {
+        self.kept.adopt(left.kept);
+        self.bath.heat = left.bath.heat;
+    }
+
+    fn pin(&mut self, iteration: Iteration) {
+        self.kept.pin(iteration);
+    }
+
+    fn share(&mut self, threads: Threads) {
+        self.kept.share(threads);
+    }
+
+    fn pinned(&self) -> Iteration {
+        self.kept.pinned()
+    }
+
+    fn method(&self) -> Option<Method> {
+        self.kept.method()
+    }
+}
+
+/// As far as the plan of `E` says.
+impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
+    const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
+    const PROPERTIES: Properties = Properties {
+        remembers: <T as Listed<E>>::PROPERTIES.remembers,
+        in_lanes: <T as Listed<E>>::PROPERTIES.in_lanes,
+        exchanges: true,
+        is_variational: false,
+        ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)
+    };
+    type Prepared = Prepared<PreparedOf<T, E>>;
+    type Memory<S: Scalar> = Memory<S, MemoryOf<T, E, S>>;
+    type Compensated<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Compensated<S>;
+    type Carry<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Carry<S>;
+    type Beside<const L: usize> = Beside<<SchemeOf<T, E> as Scheme<T>>::Beside<L>, L>;
+
+    fn increments(system: &T, degrees: usize) -> usize {
+        SchemeOf::<T, E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
+    }
+
+    fn exchanged(system: &T, memory: &Self::Memory<f64>) -> Exchange {
+        let mut exchange = Exchange { work: 0.0, heat: memory.bath.heat };
+        if let Some(step) = memory.kept.first.first() {
+            exchange += SchemeOf::<T, E>::exchanged(system, step);
+        }
+        exchange
+    }
+
+    fn memory(system: &T) -> Self::Memory<f64> {
+        let (step, degrees) = (SchemeOf::<T, E>::memory(system), system.degrees());
+        Memory {
+            kept: kept::Memory::of(vec![step], Vec::new()).with_room(degrees, system.noises()),
+            lost: std::array::from_fn(|_| Vec::with_capacity(degrees)),
+            bath: part::Memory::of_system(system),
+        }
+    }
+
+    fn prepare(system: &T, h: f64) -> Result<Self::Prepared, ConfigError> {
+        let relaxation = part::prepare(system, h, SHARES)?;
+        Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, h)?, relaxation })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &T,
+        prepared: &Self::Prepared,
+        At { t, h, q, p, dw }: At<'_, S>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let (degrees, got) = (q.len(), p.len());
+        if !system.fits(degrees) {
+            system.check(degrees)?;
+        }
+        if got != degrees {
+            return Err(StepFailure::Dimension { expected: degrees, got });
+        }
+        let Memory { kept, lost, bath } = memory;
+        let noises = SchemeOf::<T, E>::increments(system, degrees);
+        let size = (h, SHARES, degrees);
+        let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
+        let (effort, heat) = between(&mut parts, [q, p], (kept, lost), carry, |[q, p], memory, carry| {
+            let at = At { t, h, q, p, dw: &dw[..noises] };
+            SchemeOf::<T, E>::advance::<S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
+        })?;
+        bath.heat = heat;
+        Ok(effort)
+    }
+
+    fn beside<const L: usize>(systems: [&T; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
+        if !is_list::<T>() || T::PER_STATE {
+            return None;
+        }
+        let relaxations = prepared.map(|prepared| &prepared.relaxation);
+        let noises = |system: &T| SchemeOf::<T, E>::increments(system, system.degrees());
+        let baths = Baths::new(systems, relaxations, noises)?;
+        let step = SchemeOf::<T, E>::beside(systems, prepared.map(|prepared| &prepared.step))?;
+        Some(Beside { step, baths })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let (expected, got) = (q.len(), p.len());
+        if got != expected {
+            return Err(StepFailure::Dimension { expected, got });
+        }
+        let (dw, mut parts) = beside.baths.parts(SHARES.parts, dw)?;
+        let Memory { kept, lost, .. } = memory;
+        let taken = between(&mut parts, [q, p], (kept, lost), &mut Plain, |[q, p], memory, _| {
+            SchemeOf::<T, E>::advance_beside(&beside.step, At { t, h, q, p, dw }, memory)
+        })?;
+        Ok(taken.0)
+    }
+}
+
+/// What a step of `L` systems beside each other reads of them.
+pub struct Beside<B, const L: usize> {
+    step: B,
+    baths: Baths<L>,
+}
+
+/// A step between its O parts, and the heat of both; a step that fails changes nothing.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
+    parts: &mut impl Relaxes<S>,
+    [q, p]: [&mut [S]; 2],
+    (kept, lost): (&mut kept::Memory<S, M, ()>, &mut [Vec<S>; 2]),
+    carry: &mut C,
+    step: impl FnOnce([&mut [S]; 2], &mut M, &mut C) -> Result<Effort, StepFailure>,
+) -> Result<(Effort, S), StepFailure> {
+    kept.save([1, 0], q, p, &[], carry);
+    let all = |kept: &mut kept::Memory<S, M, ()>, carry: &mut C| {
+        let before = relax(parts, 0, q, p, lost, carry)?;
+        let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.first[0], carry) {
+            Ok(effort) => (effort, FailedLanes::default()),
+            Err(StepFailure::Lanes(failed)) => (Effort::fast(0), failed),
+            Err(failure) => return Err(failure),
+        };
+        let after = relax(parts, 1, q, p, lost, carry)?;
+        if are_finite(p) { Ok((effort, before + after, failed)) } else { Err(StepFailure::NonFinite) }
+    };
+    match all(kept, carry) {
+        Ok((effort, heat, failed)) if failed.is_empty() => Ok((effort, heat)),
+        Ok((_, _, failed)) => Err(kept.end_in_part(failed, q, p, carry)),
+        Err(failure) => {
+            kept.restore(q, p, carry);
+            Err(failure)
+        }
+    }
+}
+
+/// An O part of a state, with what is carried for it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn relax<S: Scalar, C: Carry<S>>(
+    parts: &mut impl Relaxes<S>,
+    part: usize,
+    q: &[S],
+    p: &mut [S],
+    [lost_q, lost_p]: &mut [Vec<S>; 2],
+    carry: &mut C,
+) -> Result<S, StepFailure> {
+    if C::CARRIES {
+        kept::list_carried(carry, q.len(), [lost_q, lost_p]);
+    }
+    let heat = parts.apply::<C>(part, q, p, lost_p)?;
+    if C::CARRIES {
+        carry.keep(lost_q, lost_p);
+    }
+    Ok(heat)
+}

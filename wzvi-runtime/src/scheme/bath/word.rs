@@ -1,0 +1,334 @@
+//! Splittings as words of letters: `Splitting<(B, A, O, A, B)>`.
+//!
+//! A drift [`A`] is the flow of `T(p)`, a kick [`B`] that of `V(q, t)`, and an [`O`] part friction and noise of the bath. Letters of one kind have equal
+//! shares of the step, unless they are given: `A<1, 4>` is a drift over a quarter of it. The O parts have equal shares always.
+//!
+//! A word is of order one as its shares add to one, and of order two if for each pair of different letters `X`, `Y` the products of shares of an `X` before a `Y`
+//! add to one half, as they do in a palindrome (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section III.5). With O parts order two is the highest.
+
+use super::splitting::Letters;
+use crate::scheme::compose::substeps::Half;
+
+/// The most letters of a word.
+const MOST: usize = 24;
+
+/// A drift, the flow of `T(p)`, over the fraction `N / D` of the step; over an equal share if there is none.
+#[derive(Clone, Copy, Debug)]
+pub enum A<const N: u32 = 0, const D: u32 = 1> {}
+
+/// A kick, the flow of `V(q, t)`, likewise.
+#[derive(Clone, Copy, Debug)]
+pub enum B<const N: u32 = 0, const D: u32 = 1> {}
+
+/// Friction and noise of the bath, over an equal share of the step.
+#[derive(Clone, Copy, Debug)]
+pub enum O {}
+
+/// What a letter stands for; of a share that is not given the numerator is zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Drift
+    A(u32, u32),
+    /// Kick
+    B(u32, u32),
+    /// Friction and noise
+    O,
+}
+
+/// A letter of a word.
+pub trait Letter {
+    /// What it stands for.
+    const PART: Part;
+}
+
+impl<const N: u32, const D: u32> Letter for A<N, D> {
+    const PART: Part = Part::A(N, D);
+}
+impl<const N: u32, const D: u32> Letter for B<N, D> {
+    const PART: Part = Part::B(N, D);
+}
+impl Letter for O {
+    const PART: Part = Part::O;
+}
+
+/// A tuple of letters, in the order of the step.
+pub trait Word {
+    /// All of them.
+    const LETTERS: &'static [Part];
+}
+
+macro_rules! words {
+    ($first:ident $($letter:ident)*) => {
+        impl<$first: Letter, $($letter: Letter),*> Word for ($first, $($letter,)*) {
+            const LETTERS: &'static [Part] = &[$first::PART, $($letter::PART),*];
+        }
+        words!($($letter)*);
+    };
+    () => {};
+}
+
+words!(L1 L2 L3 L4 L5 L6 L7 L8 L9 L10 L11 L12 L13 L14 L15 L16 L17 L18 L19 L20 L21 L22 L23 L24);
+
+/// A word as steps take it.
+#[derive(Clone, Copy, Debug)]
+pub struct Spelling {
+    flows: [(Half, f64, f64); MOST],
+    count: usize,
+    relaxes_before: [usize; MOST],
+    parts: usize,
+    /// The first of two drifts with an O part between, if these are alone with each other.
+    pub(super) drifts_around: Option<usize>,
+    /// One or two.
+    pub(super) order: u32,
+}
+
+impl Spelling {
+    /// The kicks and drifts: what fraction of the step, and how far the drifts before have come.
+    pub(super) const fn flows(&self) -> &[(Half, f64, f64)] {
+        self.flows.split_at(self.count).0
+    }
+
+    /// Before which of them there is an O part; one after all has the number of them.
+    pub(super) const fn relaxes_before(&self) -> &[usize] {
+        self.relaxes_before.split_at(self.parts).0
+    }
+
+    /// Of a word whose drifts add to one step, and whose kicks do, with one O part at least.
+    pub(super) const fn of(letters: &[Part]) -> Self {
+        let unit = common_denominator(letters);
+        let mut spelling = Self {
+            flows: [(Half::First, 0.0, 0.0); MOST],
+            count: 0,
+            relaxes_before: [0; MOST],
+            parts: 0,
+            drifts_around: None,
+            order: order(letters, unit),
+        };
+        let (mut drifted, mut around, mut i) = (0, 0, 0);
+        while i < letters.len() {
+            let share = share(letters, i, unit);
+            match letters[i] {
+                Part::O => {
+                    spelling.relaxes_before[spelling.parts] = spelling.count;
+                    spelling.parts += 1;
+                    if is_drift(letters, i.wrapping_sub(1)) && is_drift(letters, i + 1) {
+                        spelling.drifts_around = Some(spelling.count - 1);
+                        around += 1;
+                    }
+                }
+                part => {
+                    let half = if matches!(part, Part::A(..)) { Half::First } else { Half::Second };
+                    let (weight, node) = (share as f64 / unit as f64, drifted as f64 / unit as f64);
+                    spelling.flows[spelling.count] = (half, weight, node);
+                    spelling.count += 1;
+                    if matches!(half, Half::First) {
+                        drifted += share;
+                    }
+                }
+            }
+            i += 1;
+        }
+        assert!(spelling.parts > 0, "a word has one O at least");
+        if around > 1 {
+            spelling.drifts_around = None;
+        }
+        spelling
+    }
+}
+
+const fn is_drift(letters: &[Part], i: usize) -> bool {
+    i < letters.len() && matches!(letters[i], Part::A(..))
+}
+
+/// Which kind of letter, 0 to 2.
+const fn kind(part: Part) -> usize {
+    match part {
+        Part::A(..) => 0,
+        Part::B(..) => 1,
+        Part::O => 2,
+    }
+}
+
+const fn count(letters: &[Part], of: usize) -> u64 {
+    let (mut count, mut i) = (0, 0);
+    while i < letters.len() {
+        count += (kind(letters[i]) == of) as u64;
+        i += 1;
+    }
+    count
+}
+
+/// Numerator and denominator of the share of letter `i`.
+const fn fraction(letters: &[Part], i: usize) -> (u64, u64) {
+    match letters[i] {
+        Part::A(n, d) | Part::B(n, d) if n != 0 => (n as u64, d as u64),
+        part => (1, count(letters, kind(part))),
+    }
+}
+
+const fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// In whose parts all shares are integers.
+const fn common_denominator(letters: &[Part]) -> u64 {
+    let (mut unit, mut i) = (1_u64, 0);
+    while i < letters.len() {
+        let (_, denominator) = fraction(letters, i);
+        assert!(denominator != 0, "a share is a fraction");
+        let factor = denominator / gcd(unit, denominator);
+        assert!(
+            unit <= u32::MAX as u64 / factor,
+            "the shares of a word have a common denominator below 2^32"
+        );
+        unit *= factor;
+        i += 1;
+    }
+    unit
+}
+
+const fn share(letters: &[Part], i: usize, unit: u64) -> u64 {
+    let (numerator, denominator) = fraction(letters, i);
+    numerator * (unit / denominator)
+}
+
+/// One, or two if all products of two different letters are right.
+const fn order(letters: &[Part], unit: u64) -> u32 {
+    let (mut sums, mut products, mut j) = ([0_u128; 3], [[0_u128; 3]; 3], 0);
+    while j < letters.len() {
+        let (of, share) = (kind(letters[j]), share(letters, j, unit) as u128);
+        let mut before = 0;
+        while before < 3 {
+            products[before][of] += sums[before] * share;
+            before += 1;
+        }
+        sums[of] += share;
+        j += 1;
+    }
+    let whole = unit as u128;
+    assert!(sums[0] == whole, "the shares of the drifts add to one");
+    assert!(sums[1] == whole, "the shares of the kicks add to one");
+    let (mut order, mut pair) = (2, 0);
+    while pair < 9 {
+        let (x, y) = (pair / 3, pair % 3);
+        if x != y && 2 * products[x][y] != sums[x] * sums[y] {
+            order = 1;
+        }
+        pair += 1;
+    }
+    order
+}
+
+/// What a word makes of a linear system with one rate of friction, exactly; in units of mass, temperature and time in which `m = kT = 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HarmonicLaw {
+    /// `k <q²>`, one in the Gibbs measure.
+    pub q: f64,
+    /// `√k <q p>`, zero there.
+    pub qp: f64,
+    /// `<p²>`, one there.
+    pub p: f64,
+    /// Diffusion of a free particle, over that of the equation, `kT/(m γ)`.
+    pub diffusion: f64,
+    /// Mean velocity under a constant force, over that of the equation.
+    pub mobility: f64,
+}
+
+impl HarmonicLaw {
+    /// Of steps with `√(k/m) h = omega` and `γ h = gamma`; NaN where the word is not stable or there is no friction.
+    ///
+    /// ```ignore
+    /// use wzvi::bath::HarmonicLaw;
+    /// use wzvi::embedding::Baoab;
+    ///
+    /// let law = HarmonicLaw::of::<Baoab>(0.5, 0.1);
+    /// assert!((law.q - 1.0).abs() < 1e-14 && (law.p - (1.0 - 0.25 * 0.5 * 0.5)).abs() < 1e-14);
+    /// ```
+    pub fn of<W: Letters>(omega: f64, gamma: f64) -> Self {
+        let spelling = W::SPELLING;
+        let decay = W::DECAY.factor(gamma / spelling.parts as f64);
+        let factor = if W::IS_SHORTENED { (0.5 * gamma).tanh() / (0.5 * gamma) } else { 1.0 }.sqrt();
+        let letters = Linear { spelling, decay, factor };
+        let columns = [[1.0, 0.0], [0.0, 1.0]].map(|start| letters.step([omega, 0.0], start));
+        let [[a, c], [b, d]] = columns;
+        let [s_qq, s_qp, s_pp] = letters.covariance(omega);
+        // X = M X Mᵀ + S.
+        let matrix = nalgebra::Matrix3::new(
+            1.0 - a * a,
+            -2.0 * a * b,
+            -b * b,
+            -a * c,
+            1.0 - a * d - b * c,
+            -b * d,
+            -c * c,
+            -2.0 * c * d,
+            1.0 - d * d,
+        );
+        let law = matrix.lu().solve(&nalgebra::Vector3::new(s_qq, s_qp, s_pp));
+        let is_stable = (a + d).abs() < 1.0 + (a * d - b * c) && (a * d - b * c).abs() < 1.0;
+        let [q, qp, p] = law.filter(|_| is_stable).map_or([f64::NAN; 3], Into::into);
+        let all = decay.powi(spelling.parts as i32);
+        let diffusion = 0.5 * gamma * (1.0 + all) / (1.0 - all) * factor * factor;
+        // Momenta that a constant force leaves as they were: p = all p + gained.
+        let [_, gained] = letters.step([0.0, 1.0], [0.0; 2]);
+        let [moved, _] = letters.step([0.0, 1.0], [0.0, gained / (1.0 - all)]);
+        Self { q, qp, p, diffusion, mobility: moved * gamma }
+    }
+}
+
+/// The step of a linear system with `h = 1`.
+struct Linear<'s> {
+    spelling: &'s Spelling,
+    decay: f64,
+    factor: f64,
+}
+
+impl Linear<'_> {
+    /// Of the mean `(√k q, p)`, with a constant force, or of `(q, p)` where there is no spring.
+    fn step(&self, [omega, force]: [f64; 2], [mut q, mut p]: [f64; 2]) -> [f64; 2] {
+        let unit = if omega == 0.0 { 1.0 } else { omega };
+        self.each(|weight| match weight {
+            Some((Half::First, weight)) => q += weight * p * unit,
+            Some((Half::Second, weight)) => p += weight * (force - omega * q),
+            None => p *= self.decay,
+        });
+        [q, p]
+    }
+
+    /// What the O parts bring into `<q²>`, `<q p>`, `<p²>`.
+    fn covariance(&self, omega: f64) -> [f64; 3] {
+        let [mut qq, mut qp, mut pp] = [0.0; 3];
+        self.each(|weight| match weight {
+            Some((Half::First, weight)) => {
+                let w = weight * omega;
+                qq += w * (2.0 * qp + w * pp);
+                qp += w * pp;
+            }
+            Some((Half::Second, weight)) => {
+                let w = weight * omega;
+                pp -= w * (2.0 * qp - w * qq);
+                qp -= w * qq;
+            }
+            None => {
+                qp *= self.decay;
+                pp = self.decay * self.decay * pp + (1.0 - self.decay * self.decay);
+            }
+        });
+        [qq, qp, pp]
+    }
+
+    /// All letters: flows with what they last, and O parts.
+    fn each(&self, mut take: impl FnMut(Option<(Half, f64)>)) {
+        let Self { spelling, factor, .. } = self;
+        let relaxes =
+            |flow: usize| spelling.relaxes_before().iter().filter(|&&before| before == flow).count();
+        for (flow, &(half, weight, _)) in spelling.flows().iter().enumerate() {
+            (0..relaxes(flow)).for_each(|_| take(None));
+            take(Some((half, factor * weight)));
+        }
+        (0..relaxes(spelling.count)).for_each(|_| take(None));
+    }
+}

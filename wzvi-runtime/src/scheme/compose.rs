@@ -1,0 +1,215 @@
+//! Schemes that are made of others: [`Verlet`] and [`Composed`].
+//!
+//! A step of size `h` with increments `ΔW` is the flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, which is frozen
+//! over it. A composition takes steps of `γ_1 F, γ_2 F, ...` one after the other: steps of size `γ_j h` with increments
+//! `γ_j ΔW`, at the times `t + (γ_1 + ... + γ_{j-1}) h`. It is symplectic as its parts are, and of the order that the weights
+//! give it without noise (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, sections II.4, V.3).
+//!
+//! Two kinds of weights: a palindrome of weights for any [symmetric](Symmetric) scheme of order two ([`Weights`]), and the
+//! coefficients of a splitting in drifts and kicks ([`Partitioned`]), which also serve Hamiltonians that do not split, by
+//! the adjoint pair of [`Verlet`] (R. I. McLachlan, "On the numerical integration of ordinary differential equations by symmetric
+//! composition methods", SIAM J. Sci. Comput. 16, 1995).
+//!
+//! What the parts of a step are depends on the [`Structure`] of the system, which the compiler has proven: steps of the scheme and its
+//! adjoint for any Hamiltonian ([`Pair`]), kicks and drifts for `T(p) + V(q, t)` ([`KickDrift`]), the flows of two parts for
+//! `drift = [H_A, H_B]` with the tables that are made for these ([`PartFlows`]).
+
+mod checks;
+pub(crate) mod flows;
+mod gradient;
+pub(crate) mod kept;
+mod lagrangian;
+mod linear;
+mod pair;
+mod parts;
+pub(crate) mod stages;
+mod structure;
+pub(crate) mod substeps;
+mod tables;
+mod text;
+pub(crate) mod windowed;
+
+use std::marker::PhantomData;
+
+use crate::scheme::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
+use crate::scheme::gauss::Gauss;
+use text::{DRIFT_KICK, turns};
+
+pub use checks::{check_table, check_weights};
+#[doc(hidden)]
+pub use flows::{Flows, KickDrift};
+pub use gradient::{GradientKicks, GradientTable};
+#[doc(hidden)]
+pub use pair::Pair;
+#[doc(hidden)]
+pub use parts::{Form, PartFlows, Parts};
+#[doc(hidden)]
+pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
+#[doc(hidden)]
+pub use substeps::{Half, Many, One, Substep, Substeps};
+pub use tables::{
+    Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
+    TakahashiImada4, Yoshida4, Yoshida6,
+};
+#[doc(hidden)]
+pub use text::{Equations, Listing, ROOM};
+
+/// [`DeltaPlus`] of half the step, then [`DeltaMinus`] of the other half: the Störmer-Verlet scheme, symmetric and of order
+/// two. Explicit for `T(p) + V(q, t)`: kick, drift, kick, with one evaluation of the force for each step. Generalised
+/// Störmer-Verlet for any other Hamiltonian. Half of the increments goes into each half, which makes it consistent with every Stratonovich system.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Verlet;
+
+/// Steps of `E` with the weights of `W`, one after the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Composed<E, W>(PhantomData<(E, W)>);
+
+/// Weights of a composition of steps of a symmetric scheme of order two.
+///
+/// That they are a palindrome and their sum is 1 is checked when the program is built, and so is that the sums of their
+/// odd powers vanish which the order needs; `const _: () = check_weights::<Own>();` beside them ([`check_weights`]) has them checked by
+/// `cargo check`, too. The other conditions of the order are a matter of trust. docs/order.md has an example.
+pub trait Weights {
+    /// The order of the composition.
+    const ORDER: u32;
+    /// All weights, in their order.
+    const GAMMA: &'static [f64];
+}
+
+/// Coefficients of a splitting in drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`, which take turns; one of your
+/// own is named `Composed<Verlet, `[`Table`]`<Own>>`.
+///
+/// That they are a palindrome and that those of drifts and those of kicks have the sum 1 is checked when the program is built.
+pub trait Partitioned {
+    /// The order.
+    const ORDER: u32;
+    /// Whether the first one is a drift.
+    const STARTS_WITH_DRIFT: bool;
+    /// The coefficients of drifts and kicks in turn, a palindrome; those of each kind sum to 1.
+    const SEQUENCE: &'static [f64];
+}
+
+/// The weights of a composition of [`Verlet`] by a table of your own: `Composed<Verlet, Table<MyTable>>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Table<W>(PhantomData<W>);
+
+/// Schemes whose step backwards undoes the step forwards: what [`Weights`] compose.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not symmetric, and its compositions have no higher order",
+    note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
+)]
+pub trait Symmetric {}
+
+impl Symmetric for Midpoint {}
+impl Symmetric for Verlet {}
+impl<const S: usize> Symmetric for Gauss<S> {}
+
+/// The schemes that a composition of `Self` is made of.
+pub trait Base {
+    /// The scheme itself, or the first half of it.
+    type First;
+    /// The scheme itself, or the second half of it.
+    type Second;
+    /// What a step with this weight is made of.
+    fn substeps(weight: f64, into: &mut Vec<Substep>);
+}
+
+impl Base for Midpoint {
+    type First = Self;
+    type Second = Self;
+    fn substeps(weight: f64, into: &mut Vec<Substep>) {
+        into.push((Half::First, weight));
+    }
+}
+
+impl<const S: usize> Base for Gauss<S> {
+    type First = Self;
+    type Second = Self;
+    fn substeps(weight: f64, into: &mut Vec<Substep>) {
+        into.push((Half::First, weight));
+    }
+}
+
+impl Base for Verlet {
+    type First = Uncorrected<DeltaPlus>;
+    type Second = Uncorrected<DeltaMinus>;
+    fn substeps(weight: f64, into: &mut Vec<Substep>) {
+        into.extend([(Half::First, 0.5 * weight), (Half::Second, 0.5 * weight)]);
+    }
+}
+
+/// Weights that can compose `E` for a system of the [structure](Structure) `K`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot compose `{E}` for this system",
+    label = "not for this system",
+    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`",
+    note = "`Srkn6` takes `T(p) + V(q, t)` with a kinetic energy that is quadratic with constant masses; `BlanesMoan6` and `KahanLi6` are of order 6 for every Hamiltonian",
+    note = "`Chin4` and `TakahashiImada4` take the same, for the square of the force; `BlanesMoan4` is of order 4 for every Hamiltonian",
+    note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
+)]
+pub trait Composes<E, K: Structure<E> = General> {
+    /// The order that they give.
+    const ORDER: u32;
+    /// What `EQUATIONS` say of them.
+    const LISTING: Listing;
+    /// What takes the steps.
+    type Steps;
+    /// The parts of a step, in their order.
+    fn substeps() -> Vec<Substep>;
+}
+
+impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
+    const ORDER: u32 = W::ORDER;
+    const LISTING: Listing = Listing::Steps(W::GAMMA);
+    type Steps = K::Steps<Many<E, K, W>>;
+
+    fn substeps() -> Vec<Substep> {
+        const { check_weights::<W>() };
+        let mut substeps = Vec::new();
+        W::GAMMA.iter().for_each(|&weight| K::step(weight, &mut substeps));
+        substeps
+    }
+}
+
+/// The drifts and kicks of a partitioned table.
+fn of_table<W: Partitioned>() -> Vec<Substep> {
+    const { check_table::<W>() };
+    let halves = if W::STARTS_WITH_DRIFT { [Half::First, Half::Second] } else { [Half::Second, Half::First] };
+    let sequence = W::SEQUENCE.iter().zip(halves.into_iter().cycle());
+    sequence.map(|(&weight, half)| (half, weight)).collect()
+}
+
+impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
+    const ORDER: u32 = W::ORDER;
+    const LISTING: Listing = turns::<W>(DRIFT_KICK, K::NOTE);
+    type Steps = K::Steps<Many<Verlet, K, Self>>;
+
+    fn substeps() -> Vec<Substep> {
+        K::splitting(&of_table::<W>())
+    }
+}
+
+/// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
+macro_rules! partitioned {
+    ($($table:ty: $structure:ident, $steps:ty, $parts:expr, $names:expr, $note:expr;)+) => {$(
+        impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
+            const ORDER: u32 = <$table as Partitioned>::ORDER;
+            const LISTING: Listing = turns::<$table>($names, $note);
+            type Steps = $steps;
+
+            fn substeps() -> Vec<Substep> {
+                $parts(&of_table::<$table>())
+            }
+        }
+    )+};
+}
+
+partitioned! {
+    BlanesMoan4: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    BlanesMoan6: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    Srkn6: QuadraticKinetic, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    Chin4: QuadraticKinetic, GradientKicks<Many<Verlet, K, Self>, Self>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE;
+    TakahashiImada4: QuadraticKinetic, GradientKicks<Many<Verlet, K, Self>, Self>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE;
+    Aba864: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+    Aba1064: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+}

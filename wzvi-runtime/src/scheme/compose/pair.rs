@@ -1,0 +1,263 @@
+//! Steps of two schemes, one after the other: for any Hamiltonian.
+
+use std::marker::PhantomData;
+
+use super::kept::Memory;
+use super::lagrangian::{self, Followed};
+use super::substeps::{Half, Substep, Substeps, joint_plan, kept_energy, plan};
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::lanes::Lanes;
+use crate::algebra::memory::StepMemory;
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, FailedLanes, StepFailure};
+use crate::scheme::plan::{KeptEnergy, Plan};
+use crate::scheme::system::{
+    At, Hamiltonian, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
+};
+
+/// Steps `W` of `A` and of `B`, which may be one.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<A, B, W>(PhantomData<(A, B, W)>);
+
+/// What is prepared for each part of a step.
+#[derive(Clone, Debug)]
+pub struct Prepared<A, B> {
+    parts: Vec<Part<A, B>>,
+    /// How many parts are of which kind.
+    counts: [usize; 2],
+}
+
+/// A part of a step: it starts after the fraction `start` of the step, and is the fraction `weight` of it.
+#[derive(Clone, Debug)]
+struct Part<A, B> {
+    start: f64,
+    weight: f64,
+    kind: Kind<A, B>,
+}
+
+#[derive(Clone, Debug)]
+enum Kind<A, B> {
+    First(A),
+    Second(B),
+}
+
+/// How many parts are of which kind.
+fn counts(substeps: &[Substep]) -> [usize; 2] {
+    let first = substeps.iter().filter(|(half, _)| *half == Half::First).count();
+    [first, substeps.len() - first]
+}
+
+impl<A, B> Kind<A, B> {
+    fn first(&self) -> Option<&A> {
+        if let Self::First(first) = self { Some(first) } else { None }
+    }
+
+    fn second(&self) -> Option<&B> {
+        if let Self::Second(second) = self { Some(second) } else { None }
+    }
+}
+
+/// A part of what is prepared for each lane; `None` if one has none.
+fn lanes<P, T, const L: usize>(prepared: [&P; L], part: impl Fn(&P) -> Option<&T>) -> Option<[&T; L]> {
+    let parts: Vec<&T> = prepared.into_iter().map(part).collect::<Option<_>>()?;
+    parts.try_into().ok()
+}
+
+impl<A, B> Prepared<A, B> {
+    /// All parts of a step, by what takes one of each kind. On `Err`, everything is as it was.
+    ///
+    /// # Errors
+    /// That of the first part that has one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
+        &self,
+        At { t, h, q, p, dw }: At<'_, S>,
+        memory: &mut Memory<S, M, N>,
+        carry: &mut C,
+        take_first: impl Fn(&A, At<'_, S>, &mut M, &mut C) -> Result<Effort, StepFailure>,
+        take_second: impl Fn(&B, At<'_, S>, &mut N, &mut C) -> Result<Effort, StepFailure>,
+    ) -> Result<Effort, StepFailure> {
+        memory.save(self.counts, q, p, dw, carry);
+        let mut effort = Effort::fast(0);
+        let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
+        for part in &self.parts {
+            let Memory { first: firsts, second: seconds, dw: scaled, .. } = &mut *memory;
+            for (scaled, dw) in scaled.iter_mut().zip(dw) {
+                *scaled = *dw * part.weight;
+            }
+            let at = At { t: t + part.start * h, h: part.weight * h, q: &mut *q, p: &mut *p, dw: scaled };
+            let taken = match &part.kind {
+                Kind::First(prepared) => {
+                    first += 1;
+                    take_first(prepared, at, &mut firsts[first - 1], carry)
+                }
+                Kind::Second(prepared) => {
+                    second += 1;
+                    take_second(prepared, at, &mut seconds[second - 1], carry)
+                }
+            };
+            match taken {
+                Ok(taken) => effort = effort.beside(taken),
+                // Lanes that could not take a part go on from where they are, and end where they started.
+                Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
+                Err(failure) => {
+                    memory.restore(q, p, carry);
+                    return Err(failure);
+                }
+            }
+        }
+        if failed.is_empty() { Ok(effort) } else { Err(memory.end_in_part(failed, q, p, carry)) }
+    }
+}
+
+/// What is beside each other of the schemes that steps are made of.
+type BesideOf<H, E, const L: usize> = <SchemeOf<H, E> as Scheme<H>>::Beside<L>;
+
+impl<H, A, B, W> Scheme<H> for Pair<A, B, W>
+where
+    H: Listed<A> + Listed<B>,
+    W: Substeps,
+{
+    const PLAN: Plan =
+        plan(joint_plan(<SchemeOf<H, A> as Scheme<H>>::PLAN, <SchemeOf<H, B> as Scheme<H>>::PLAN), W::ORDER);
+    const PROPERTIES: Properties = {
+        let (first, second) = (<H as Listed<A>>::PROPERTIES, <H as Listed<B>>::PROPERTIES);
+        let kept = match (first.kept_energy, second.kept_energy) {
+            (KeptEnergy::Point(_), KeptEnergy::Point(_)) => KeptEnergy::KickDriftKick,
+            _ => KeptEnergy::Hamiltonian,
+        };
+        Properties {
+            kept_energy: kept_energy(kept, W::ORDER),
+            remembers: first.remembers || second.remembers,
+            in_lanes: first.in_lanes && second.in_lanes,
+            ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
+        }
+    };
+    type Prepared = Prepared<PreparedOf<H, A>, PreparedOf<H, B>>;
+    type Memory<S: Scalar> = Memory<S, MemoryOf<H, A, S>, MemoryOf<H, B, S>>;
+    type Compensated<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Compensated<S>;
+    type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
+    type Beside<const L: usize> = Prepared<BesideOf<H, A, L>, BesideOf<H, B, L>>;
+
+    fn memory(system: &H) -> Self::Memory<f64> {
+        let [first, second] = counts(&W::list());
+        Memory::of(
+            (0..first).map(|_| SchemeOf::<H, A>::memory(system)).collect(),
+            (0..second).map(|_| SchemeOf::<H, B>::memory(system)).collect(),
+        )
+        .with_room(system.degrees(), system.noises())
+    }
+
+    fn prepare(system: &H, h: f64) -> Result<Self::Prepared, ConfigError> {
+        let (mut start, substeps) = (0.0, W::list());
+        let parts = substeps.iter().map(|&(half, weight)| {
+            let kind = match half {
+                Half::First => Kind::First(SchemeOf::<H, A>::prepare(system, weight * h)?),
+                Half::Second => Kind::Second(SchemeOf::<H, B>::prepare(system, weight * h)?),
+            };
+            let part = Part { start, weight, kind };
+            start += weight;
+            Ok(part)
+        });
+        Ok(Prepared { parts: parts.collect::<Result<_, _>>()?, counts: counts(&substeps) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &H,
+        prepared: &Self::Prepared,
+        at: At<'_, S>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let [expected, got] = [at.q.len(), at.p.len()];
+        if !system.fits(expected) || got != expected {
+            return Err(StepFailure::Dimension { expected: system.degrees().max(expected), got });
+        }
+        prepared.advance(
+            at,
+            memory,
+            carry,
+            |prepared, at, memory, carry| {
+                SchemeOf::<H, A>::advance::<S, C, CAREFUL>(system, prepared, at, memory, carry)
+            },
+            |prepared, at, memory, carry| {
+                SchemeOf::<H, B>::advance::<S, C, CAREFUL>(system, prepared, at, memory, carry)
+            },
+        )
+    }
+
+    fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
+        let first = prepared.first()?;
+        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, kind })| {
+            let kind = match kind {
+                Kind::First(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.first())?;
+                    Kind::First(SchemeOf::<H, A>::beside(systems, of_lanes)?)
+                }
+                Kind::Second(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.second())?;
+                    Kind::Second(SchemeOf::<H, B>::beside(systems, of_lanes)?)
+                }
+            };
+            Some(Part { start: *start, weight: *weight, kind })
+        });
+        Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance_beside<const L: usize>(
+        beside: &Self::Beside<L>,
+        at: At<'_, Lanes<L>>,
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        let [expected, got] = [at.q.len(), at.p.len()];
+        if got != expected {
+            return Err(StepFailure::Dimension { expected, got });
+        }
+        beside.advance(
+            at,
+            memory,
+            &mut Plain,
+            |beside, at, memory, _| SchemeOf::<H, A>::advance_beside(beside, at, memory),
+            |beside, at, memory, _| SchemeOf::<H, B>::advance_beside(beside, at, memory),
+        )
+    }
+
+    fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
+        lagrangian::value(segment, dw, system.noises(), || {
+            let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
+            let (mut action, mut start) = (0.0, 0.0);
+            for (half, weight) in W::list() {
+                state.t = segment.t + start * segment.h;
+                let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
+                let h = weight * segment.h;
+                action += match half {
+                    Half::First => part::<H, SchemeOf<H, A>>(system, &mut state, h, &own_dw)?,
+                    Half::Second => part::<H, SchemeOf<H, B>>(system, &mut state, h, &own_dw)?,
+                };
+                start += weight;
+            }
+            Some(Followed { q: state.q, p: state.p, action })
+        })
+    }
+}
+
+/// Moves the state by one part, and gives its discrete Lagrangian.
+fn part<H: Hamiltonian, T: Scheme<H>>(
+    system: &H,
+    state: &mut State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+) -> Option<f64> {
+    let before = state.clone();
+    let prepared = T::prepare(system, h).ok()?;
+    let mut memory = T::Memory::<f64>::default();
+    let at = At { t: before.t, h, q: state.q.components_mut(), p: state.p.components_mut(), dw };
+    anew::advance::<H, T, f64>(system, &prepared, at, &mut memory).ok()?;
+    let p = T::step_momentum(system, &before, state, h, dw);
+    let segment = Segment { q0: before.q, q1: state.q.clone(), p, t: before.t, h };
+    Some(T::discrete_lagrangian(system, &segment, dw))
+}

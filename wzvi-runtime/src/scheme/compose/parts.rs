@@ -1,0 +1,243 @@
+//! The flows of two parts, as the user has parted the Hamiltonian: `drift = [H_A, H_B]`.
+//!
+//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates, a kick; a function of the momenta, a
+//! drift; or a quadratic form in both with constant coefficients, a linear map ([`Linear`]), which is made once for each weight. What a part reads of the
+//! time it reads where the flows of the other part have brought it: the time is a coordinate that `H_A` moves.
+//!
+//! A force `f(q, t)` is a part of the kick, `p' = -∂H/∂q + f`, and friction of one rate a part of the linear map, `p' = -∂H/∂q - γ p`, which then is
+//! conformally symplectic.
+
+use std::marker::PhantomData;
+
+use super::Verlet;
+use super::lagrangian::{self, Followed};
+use super::linear::Linear;
+use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::structure::{Parted, Structure, TwoFlows};
+use super::substeps::{Half, Substep, Substeps, plan};
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::Vector;
+use crate::error::{ConfigError, StepFailure};
+use crate::scheme::elements::{Elements, Point, Slopes, slopes, value_of_part};
+use crate::scheme::gauss::Shape;
+use crate::scheme::plan::{KeptEnergy, Plan};
+use crate::scheme::system::{At, Properties, Scheme, Segment};
+
+/// The form of a part of the Hamiltonian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A function of coordinates and time.
+    Coordinates,
+    /// A function of momenta.
+    Momenta,
+    /// A polynomial of degree two in coordinates and momenta, with constant coefficients.
+    Quadratic,
+}
+
+/// A system in two parts with known flows; generated.
+pub trait Parts: Elements + Sized {
+    /// The forms of `H_A` and `H_B`.
+    const FORMS: [Form; 2];
+    /// The number of `H_A` among the parts that elements are added up by; `H_B` has the next one.
+    const FIRST: usize;
+    /// Lists of one number per degree of freedom.
+    type Shape: Shape;
+
+    /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as they are wanted.
+    #[expect(clippy::too_many_arguments, reason = "each is one thing that slopes depend on")]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+        &self,
+        part: Half,
+        t: f64,
+        h: f64,
+        q: &[S],
+        p: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
+        by_q.fill(S::from_f64(0.0));
+        by_p.fill(S::from_f64(0.0));
+        let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
+        let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+        slopes(self, Self::FIRST + part as usize, 1.0, &at, wanted, by_q, by_p);
+    }
+
+    /// The value of a part.
+    fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64 {
+        value_of_part(self, Self::FIRST + part as usize, t, q, p)
+    }
+}
+
+/// The flows of the parts in turn.
+#[derive(Clone, Copy, Debug)]
+pub struct PartFlows<W>(PhantomData<W>);
+
+impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
+    type Flows<W> = PartFlows<W>;
+    const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
+}
+
+/// The parts of a step, and the linear maps among them.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    stages: Stages,
+    /// The number of the map of each stage that is one.
+    numbers: Vec<Option<usize>>,
+    maps: Vec<Linear>,
+}
+
+impl Prepared {
+    /// One map for all stages with the same weight.
+    fn new<F: Parts>(system: &F, degrees: usize, h: f64, substeps: &[Substep]) -> Result<Self, ConfigError> {
+        let stages = Stages::of(substeps);
+        let (mut numbers, mut maps, mut known) = (Vec::new(), Vec::new(), Vec::new());
+        for Stage { half, weight, .. } in &stages.0 {
+            if form::<F>(*half) != Form::Quadratic {
+                numbers.push(None);
+                continue;
+            }
+            let key = (*half, weight.to_bits());
+            let number = known.iter().position(|other| *other == key).unwrap_or(known.len());
+            if number == known.len() {
+                known.push(key);
+                maps.push(Linear::new(degrees, weight * h, |x, slopes| {
+                    let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
+                    system.slopes_of_part::<f64, true, true>(*half, 0.0, 1.0, q, p, by_q, by_p);
+                    if F::IS_CONFORMAL {
+                        let rate = system.friction_rate();
+                        by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
+                    }
+                })?);
+            }
+            numbers.push(Some(number));
+        }
+        Ok(Self { stages, numbers, maps })
+    }
+
+    /// The map of a stage.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn map(&self, index: usize) -> Option<&Linear> {
+        self.numbers.get(index).copied().flatten().and_then(|number| self.maps.get(number))
+    }
+}
+
+fn form<F: Parts>(half: Half) -> Form {
+    let [first, second] = F::FORMS;
+    if half == Half::First { first } else { second }
+}
+
+impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
+    const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
+    const PROPERTIES: Properties =
+        Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
+    type Prepared = Prepared;
+    type Memory<S: Scalar> = Memory<S, F::Shape>;
+    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Carry<S: Scalar> = Plain;
+
+    fn memory(system: &F) -> Self::Memory<f64> {
+        Memory::of_system(system)
+    }
+
+    fn prepare(system: &F, h: f64) -> Result<Prepared, ConfigError> {
+        check(system)?;
+        Prepared::new(system, system.degrees(), h, &W::list())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Prepared,
+        At { t, h, q, p, dw }: At<'_, S>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let mut flows = FlowsOf { system, prepared, t, h };
+        advance(system, &mut flows, &prepared.stages.0, At { t, h, q, p, dw }, memory, carry)
+    }
+
+    crate::__apart!(F);
+
+    /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
+    fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
+        if F::IS_CONFORMAL {
+            return f64::NAN;
+        }
+        lagrangian::value(segment, dw, system.noises(), || Self::follow(system, segment, dw))
+    }
+}
+
+impl<W: Substeps> PartFlows<W> {
+    fn follow<F: Parts>(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> Option<Followed<F::Vector>> {
+        let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
+        system.check(degrees).ok()?;
+        let prepared = Prepared::new(system, degrees, h, &W::list()).ok()?;
+        let mut flows = FlowsOf { system, prepared: &prepared, t, h };
+        let action = |index: usize, stage: &Stage, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
+            let value = || stage.weight * h * system.value_of_part(stage.half, t + stage.node * h, q, p);
+            match form::<F>(stage.half) {
+                Form::Coordinates => -value(),
+                Form::Momenta => {
+                    let moved =
+                        p.iter().zip(q.iter().zip(before[0])).map(|(p, (q, before))| p * (q - before));
+                    moved.sum::<f64>() - value()
+                }
+                Form::Quadratic => prepared.map(index).map_or(f64::NAN, |map| map.action(before, [q, p])),
+            }
+        };
+        follow(&mut flows, &prepared.stages.0, segment, dw, action)
+    }
+}
+
+/// The flows of the parts in a step.
+struct FlowsOf<'a, F> {
+    system: &'a F,
+    prepared: &'a Prepared,
+    t: f64,
+    h: f64,
+}
+
+impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<C: Carry<S>>(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        rooms: &mut Rooms<S, F::Shape>,
+        _: &mut Memory<S, F::Shape>,
+    ) -> Result<(), StepFailure> {
+        let &mut Self { system, prepared, t, h } = self;
+        let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
+        let (q, p, force, velocity) = (q.as_mut(), p.as_mut(), force.as_mut(), velocity.as_mut());
+        let (t, h) = (t + stage.node * h, stage.weight * h);
+        match form::<F>(stage.half) {
+            Form::Coordinates => {
+                system.slopes_of_part::<S, true, false>(stage.half, t, -h, q, p, force, &mut []);
+                if F::IS_FORCED {
+                    system.force(q, p, t, velocity);
+                    force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
+                }
+                add::<S, C>(p, force, lost_p.as_mut());
+            }
+            Form::Momenta => {
+                system.slopes_of_part::<S, false, true>(stage.half, t, h, q, p, &mut [], velocity);
+                add::<S, C>(q, velocity, lost_q.as_mut());
+            }
+            Form::Quadratic => {
+                match prepared.map(index) {
+                    Some(map) => map.increments([q, p], [&mut *velocity, &mut *force]),
+                    None => {
+                        debug_assert!(false, "every stage of this form has a map");
+                        velocity.fill(S::from_f64(f64::NAN));
+                    }
+                }
+                add::<S, C>(q, velocity, lost_q.as_mut());
+                add::<S, C>(p, force, lost_p.as_mut());
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,383 @@
+//! The parts of a step that are flows, and what all kinds of flows share: room, sums, checks.
+
+use super::gradient::Directional;
+use super::lagrangian::Followed;
+use super::substeps::{Half, Substep};
+use super::windowed;
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::memory::{StepMemory, Threads};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::Vector;
+use crate::error::{ConfigError, StepFailure};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::scheme::elements::are_finite;
+use crate::scheme::gauss::Shape;
+use crate::scheme::system::{At, Hamiltonian, Segment};
+
+/// The parts of a step.
+#[derive(Clone, Debug)]
+pub struct Stages(pub(crate) Vec<Stage>);
+
+/// A part of a step: the fraction `weight` of that of a whole step, at the fraction `node` of its time: as far as those of the
+/// other kind have come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stage {
+    pub(crate) half: Half,
+    pub(crate) weight: f64,
+    pub(crate) node: f64,
+}
+
+impl Stage {
+    /// Of time and increments, for the flow of `T` or of `-V`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn share(&self) -> f64 {
+        if self.half == Half::First { self.weight } else { -self.weight }
+    }
+}
+
+impl Stages {
+    /// These, as they are: two neighbours of one kind, too.
+    pub(crate) fn listed(stages: impl IntoIterator<Item = (Half, f64, f64)>) -> Self {
+        Self(stages.into_iter().map(|(half, weight, node)| Stage { half, weight, node }).collect())
+    }
+
+    /// With neighbours of one kind as one.
+    pub(crate) fn of(substeps: &[Substep]) -> Self {
+        let mut stages: Vec<Stage> = Vec::new();
+        let [mut first, mut second] = [0.0; 2];
+        for &(half, weight) in substeps.iter().filter(|(_, weight)| *weight != 0.0) {
+            match stages.last_mut() {
+                Some(last) if last.half == half => last.weight += weight,
+                _ => stages.push(Stage {
+                    half,
+                    weight,
+                    node: if half == Half::First { second } else { first },
+                }),
+            }
+            *if half == Half::First { &mut first } else { &mut second } += weight;
+        }
+        // Each kind sums to 1, but for rounding.
+        if let Some(last) = stages.last_mut() {
+            last.node = 1.0;
+        }
+        Self(stages)
+    }
+}
+
+/// Lists of one number per degree of freedom.
+type List<S, H> = <H as Shape>::Of<S>;
+
+/// The last force and where it acted, and room for a step.
+#[derive(Debug)]
+pub struct Memory<S: Scalar, H: Shape> {
+    kept: Option<Origin>,
+    /// The coordinates that the force was evaluated at, and the increment of the momenta.
+    kept_q: List<S, H>,
+    pub(crate) kept_force: List<S, H>,
+    rooms: Rooms<S, H>,
+    /// The increments of a part.
+    pub(crate) dw: Vec<S>,
+    /// For derivatives of slopes; empty unless a table asks for them.
+    pub(super) directional: Directional<S>,
+    /// For large systems of elements.
+    pub(crate) windows: windowed::Memory,
+}
+
+/// Time and weighted step size of a force.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Origin {
+    pub(crate) t: f64,
+    pub(crate) h: f64,
+}
+
+/// What a step computes.
+#[derive(Debug)]
+pub(crate) struct Rooms<S: Scalar, H: Shape> {
+    pub(crate) q: List<S, H>,
+    pub(crate) p: List<S, H>,
+    /// What rounding took.
+    pub(crate) lost_q: List<S, H>,
+    pub(crate) lost_p: List<S, H>,
+    /// Increments of `p` and of `q`.
+    pub(crate) force: List<S, H>,
+    pub(crate) velocity: List<S, H>,
+}
+
+impl<S: Scalar, H: Shape> Rooms<S, H> {
+    pub(crate) fn of_length(length: usize) -> Self {
+        let list = || H::list(length, S::from_f64(0.0));
+        Self { q: list(), p: list(), lost_q: list(), lost_p: list(), force: list(), velocity: list() }
+    }
+
+    /// The rooms, for the duration of a step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take(&mut self) -> Self {
+        let zero = S::from_f64(0.0);
+        let Self { q, p, lost_q, lost_p, force, velocity } = self;
+        Self {
+            q: H::take(q, zero),
+            p: H::take(p, zero),
+            lost_q: H::take(lost_q, zero),
+            lost_p: H::take(lost_p, zero),
+            force: H::take(force, zero),
+            velocity: H::take(velocity, zero),
+        }
+    }
+
+    /// Takes them back.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn give_back(&mut self, rooms: Self) {
+        let Self { q, p, lost_q, lost_p, force, velocity } = rooms;
+        H::give_back(&mut self.q, q);
+        H::give_back(&mut self.p, p);
+        H::give_back(&mut self.lost_q, lost_q);
+        H::give_back(&mut self.lost_p, lost_p);
+        H::give_back(&mut self.force, force);
+        H::give_back(&mut self.velocity, velocity);
+    }
+}
+
+impl<S: Scalar, H: Shape> Default for Memory<S, H> {
+    fn default() -> Self {
+        Self::of_length(0)
+    }
+}
+
+/// The copy evaluates its first force itself, and allocates its own room.
+impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
+    fn clone(&self) -> Self {
+        Self { windows: self.windows.alike(), ..Self::default() }
+    }
+}
+
+/// A force that is evaluated again is the same.
+impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
+    fn pass(&mut self, _: &mut Tape) {}
+}
+
+impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
+    fn forget(&mut self) {}
+    fn adopt(&mut self, _: Self) {}
+
+    fn share(&mut self, threads: Threads) {
+        self.windows.share(threads);
+    }
+}
+
+impl<S: Scalar, H: Shape> Memory<S, H> {
+    pub(crate) fn of_length(length: usize) -> Self {
+        let list = || H::list(length, S::from_f64(0.0));
+        Self {
+            kept: None,
+            kept_q: list(),
+            kept_force: list(),
+            rooms: Rooms::of_length(length),
+            dw: Vec::new(),
+            directional: Directional::default(),
+            windows: windowed::Memory::default(),
+        }
+    }
+
+    /// Makes room for so many degrees of freedom and noises.
+    #[cold]
+    fn fit(&mut self, length: usize, noises: usize) {
+        if self.length() != length {
+            *self = Self { windows: self.windows.alike(), ..Self::of_length(length) };
+        }
+        self.dw.resize(noises, S::from_f64(0.0));
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn length(&self) -> usize {
+        self.kept_q.as_ref().len()
+    }
+
+    /// Whether the force that is kept is that of a kick like this one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn has_force(&self, Origin { t, h }: Origin, reads_time: bool, q: &[S]) -> bool {
+        let Some(kept) = self.kept else { return false };
+        if kept.h.to_bits() != h.to_bits() || (reads_time && kept.t.to_bits() != t.to_bits()) {
+            return false;
+        }
+        let mut is_same = true;
+        for (&a, &b) in self.kept_q.as_ref().iter().zip(q) {
+            is_same &= a.is_identical(b);
+        }
+        is_same
+    }
+
+    /// Keeps a force for the next step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn keep_force(&mut self, origin: Origin, q: &[S], force: &[S]) {
+        self.kept = Some(origin);
+        self.kept_q.as_mut().copy_from_slice(q);
+        self.kept_force.as_mut().copy_from_slice(force);
+    }
+
+    /// The memory of a new stepper: with all the room that it needs, where the system knows its size.
+    pub(crate) fn of_system<F: Hamiltonian>(system: &F) -> Self {
+        let (mut memory, degrees) = (Self::default(), system.degrees());
+        if degrees != 0 && system.check(degrees).is_ok() {
+            memory.fit(degrees, system.noises());
+        }
+        memory
+    }
+}
+
+/// The check that the making of a stepper does.
+///
+/// # Errors
+/// [`ConfigError::Parameter`] if a parameter is not a number, [`ConfigError::Index`] if an integer is out of range.
+pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
+    let mut parameters = (0..).map_while(|index| system.parameter(index));
+    if parameters.any(|(_, value)| value.is_nan()) {
+        return Err(ConfigError::Parameter);
+    }
+    match system.degrees() {
+        0 => Ok(()),
+        degrees => match system.check(degrees) {
+            Err(StepFailure::Index(error)) => Err(ConfigError::Index(error)),
+            _ => Ok(()),
+        },
+    }
+}
+
+/// What says which states a step can be taken of.
+pub(crate) trait Fits {
+    /// As [`Hamiltonian::fits`].
+    fn fits(&self, degrees: usize) -> bool;
+    /// As [`Hamiltonian::check`].
+    fn check(&self, degrees: usize) -> Result<(), StepFailure>;
+    /// As [`Hamiltonian::noises`].
+    fn noises(&self) -> usize;
+}
+
+impl<F: Hamiltonian> Fits for F {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fits(&self, degrees: usize) -> bool {
+        Hamiltonian::fits(self, degrees)
+    }
+    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+        Hamiltonian::check(self, degrees)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn noises(&self) -> usize {
+        Hamiltonian::noises(self)
+    }
+}
+
+/// How a part of a step is taken.
+pub(crate) trait Take<S: Scalar, H: Shape> {
+    /// Moves the state in `rooms` by part `index` of a step, with `memory.dw` as its increments.
+    ///
+    /// # Errors
+    /// Where the part has no end; `rooms` are then any.
+    fn take<C: Carry<S>>(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        rooms: &mut Rooms<S, H>,
+        memory: &mut Memory<S, H>,
+    ) -> Result<(), StepFailure>;
+}
+
+/// All parts of a step. On `Err`, `q`, `p` and `carry` are as they were.
+///
+/// # Errors
+/// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
+    system: &impl Fits,
+    taken: &mut impl Take<S, H>,
+    stages: &[Stage],
+    At { q, p, dw, .. }: At<'_, S>,
+    memory: &mut Memory<S, H>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    let degrees = q.len();
+    if memory.length() != degrees || memory.dw.len() != dw.len() || !system.fits(degrees) {
+        system.check(degrees)?;
+        memory.fit(degrees, dw.len());
+    }
+    if p.len() != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
+    }
+    if dw.len() != system.noises() {
+        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
+    }
+    let mut rooms = memory.rooms.take();
+    rooms.q.as_mut().copy_from_slice(q);
+    rooms.p.as_mut().copy_from_slice(p);
+    if C::CARRIES {
+        let lost = rooms.lost_q.as_mut().iter_mut().zip(rooms.lost_p.as_mut());
+        for (i, (lost_q, lost_p)) in lost.enumerate() {
+            (*lost_q, *lost_p) = (carry.of_coordinate(i), carry.of_momentum(i));
+        }
+    }
+    let mut taken_all = Ok(());
+    for (index, stage) in stages.iter().enumerate() {
+        for (scaled, dw) in memory.dw.iter_mut().zip(dw) {
+            *scaled = *dw * stage.share();
+        }
+        taken_all = taken.take::<C>(index, stage, &mut rooms, memory);
+        if taken_all.is_err() {
+            break;
+        }
+    }
+    let Rooms { q: next_q, p: next_p, lost_q, lost_p, .. } = &rooms;
+    let is_good = taken_all.is_ok() && are_finite(next_q.as_ref()) && are_finite(next_p.as_ref());
+    if is_good {
+        q.copy_from_slice(next_q.as_ref());
+        p.copy_from_slice(next_p.as_ref());
+        if C::CARRIES {
+            carry.keep(lost_q.as_ref(), lost_p.as_ref());
+        }
+    }
+    memory.rooms.give_back(rooms);
+    taken_all?;
+    if is_good { Ok(Effort::fast(0)) } else { Err(StepFailure::NonFinite) }
+}
+
+/// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians, of which `action` gives that
+/// of one part from the states before and after it; `None` where a part has no end.
+pub(crate) fn follow<V: Vector, H: Shape>(
+    taken: &mut impl Take<f64, H>,
+    stages: &[Stage],
+    segment: &Segment<V>,
+    dw: &[f64],
+    action_of: impl Fn(usize, &Stage, [&[f64]; 2], [&[f64]; 2]) -> f64,
+) -> Option<Followed<V>> {
+    let (q0, p0) = (segment.q0.components(), segment.p.components());
+    let mut rooms = Rooms::<f64, H>::of_length(q0.len());
+    let mut memory = Memory::of_length(q0.len());
+    rooms.q.as_mut().copy_from_slice(q0);
+    rooms.p.as_mut().copy_from_slice(p0);
+    let mut action = 0.0;
+    for (index, stage) in stages.iter().enumerate() {
+        memory.dw = dw.iter().map(|dw| stage.share() * dw).collect();
+        let before = [rooms.q.as_ref(), rooms.p.as_ref()].map(<[f64]>::to_vec);
+        taken.take::<Plain>(index, stage, &mut rooms, &mut memory).ok()?;
+        action += action_of(index, stage, [&before[0], &before[1]], [rooms.q.as_ref(), rooms.p.as_ref()]);
+    }
+    let vector = |list: &[f64]| {
+        let mut vector = V::zeros(list.len());
+        vector.components_mut().copy_from_slice(list);
+        vector
+    };
+    Some(Followed { q: vector(rooms.q.as_ref()), p: vector(rooms.p.as_ref()), action })
+}
+
+/// `into ← into + slopes`
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn add<S: Scalar, C: Carry<S>>(into: &mut [S], slopes: &[S], lost: &mut [S]) {
+    if C::CARRIES {
+        for ((into, &slope), lost) in into.iter_mut().zip(slopes).zip(lost) {
+            (*into, *lost) = C::add(*into, slope, *lost);
+        }
+    } else {
+        for (into, &slope) in into.iter_mut().zip(slopes) {
+            *into = *into + slope;
+        }
+    }
+}

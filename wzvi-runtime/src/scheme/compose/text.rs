@@ -1,0 +1,183 @@
+//! The text of a composition: its coefficients before the text of what it composes, put together when the program is compiled.
+
+use std::marker::PhantomData;
+
+use super::{Composes, Partitioned, Structure};
+use crate::scheme::system::Listed;
+
+/// What a step of a composition is made of, for people.
+#[derive(Clone, Copy, Debug)]
+pub enum Listing {
+    /// Steps with these weights.
+    Steps(&'static [f64]),
+    /// The flows of two parts in turn.
+    Turns {
+        /// What the first part does, then the second.
+        parts: [&'static str; 2],
+        /// How far, in units of the step.
+        coefficients: &'static [f64],
+        /// By what.
+        note: &'static str,
+    },
+}
+
+/// What the parts of a table do.
+pub(super) const DRIFT_KICK: [&str; 2] = ["drift of ", "kick of "];
+
+/// The listing of a table whose first part, and whose second one, do this.
+pub(super) const fn turns<W: Partitioned>([first, second]: [&'static str; 2], note: &'static str) -> Listing {
+    let parts = if W::STARTS_WITH_DRIFT { [first, second] } else { [second, first] };
+    Listing::Turns { parts, coefficients: W::SEQUENCE, note }
+}
+
+/// Coefficients that are listed; whoever has more does not read them.
+const LISTED: usize = 100;
+
+/// Room for the listing: lines of a name and of a number.
+pub const ROOM: usize = 60 * LISTED + 1000;
+
+/// `EQUATIONS` of steps of `E` with the weights `W`, for the system `H` of the structure `K`; `N` is the length of those of `E` and [`ROOM`].
+#[derive(Clone, Copy, Debug)]
+pub struct Equations<H, E, K, W, const N: usize>(PhantomData<(H, E, K, W)>);
+
+impl<H: Listed<E>, E, K: Structure<E>, W: Composes<E, K>, const N: usize> Equations<H, E, K, W, N> {
+    const TEXT: Text<N> = Text::of(&W::LISTING, H::TEXT);
+    /// The text.
+    pub const ALL: &'static str = {
+        let text: &'static Text<N> = &Self::TEXT;
+        text.as_str()
+    };
+}
+
+/// A text of at most `N` bytes.
+#[derive(Clone, Copy, Debug)]
+struct Text<const N: usize> {
+    bytes: [u8; N],
+    length: usize,
+}
+
+impl<const N: usize> Text<N> {
+    const fn of(listing: &Listing, base: &str) -> Self {
+        let mut text = Self { bytes: [0; N], length: 0 };
+        let (parts, coefficients) = match listing {
+            Listing::Steps(weights) => {
+                text.push("A step of size h is, one after the other, a step of size\n");
+                (["", ""], *weights)
+            }
+            Listing::Turns { parts, coefficients, note } => {
+                text.push("A step of size h is, one after the other");
+                text.push(note);
+                text.push(", a\n");
+                (*parts, *coefficients)
+            }
+        };
+        let mut i = 0;
+        while i < coefficients.len() && i < LISTED {
+            text.push("  ");
+            text.push(parts[i % 2]);
+            text.push_number(coefficients[i]);
+            text.push(" h\n");
+            i += 1;
+        }
+        if i < coefficients.len() {
+            text.push("  ...\n");
+        }
+        text.push(match listing {
+            Listing::Steps(_) => "of\n\n",
+            Listing::Turns { .. } => "where the flows are those in\n\n",
+        });
+        text.push(base);
+        text
+    }
+
+    const fn as_str(&self) -> &str {
+        match std::str::from_utf8(self.bytes.split_at(self.length).0) {
+            Ok(text) => text,
+            // Whole texts were pushed.
+            Err(_) => "",
+        }
+    }
+
+    /// Nothing where there is no room for all of it.
+    const fn push(&mut self, text: &str) {
+        let bytes = text.as_bytes();
+        if self.length + bytes.len() > N {
+            return;
+        }
+        let mut i = 0;
+        while i < bytes.len() {
+            self.bytes[self.length] = bytes[i];
+            self.length += 1;
+            i += 1;
+        }
+    }
+
+    const fn push_digit(&mut self, digit: u128) {
+        if self.length < N {
+            self.bytes[self.length] = b'0' + digit as u8;
+            self.length += 1;
+        }
+    }
+
+    /// To 16 decimals: weights are of the size of 1.
+    const fn push_number(&mut self, number: f64) {
+        const UNIT: u128 = 10_u128.pow(16);
+        let size = if number < 0.0 { -number } else { number };
+        if size.is_nan() || size >= 1e15 {
+            return self.push("(no number)");
+        }
+        if number < 0.0 {
+            self.push("-");
+        }
+        let bits = size.to_bits();
+        let (biased, fraction) = ((bits >> 52) as u32, (bits & ((1 << 52) - 1)) as u128);
+        // `mantissa / 2^shift`, where `size < 2^50` makes `shift` positive.
+        let (mantissa, shift) =
+            if biased == 0 { (fraction, 1074) } else { (fraction + (1 << 52), 1075 - biased) };
+        let scaled = if shift > 120 { 0 } else { (mantissa * UNIT + (1 << (shift - 1))) >> shift };
+        let (mut whole, mut rest) = (scaled / UNIT, scaled % UNIT);
+        let mut power = 1;
+        while whole / power >= 10 {
+            power *= 10;
+        }
+        while power > 0 {
+            self.push_digit(whole / power);
+            whole %= power;
+            power /= 10;
+        }
+        if rest != 0 {
+            self.push(".");
+        }
+        let mut unit = UNIT / 10;
+        while rest != 0 {
+            self.push_digit(rest / unit);
+            rest %= unit;
+            unit /= 10;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_those_that_were_written() {
+        for number in
+            [0.0, 1.0, 0.5, 1.3512071919596575, -1.7024143839193153, 12.25, -0.016404589403617633, 1e-300]
+        {
+            let mut text = Text::<40> { bytes: [0; 40], length: 0 };
+            text.push_number(number);
+            let read: f64 = text.as_str().parse().unwrap_or(f64::NAN);
+            // Half of the last decimal.
+            assert!(
+                (read - number).abs() <= 0.5e-16 + f64::EPSILON * number.abs(),
+                "{number} {}",
+                text.as_str()
+            );
+        }
+        let mut text = Text::<40> { bytes: [0; 40], length: 0 };
+        text.push_number(-0.25);
+        assert_eq!(text.as_str(), "-0.25");
+    }
+}

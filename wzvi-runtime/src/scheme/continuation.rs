@@ -1,0 +1,305 @@
+//! The steps that the short way cannot take: solved from zero with a line search, then along the step as it grows.
+//!
+//! The equations of a step may have several solutions, and Newton's method from far away finds any of them. The right
+//! one is connected with the state: it comes from no change at all as the Hamiltonian of the step, `λ (h H_0 + Σ_k ΔW_k
+//! H_k)`, grows from `λ = 0` to 1, which is to solve the steps of size `λh` with increments `λΔW`. Where a solution is
+//! not found beyond doubt ([`Effort::doubtful`], [`Effort::is_far`]) it is followed along `λ`. Each part starts where the one before
+//! ended, and is taken if Newton's method leaves no doubt there that it is still the same solution; else it is halved. Doubled after that, parts are as
+//! long as the curve allows, and an eighth of the step at most: between the starts of two parts the force may change, which nothing else looks at.
+//!
+//! At a fold parts become shorter without end, and the step has no solution. At a kink of `H` they need not: no correction there shrinks as it should,
+//! however short the part, but the parts themselves do, where a jump to another solution stays as long as it is.
+//!
+//! A stiff force that is far from its balance swings many times along `λ`, and no reasonable number of parts resolves that. Then the
+//! solution from zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the
+//! next one has not, and the step is reported as doubtful.
+//!
+//! Equations may fall into blocks that have no unknown in common, as those of sites that nothing couples. Then each half of the blocks is solved by
+//! itself, and so on while there is a doubt, so that only blocks that are hard by themselves are followed, each with parts of its own.
+
+use std::ops::Range;
+
+use crate::algebra::carry::Carry;
+use crate::algebra::few::{Few, List};
+use crate::algebra::memory::StepMemory;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::Vector;
+use crate::error::StepFailure;
+use crate::scheme::system::{At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf};
+
+/// The longest part of a step in which its solution is followed, and the shortest.
+const LONGEST: f64 = 1.0 / 8.0;
+const SHORTEST: f64 = 1.0 / 1048576.0;
+/// Parts that are tried before there is a good part of the step behind them, and in all. A smooth curve takes ten, and one that passes a fold three for
+/// each halving; where hundreds are too few the force swings along the step.
+const MOST_TRIED: [f64; 2] = [64.0, 512.0];
+/// A curve that ends before this fraction of the step is not resolved: it has no reason to end where the step is nearly none.
+const EARLIEST_END: f64 = 1.0 / 16.0;
+/// A part of half the length goes half as far, but for what the slope of the curve changes in it.
+const SHRINKING: f64 = 0.6;
+/// Parts in a row that do, where the curve has a kink.
+const KINK: u32 = 4;
+
+/// More numbers of a state than are followed along a first step that the short way has taken: a large system pays for it with matrices.
+const MOST_CHECKED: usize = 64;
+
+/// A step to take: its data, and what the steps before left.
+///
+/// By value, as is what comes back: the caller keeps its own in registers.
+pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
+    pub(crate) system: &'a H,
+    pub(crate) prepared: PreparedOf<H, E>,
+    pub(crate) t: f64,
+    pub(crate) h: f64,
+    pub(crate) q: H::Vector,
+    pub(crate) p: H::Vector,
+    pub(crate) dw: List<'a, f64>,
+    pub(crate) carry: C,
+    /// The blocks of equations to solve, by their numbers; all of them if it says nothing.
+    pub(crate) blocks: Option<Range<usize>>,
+}
+
+/// A step that was taken after all.
+pub(crate) struct Continued<V, M, C> {
+    pub(crate) q: V,
+    pub(crate) p: V,
+    pub(crate) memory: M,
+    pub(crate) carry: C,
+    pub(crate) effort: Effort,
+}
+
+impl<V, C> Continued<V, (), C> {
+    /// With what it left for the next.
+    fn leaving<M>(self, memory: M) -> Continued<V, M, C> {
+        let Self { q, p, memory: (), carry, effort } = self;
+        Continued { q, p, memory, carry, effort }
+    }
+}
+
+pub(crate) type Taken<H, E, C> = Continued<<H as Hamiltonian>::Vector, MemoryOf<H, E, f64>, C>;
+type Outcome<H, E, C> = Result<Taken<H, E, C>, StepFailure>;
+type Solved<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFailure>;
+
+/// Takes a step that failed for `cause`.
+///
+/// # Errors
+/// `cause` where nothing can be done about it, [`StepFailure::NoSolution`] where the solution ends, else what stands in
+/// its way.
+#[cold]
+#[inline(never)]
+pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
+    hard: Hard<'_, H, E, C>,
+    cause: StepFailure,
+) -> Outcome<H, E, C> {
+    let lists = [hard.q.components(), hard.p.components(), &hard.dw, &[hard.t]];
+    if cause.is_of_arguments() || !are_finite(lists) {
+        return Err(cause);
+    }
+    hard.solve_blocks()
+}
+
+fn are_finite(lists: [&[f64]; 4]) -> bool {
+    lists.iter().all(|list| list.iter().all(|x| x.is_finite()))
+}
+
+/// Where the curve of solutions could not be followed any further.
+pub(crate) struct End {
+    pub(crate) reached: f64,
+    /// Whether it ends there, as far as the shortest parts tell.
+    pub(crate) is_fold: bool,
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
+    /// All of the blocks at once if that leaves no doubt, else each half of them by itself, and a single one along the step.
+    fn solve_blocks(&self) -> Outcome<H, E, C> {
+        let mut memory = self.memory();
+        let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
+        match (found, self.blocks.clone().unwrap_or(0..memory.blocks())) {
+            (Ok(found), _) if found.effort.is_certain() => Ok(found.leaving(memory)),
+            (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
+            (found, _) => match self.follow() {
+                Ok(end) => Ok(end),
+                Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
+                Err(End { reached, is_fold: false }) => match found? {
+                    found if found.effort.is_elsewhere() => Err(StepFailure::NoSolution { reached }),
+                    found => {
+                        let effort = Effort { doubtful: true, ..found.effort };
+                        Ok(Continued { effort, ..found }.leaving(memory))
+                    }
+                },
+            },
+        }
+    }
+
+    /// Each half of the blocks: as none reads another, the second half starts where the first one ends.
+    fn solve_halves(&self, blocks: Range<usize>) -> Outcome<H, E, C> {
+        let middle = blocks.start + blocks.len() / 2;
+        let part = |blocks, q: &H::Vector, p: &H::Vector, carry: &C| Hard {
+            prepared: self.prepared.clone(),
+            dw: List::of(&self.dw),
+            q: q.clone(),
+            p: p.clone(),
+            carry: carry.clone(),
+            blocks: Some(blocks),
+            ..*self
+        };
+        let first = part(blocks.start..middle, &self.q, &self.p, &self.carry).solve_blocks()?;
+        let second = part(middle..blocks.end, &first.q, &first.p, &first.carry).solve_blocks()?;
+        // What one half leaves is no guide for the other.
+        Ok(Continued { memory: Default::default(), effort: first.effort + second.effort, ..second })
+    }
+
+    /// A memory that remembers nothing, for steps of the blocks.
+    fn memory(&self) -> MemoryOf<H, E, f64> {
+        let mut memory = MemoryOf::<H, E, f64>::default();
+        if let Some(blocks) = &self.blocks {
+            memory.restrict(blocks.clone());
+        }
+        memory
+    }
+
+    /// The solution that continues the state of a first step, where that is another than the one at these ends, which the short way has found: that had
+    /// nothing to go by. `room` is for what the steps of a check leave.
+    ///
+    /// # Errors
+    /// [`StepFailure::NoSolution`] where it ends.
+    pub(crate) fn check(
+        &self,
+        [q, p]: [&H::Vector; 2],
+        room: &mut MemoryOf<H, E, f64>,
+    ) -> Result<Option<Taken<H, E, C>>, StepFailure> {
+        // With noise every step starts from zero, the first as all others.
+        if 2 * self.q.components().len() > MOST_CHECKED || !self.dw.is_empty() {
+            return Ok(None);
+        }
+        room.forget();
+        let found = self.solve(&self.prepared, self.h, &self.dw, room);
+        if found.is_ok_and(|found| found.effort.is_certain()) {
+            return Ok(None);
+        }
+        match self.follow() {
+            Ok(end) => {
+                let is_same = is_near(&self.q, [q, &end.q]) && is_near(&self.p, [p, &end.p]);
+                Ok(if is_same { None } else { Some(end) })
+            }
+            Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
+            Err(End { is_fold: false, .. }) => Ok(None),
+        }
+    }
+
+    /// The step of size `h` with care, started from what `memory` holds.
+    fn solve(
+        &self,
+        prepared: &PreparedOf<H, E>,
+        h: f64,
+        dw: &[f64],
+        memory: &mut MemoryOf<H, E, f64>,
+    ) -> Solved<H, C> {
+        let (mut q, mut p, mut carry) = (self.q.clone(), self.p.clone(), self.carry.clone());
+        let at = At { t: self.t, h, q: q.components_mut(), p: p.components_mut(), dw };
+        let effort =
+            SchemeOf::<H, E>::advance::<f64, C, true>(self.system, prepared, at, memory, &mut carry)?;
+        Ok(Continued { q, p, memory: (), carry, effort })
+    }
+
+    /// The solution that continues the state, or where it ends.
+    pub(crate) fn follow(&self) -> Result<Taken<H, E, C>, End> {
+        let mut many = Vec::new();
+        let mut few = Few::of(&self.dw);
+        let dw: &mut [f64] = match &mut few {
+            Some(few) => few,
+            None => {
+                many.resize(self.dw.len(), 0.0);
+                &mut many
+            }
+        };
+        let mut at = [self.q.clone(), self.p.clone()];
+        let mut memory = self.memory();
+        let mut kink = Kink::of(&at);
+        let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
+        while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
+            tried_so_far += 1.0;
+            // Parts are powers of two, and all sums of them exact.
+            let fraction = f64::min(reached + part, 1.0);
+            for (scaled, dw) in dw.iter_mut().zip(&*self.dw) {
+                *scaled = fraction * dw;
+            }
+            let h = fraction * self.h;
+            let Ok(prepared) = SchemeOf::<H, E>::prepare(self.system, h) else { break };
+            let mut left = memory.clone();
+            let tried = self.solve(&prepared, h, dw, &mut left);
+            let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());
+            iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);
+            let is_same =
+                tried.as_ref().is_some_and(|step| !step.effort.doubtful || kink.is_passed(&at, step));
+            match tried {
+                Some(mut step) if is_same => {
+                    if fraction == 1.0 {
+                        // Whoever takes it has no doubt. Parts of a step are no guide for the next, but the step itself may be.
+                        step.effort = Effort { doubtful: false, is_far: false, iterations, ..step.effort };
+                        left.hold();
+                        return Ok(step.leaving(left));
+                    }
+                    (at, memory) = ([step.q, step.p], left);
+                    memory.hold();
+                    (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
+                    kink.forget();
+                }
+                tried => {
+                    if tried.is_none() {
+                        kink.forget();
+                    }
+                    part *= 0.5;
+                    if part < SHORTEST {
+                        let is_fold = reached >= EARLIEST_END;
+                        return Err(End { reached, is_fold });
+                    }
+                }
+            }
+        }
+        Err(End { reached, is_fold: false })
+    }
+}
+
+/// Whether two ways from a place lead to the same one. What solves the same equations differs by their rounding, far below a millionth of the way; two
+/// solutions come as near as the square root of that only where they meet.
+pub(crate) fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
+    let ends = a.components().iter().zip(b.components());
+    start.components().iter().zip(ends).all(|(start, (a, b))| {
+        let (way, rounding) = (a - start, f64::EPSILON * (a.abs() + b.abs() + start.abs()));
+        (a - b).abs() <= 1e-6 * way.abs() + 64.0 * rounding
+    })
+}
+
+/// How far parts from one place went that left a doubt, each half as long as the one before.
+struct Kink<V> {
+    moves: [V; 2],
+    shrunk: u32,
+    is_known: bool,
+}
+
+impl<V: Vector> Kink<V> {
+    fn of(at: &[V; 2]) -> Self {
+        Self { moves: at.clone(), shrunk: 0, is_known: false }
+    }
+
+    fn forget(&mut self) {
+        (self.shrunk, self.is_known) = (0, false);
+    }
+
+    /// Notes such a part from here; whether so many became shorter that the curve has no gap.
+    fn is_passed<M, C>(&mut self, from: &[V; 2], to: &Continued<V, M, C>) -> bool {
+        let (mut shrinks, is_known) = (true, std::mem::replace(&mut self.is_known, true));
+        for ((before, from), to) in self.moves.iter_mut().zip(from).zip([&to.q, &to.p]) {
+            let components = from.components().iter().zip(to.components());
+            for (before, (from, to)) in before.components_mut().iter_mut().zip(components) {
+                // The difference of two states is as uncertain as they are.
+                let (way, rounding) = ((to - from).abs(), f64::EPSILON * (to.abs() + from.abs()));
+                shrinks &= way <= SHRINKING * *before + rounding;
+                *before = way;
+            }
+        }
+        self.shrunk = if is_known && shrinks { self.shrunk + 1 } else { 0 };
+        self.shrunk >= KINK
+    }
+}

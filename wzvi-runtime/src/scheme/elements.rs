@@ -1,0 +1,444 @@
+//! Systems of elements: what `#[hamiltonian]` generates for a phase space whose size it does not know, and the step
+//! that is made of it.
+//!
+//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, each with the weights of `q_i` and `q_{i+1}` in its
+//! coordinates and the parts of the step Hamiltonian that are evaluated there, and the derivatives of these parts. The
+//! unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the discrete Euler-Lagrange equations
+//!
+//! ```text
+//! L_d = P · u - Σ_s F_s(P, Q_s, T_s),  Q_s = q_i + c_s u,  T_s = t_i + c_s h,  P = p_i + v
+//! ∂L_d/∂P = 0:        u = Σ_s ∂F_s/∂p
+//! p_i = -D_1 L_d:     v = -Σ_s start_s ∂F_s/∂q
+//! p_{i+1} = D_2 L_d:  p_{i+1} - p_i = v - Σ_s end_s ∂F_s/∂q
+//! ```
+//!
+//! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
+//! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
+//! iteration, or step, as long as they contract as well. Either way it ends when each correction is at the rounding
+//! of its unknown, or changes nothing but the rounding of what the equations are evaluated at, or each equation is at the rounding of
+//! its own terms, so that the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
+//!
+//! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
+//! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
+//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Their preconditioner are factors
+//! of the Jacobian of an earlier step: first those at its own places, and where these take too many products all of them, in the order of a
+//! nested dissection, so that one product does at any stiffness.
+
+mod bath;
+mod beside;
+mod blocks;
+mod careful;
+mod change;
+mod explicit;
+mod hamiltonian;
+mod in_loops;
+mod iterate;
+mod jacobian;
+mod kept;
+mod lagrangian;
+mod linear;
+mod memory;
+mod pairs;
+mod passes;
+#[doc(hidden)]
+pub mod places;
+mod preference;
+mod quadrature;
+mod rounding;
+mod step;
+mod sums;
+mod windows;
+
+pub use bath::{damping, rates};
+pub use beside::Placements;
+pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
+pub use in_loops::{InLoops, Loops};
+pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
+pub use memory::{CompensationVec, Memory};
+pub use pairs::{Pair, Row};
+pub(crate) use passes::are_finite;
+pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
+pub(crate) use step::nothing;
+pub use sums::{Given, Run, Sums, apart};
+pub(crate) use windows::BLOCK;
+pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
+
+use std::ops::Range;
+
+pub use crate::algebra::lanes::single::{Alone, Usual};
+pub use crate::algebra::memory::{Iteration, Method};
+
+use hamiltonian::{DRIFT, FORCE, NOISE};
+
+use crate::algebra::scalar::{Number, Scalar};
+use crate::error::{ConfigError, StepFailure};
+use crate::scheme::plan::Facts;
+use crate::scheme::system::{Hamiltonian, no_nan};
+
+/// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
+pub const CONTRACTS: f64 = 0.2;
+
+/// By what slopes are wanted: what an element does not read costs nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slopes {
+    /// By coordinates.
+    pub by_q: bool,
+    /// By momenta.
+    pub by_p: bool,
+}
+
+impl Slopes {
+    /// By all.
+    pub const ALL: Self = Self { by_q: true, by_p: true };
+    /// By coordinates. Elements that read both halves of the phase space add those by momenta, too.
+    pub const BY_COORDINATES: Self = Self { by_q: true, by_p: false };
+    /// By momenta. Elements that read both halves of the phase space add those by coordinates, too.
+    pub const BY_MOMENTA: Self = Self { by_q: false, by_p: true };
+}
+
+/// Where elements are evaluated, and by what they are weighted.
+#[derive(Clone, Debug)]
+pub struct Point<'a, S, V: ?Sized = [S]> {
+    /// Coordinates.
+    pub q: &'a V,
+    /// Momenta.
+    pub p: &'a V,
+    /// Time.
+    pub t: f64,
+    /// The increment of the drift.
+    pub h: f64,
+    /// The increments of the noises that act.
+    pub dw: &'a [S],
+    /// The numbers of the noises that act: all in a step, one where it is asked for.
+    pub acting: Range<usize>,
+    /// `e^{γ (t - t_i)}` with the rate `γ` of friction that steps take in: momenta are so many times those of the state.
+    pub scale: f64,
+}
+
+impl<S: Copy, V: Given<S> + ?Sized> Point<'_, S, V> {
+    /// The degrees of freedom of the system.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn degrees(&self) -> usize {
+        self.q.degrees()
+    }
+
+    /// The increment of a noise that acts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn increment(&self, noise: usize) -> S {
+        self.dw[noise - self.acting.start]
+    }
+}
+
+/// Second derivatives of a sum of elements, entry by entry. Pairs of different variables come once.
+pub trait Curvature<S> {
+    /// `∂²/∂q_i ∂q_j`
+    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
+    /// `∂²/∂q_i ∂p_j`
+    fn add_qp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
+    /// `∂²/∂p_i ∂p_j`
+    fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
+    /// `-∂f_i/∂q_j` of a force
+    fn add_force_by_q(&mut self, i: usize, j: usize, value: S);
+    /// `-∂f_i/∂p_j` of a force
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S);
+}
+
+/// A system whose Hamiltonians are sums of elements.
+///
+/// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
+/// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
+/// `weight` and by its increments.
+pub trait Elements: Hamiltonian {
+    /// What the elements read and the compiler has not shown to be there.
+    #[doc(hidden)]
+    const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
+
+    /// What the compiler found out of the system.
+    const FACTS: Facts;
+
+    /// The part that is the first of the first integrals.
+    const INTEGRALS: usize;
+
+    /// Whether there is a part of the force beside the drift.
+    const HAS_FORCE: bool = false;
+
+    /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
+    #[doc(hidden)]
+    fn entries(&self, table: usize, outer: &[usize], range: Range<usize>) -> places::Entries {
+        let _ = (table, outer, range);
+        places::Entries::of_length(0)
+    }
+
+    /// The weighted value of a part; 0 for one that does not exist. All slices have the degrees of freedom that were
+    /// checked.
+    fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
+
+    /// Whether slopes can be taken window by window: elements that read coordinates add to places next to each other, and
+    /// those that read momenta read one each, to whose place they add.
+    const HAS_WINDOWS: bool = false;
+
+    /// Whether there are elements whose pairs stand in rows, see [`Pair`]: then slopes of large systems by `f64` are taken in vector
+    /// instructions.
+    const HAS_PAIRS: bool = false;
+
+    /// By what there are slopes of elements whose [`Placements`] are taken beside each other: those of large systems by `f64` in vector
+    /// instructions.
+    const GATHERS: Slopes = Slopes { by_q: false, by_p: false };
+
+    /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
+    const HAS_ONE_VELOCITY: bool = false;
+
+    /// What slopes are computed with where numbers are kept as `f64`: functions have the same bits on every machine, and in
+    /// lanes.
+    type Exact: Number<f64>;
+
+    /// The same in a loop over neighbours that becomes vector code: NaN where that cannot have the result of [`Elements::Exact`].
+    type Usual: Number<f64>;
+
+    /// Adds the weighted slopes of a part to `by_q` and `by_p`.
+    fn slopes<S, T, V, Q, P>(
+        &self,
+        part: usize,
+        weight: f64,
+        at: &Point<'_, S, V>,
+        wanted: Slopes,
+        by_q: &mut Q,
+        by_p: &mut P,
+    ) where
+        S: Scalar,
+        T: Number<S>,
+        V: Given<S> + ?Sized,
+        Q: Sums<S> + ?Sized,
+        P: Sums<S> + ?Sized;
+
+    /// Adds the weighted second derivatives of a part, of which there are those that steps ask for. All noises act.
+    fn curvature<S: Scalar, C: Curvature<S>>(
+        &self,
+        part: usize,
+        weight: f64,
+        at: &Point<'_, S>,
+        wanted: Slopes,
+        into: &mut C,
+    ) {
+        let _ = (part, weight, at, wanted, into);
+    }
+}
+
+/// A system with steps in loops: threads share it where they are large.
+pub trait Shared: Elements + Sync {}
+
+impl<H: Elements + Sync> Shared for H {}
+
+impl<S: Scalar> Point<'_, S> {
+    /// The same, if numbers are `f64`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn plain(&self) -> Option<Point<'_, f64>> {
+        let Self { q, p, t, h, dw, acting, scale } = self;
+        let [q, p, dw] = [S::plain(q)?, S::plain(p)?, S::plain(dw)?];
+        Some(Point { q, p, t: *t, h: *h, dw, acting: acting.clone(), scale: *scale })
+    }
+}
+
+/// Adds the weighted slopes of a part at all places.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn slopes<H: Elements, S: Scalar>(
+    system: &H,
+    part: usize,
+    weight: f64,
+    at: &Point<'_, S>,
+    wanted: Slopes,
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    slopes_as::<H, S, S::OfElements<H::Exact>>(system, part, weight, at, wanted, by_q, by_p);
+}
+
+/// The same, computed in numbers `T`, unless rows of pairs are: these take the exact ones.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
+    system: &H,
+    part: usize,
+    weight: f64,
+    at: &Point<'_, S>,
+    wanted: Slopes,
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    if const { pairs::may_take_vectors::<H>() && S::MAY_BE_PLAIN }
+        && pairs::takes_vectors::<H>(wanted, at.q.len())
+        && let Some(at) = at.plain()
+        && let (Some(by_q), Some(by_p)) = (S::plain_mut(&mut *by_q), S::plain_mut(&mut *by_p))
+    {
+        pairs::slopes(system, part, weight, &at, wanted, by_q, by_p);
+    } else {
+        system.slopes::<S, T, [S], [S], [S]>(part, weight, at, wanted, by_q, by_p);
+    }
+}
+
+/// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
+/// not read.
+#[expect(clippy::too_many_arguments, reason = "as `gauss::Field::step_slopes`")]
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+    system: &H,
+    t: S,
+    h: S,
+    q: &[S],
+    p: &[S],
+    dw: &[S],
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    let at = Point { q, p, t: t.lane(0), h: 1.0, dw, acting: 0..dw.len(), scale: 1.0 };
+    let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+    if BY_Q {
+        by_q.fill(S::from_f64(0.0));
+    }
+    if BY_P {
+        by_p.fill(S::from_f64(0.0));
+    }
+    slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
+    if H::HAS_FORCE {
+        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
+    }
+    // Weights of stages differ from lane to lane.
+    if BY_Q {
+        by_q.iter_mut().for_each(|slope| *slope = *slope * h);
+    }
+    if BY_P {
+        by_p.iter_mut().for_each(|slope| *slope = *slope * h);
+    }
+    if !dw.is_empty() {
+        slopes(system, NOISE, 1.0, &at, wanted, by_q, by_p);
+    }
+}
+
+/// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by coordinates, which are `state`, or by momenta, which are it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn add_slopes<H: Elements, S: Scalar>(
+    system: &H,
+    flow: Flow<'_, S>,
+    state: &[S],
+    wanted: Slopes,
+    into: &mut [S],
+) {
+    let (at, none) = (flow.at(state), &mut [][..]);
+    // One call for all, which is inlined.
+    for (part, is_there) in flow.parts::<H>() {
+        match wanted.by_q {
+            _ if !is_there => {}
+            true => slopes(system, part, 1.0, &at, wanted, into, none),
+            false => slopes(system, part, 1.0, &at, wanted, none, into),
+        }
+    }
+}
+
+impl<'a, S: Copy> Flow<'a, S> {
+    /// All parts, and whether they act.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parts<H: Elements>(&self) -> [(usize, bool); 3] {
+        [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !self.dw.is_empty())]
+    }
+
+    /// Where elements of one half of the phase space are evaluated, which read nothing of the other.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at<V: ?Sized>(&self, state: &'a V) -> Point<'a, S, V> {
+        let Self { t, h, dw } = *self;
+        Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 }
+    }
+}
+
+/// The same to any sums.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
+where
+    H: Elements,
+    S: Scalar,
+    T: Number<S>,
+    V: Given<S> + ?Sized,
+    A: Sums<S> + ?Sized,
+{
+    let at = flow.at(state);
+    // One call for all, which is inlined.
+    for (part, is_there) in flow.parts::<H>() {
+        let none = &mut [][..];
+        if !is_there {
+            continue;
+        }
+        if wanted.by_q {
+            system.slopes::<S, T, V, A, [S]>(part, 1.0, &at, wanted, into, none);
+        } else {
+            system.slopes::<S, T, V, [S], A>(part, 1.0, &at, wanted, none, into);
+        }
+    }
+}
+
+/// The value of a part of the drift, or of the temperature.
+pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
+    system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 })
+}
+
+/// Whether scratch for `ready` degrees of freedom is for a state of `got`, which the system was checked for then.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
+    let known = system.degrees();
+    ready == got && got != 0 && (known == 0 || known == got)
+}
+
+/// Coordinates, which fit the system, and momenta, as long as what is known of it says: loops over both check nothing.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if there are not as many momenta.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn sized_mut<'a, H: Elements, S>(
+    system: &H,
+    [q, p]: [&'a mut [S]; 2],
+) -> Result<[&'a mut [S]; 2], StepFailure> {
+    let degrees = match system.degrees() {
+        0 => q.len(),
+        known => known,
+    };
+    if p.len() != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
+    }
+    Ok([&mut q[..degrees], &mut p[..degrees]])
+}
+
+/// The increments of a step, one for each noise.
+///
+/// # Errors
+/// [`StepFailure::Increments`] if there are not as many.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], StepFailure> {
+    let expected = system.noises();
+    if dw.len() != expected {
+        return Err(StepFailure::Increments { expected, got: dw.len() });
+    }
+    Ok(&dw[..expected])
+}
+
+/// Whether a state of `got` degrees of freedom fits the system.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if it does not, [`StepFailure::Index`] if an integer of the system is out of range.
+pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
+    let expected = system.degrees();
+    if expected != 0 && expected != got {
+        return Err(StepFailure::Dimension { expected, got });
+    }
+    places::check(system, got)
+}
+
+/// The check that the making of a stepper does.
+///
+/// # Errors
+/// [`ConfigError::Parameter`] if a parameter is no number, [`ConfigError::Index`] if an index is out of range.
+pub(crate) fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
+    no_nan(system)?;
+    match system.degrees() {
+        0 => Ok(()),
+        degrees => {
+            places::index_error(system, degrees).map_or(Ok(()), |error| Err(ConfigError::Index(error)))
+        }
+    }
+}

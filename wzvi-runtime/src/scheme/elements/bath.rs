@@ -1,0 +1,49 @@
+//! Friction of any sum of elements, for thermostats.
+
+use super::{Curvature, Elements, Point, Slopes, slopes};
+use crate::algebra::scalar::Scalar;
+
+/// The rates of friction: part number `part`, whose slopes are those of a covector.
+pub fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
+    if into.len() != q.len() {
+        return into.fill(S::from_f64(f64::NAN));
+    }
+    along(system, part, [q, q], into);
+}
+
+/// `Γ` by rows: part number `part` is a covector that is linear in the momenta, with this matrix.
+pub fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
+    let degrees = q.len();
+    if into.len() != degrees * degrees {
+        return into.fill(S::from_f64(f64::NAN));
+    }
+    into.fill(S::from_f64(0.0));
+    // The momenta do not matter.
+    let at = Point { q, p: q, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
+    system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut Rows { degrees, into });
+}
+
+/// The matrix of a covector `f` that is linear in the momenta: second derivatives are those of `-f`.
+struct Rows<'a, S> {
+    degrees: usize,
+    into: &'a mut [S],
+}
+
+impl<S: Scalar> Curvature<S> for Rows<'_, S> {
+    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
+        let entry = &mut self.into[i * self.degrees + j];
+        *entry = *entry - value;
+    }
+}
+
+fn along<H: Elements, S: Scalar>(system: &H, part: usize, [q, p]: [&[S]; 2], into: &mut [S]) {
+    let at = Point { q, p, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
+    into.fill(S::from_f64(0.0));
+    slopes(system, part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
+    // Slopes of a covector `f` are those of `-f`.
+    into.iter_mut().for_each(|entry| *entry = -*entry);
+}

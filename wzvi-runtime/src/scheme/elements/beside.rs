@@ -1,0 +1,213 @@
+//! Placements of an element beside each other, wherever they read and add: at the ends of bonds from a table, at places that are far apart.
+//!
+//! Numbers that the slopes depend on are gathered one by one, a list for each, the slopes are computed in vector registers, and added to
+//! their places one by one, in the order of the placements:
+//!
+//! ```text
+//! x_k[l] = q[i_k(b + l)]        for l = 0..B, k = 1..M
+//! s_j[l] = ∂V/∂x_j(x_1[l], ..., x_M[l])
+//! (∂V/∂q)[i_j(b + l)] += s_j[l]       for l = 0..B, j = 1..F
+//! ```
+//!
+//! Two placements of one block may have a place in common: as sums are not made in vector registers they need not be told apart, and have
+//! the bits of one placement after the other, whatever the table and the registers are.
+
+use std::marker::PhantomData;
+
+use super::pairs::{Block, Pair};
+use crate::algebra::scalar::{Number, Scalar};
+
+/// Placements whose slopes are computed in one loop: registers of the widest kind twice, so that one does not wait for the other.
+const AT_ONCE: usize = 16;
+
+/// Placements of a loop from which it pays.
+pub(super) const LEAST_BESIDE: isize = 4;
+
+/// Where there are no more, no more are computed.
+const HALF: usize = AT_ONCE / 2;
+
+/// Less than so many are computed one by one.
+const FEW: usize = 3;
+
+/// Some placements of an element, which read `M` numbers and have `F` slopes each.
+pub trait Placements<T: Scalar, const M: usize, const F: usize> {
+    /// None.
+    fn new() -> Self;
+
+    /// How many of those that are left are taken beside each other.
+    fn few(&self, left: usize) -> usize;
+
+    /// The numbers that one of them reads.
+    fn read(&mut self, lane: usize, numbers: [T; M]);
+
+    /// The slopes of the first `few`, from numbers that are the same for all and constants.
+    fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
+        &mut self,
+        few: usize,
+        own: [T; O],
+        constants: [f64; P],
+    );
+
+    /// The slopes of one of them.
+    fn slopes(&self, lane: usize) -> [T; F];
+}
+
+/// One placement after the other.
+#[derive(Debug)]
+pub struct OneByOne<T, const M: usize, const F: usize> {
+    numbers: [T; M],
+    slopes: [T; F],
+}
+
+impl<T: Scalar, const M: usize, const F: usize> Placements<T, M, F> for OneByOne<T, M, F> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new() -> Self {
+        Self { numbers: [T::from_f64(0.0); M], slopes: [T::from_f64(0.0); F] }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn few(&self, _left: usize) -> usize {
+        1
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn read(&mut self, _lane: usize, numbers: [T; M]) {
+        self.numbers = numbers;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
+        &mut self,
+        _few: usize,
+        own: [T; O],
+        constants: [f64; P],
+    ) {
+        self.slopes = K::slopes(own, constants, [], self.numbers).0;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn slopes(&self, _lane: usize) -> [T; F] {
+        self.slopes
+    }
+}
+
+/// Numbers of a block, at the beginning of a line of the cache.
+#[repr(align(64))]
+struct Numbers<const M: usize>([[f64; AT_ONCE]; M]);
+
+/// A block of them, in numbers `U`, and in numbers `T` where these do not know the result.
+pub(super) struct InBlocks<T, U, const M: usize, const F: usize> {
+    numbers: Numbers<M>,
+    block: Block<AT_ONCE, 0, F>,
+    kinds: PhantomData<(T, U)>,
+}
+
+impl<T: Number<f64>, U: Number<f64>, const M: usize, const F: usize> Placements<T, M, F>
+    for InBlocks<T, U, M, F>
+{
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new() -> Self {
+        let block = Block { by_own: [[0.0; AT_ONCE]; F], by_partner: [] };
+        Self { numbers: Numbers([[0.0; AT_ONCE]; M]), block, kinds: PhantomData }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn few(&self, left: usize) -> usize {
+        left.min(AT_ONCE)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn read(&mut self, lane: usize, numbers: [T; M]) {
+        for (list, number) in self.numbers.0.iter_mut().zip(numbers) {
+            list[lane] = number.kept();
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
+        &mut self,
+        few: usize,
+        own: [T; O],
+        constants: [f64; P],
+    ) {
+        let numbers = self.numbers.0.each_ref();
+        if few < FEW {
+            self.block.fill_one_by_one::<T, K, O, P, M>(few, own, constants, [], numbers);
+        } else if few > HALF {
+            self.block.fill::<T, U, K, O, P, M>(AT_ONCE, few, own, constants, [], numbers);
+        } else {
+            self.block.fill::<T, U, K, O, P, M>(HALF, few, own, constants, [], numbers);
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn slopes(&self, lane: usize) -> [T; F] {
+        self.block.by_own.each_ref().map(|slopes| T::of(slopes[lane]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+    use crate::algebra::lanes::single::{Alone, Usual};
+
+    /// `c sin(k (x - y))`
+    struct Bond;
+
+    impl Pair<1, 1, 0, 2, 2> for Bond {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn slopes<T: Scalar>(
+            [c]: [T; 1],
+            [k]: [f64; 1],
+            _partner: [T; 0],
+            [x, y]: [T; 2],
+        ) -> ([T; 2], [T; 0]) {
+            let slope = c * ((x - y) * k).sin();
+            ([slope, -slope], [])
+        }
+    }
+
+    /// Adds the slopes of all bonds.
+    struct Added<'a, P> {
+        bonds: &'a [[usize; 2]],
+        q: &'a [f64],
+        sums: &'a mut [f64],
+        placements: P,
+    }
+
+    impl<P: Placements<Alone, 2, 2>> Kernel for Added<'_, P> {
+        type Output = ();
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn run<const L: usize, const HALF: usize>(self) {
+            let Self { bonds, q, sums, mut placements } = self;
+            let mut first = 0;
+            while first < bonds.len() {
+                let few = placements.few(bonds.len() - first);
+                for lane in 0..few {
+                    placements.read(lane, bonds[first + lane].map(|site| Alone::of(q[site])));
+                }
+                placements.take::<Bond, 1, 1>(few, [Alone::from_f64(0.3)], [1.7]);
+                for lane in 0..few {
+                    for (site, slope) in bonds[first + lane].into_iter().zip(placements.slopes(lane)) {
+                        sums[site] = (Alone::of(sums[site]) + slope).kept();
+                    }
+                }
+                first += few;
+            }
+        }
+    }
+
+    #[test]
+    fn all_instruction_sets_have_the_bits_of_one_placement_after_the_other() {
+        for (count, far) in (0..70).flat_map(|count| [(count, 0.5), (count, 1e9)]) {
+            // Sites meet again in the next placements, and some bonds have both ends at one.
+            let bonds: Vec<[usize; 2]> = (0..count).map(|b| [b * b % 7, b % 5]).collect();
+            let mut q = [0.2, -1.4, 3.3, 0.0, 2.1, -0.7, 9.1];
+            // Beyond what the reduction by π/2 in lanes takes, or not.
+            q[4] = far;
+            let mut reference = [0.1; 7];
+            let placements = OneByOne::new();
+            Added { bonds: &bonds, q: &q, sums: &mut reference, placements }.run::<1, 1>();
+            for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
+                let mut sums = [0.1; 7];
+                let placements = InBlocks::<Alone, Usual, 2, 2>::new();
+                set.run(Added { bonds: &bonds, q: &q, sums: &mut sums, placements });
+                assert_eq!(sums.map(f64::to_bits), reference.map(f64::to_bits), "{set:?}, {count}, {far}");
+            }
+        }
+    }
+}

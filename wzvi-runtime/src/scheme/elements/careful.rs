@@ -1,0 +1,107 @@
+//! The equations of a sweep for the steps where the short way fails: what [`damped`] asks of them.
+
+use super::blocks::Blocks;
+use super::linear::Linear;
+use super::memory::{Lists, Scratch};
+use super::rounding::Rounding;
+use super::step::Step;
+use super::{Elements, Memory};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::{Effort, Problem, Room, astray, damped};
+use crate::error::StepFailure;
+
+/// Residual of linear equations that are solved by iteration: below what a convergence that is nearly quadratic shows.
+const TOLERANCE: f64 = 1e-10;
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// Solves for the unknowns with care, if there are any; leaves `u` and `P`.
+    #[inline(never)]
+    pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
+        memory.kept.lose();
+        let mut blocks = std::mem::take(&mut memory.blocks);
+        blocks.find(self.system, self.scheme, self.degrees());
+        let effort = self.careful_of(memory, &blocks);
+        memory.blocks = blocks;
+        effort
+    }
+
+    /// The same of some blocks.
+    fn careful_of(self, memory: &mut Memory<S>, blocks: &Blocks) -> Result<Effort, StepFailure> {
+        let known = memory.known;
+        let mut scratch = memory.scratch(self.scheme, self.degrees());
+        scratch.guess(known);
+        let Scratch { mut lists, diagonal, linear, rounding, .. } = scratch;
+        let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
+        let start = lists.x.to_vec();
+        let lists = &mut lists;
+        let mut room = Room::of(&start);
+        let mut sweep = Sweep { step: self, blocks, lists, diagonal, linear, rounding };
+        let effort = damped(&mut sweep, &mut room, &start)?;
+        lists.x.copy_from_slice(room.solution());
+        self.refresh(lists);
+        Ok(effort)
+    }
+}
+
+/// The equations of a step with their scratch.
+struct Sweep<'a, 's, H, S> {
+    step: Step<'s, H, S>,
+    blocks: &'a Blocks,
+    lists: &'a mut Lists<'s, S>,
+    diagonal: &'a mut [S],
+    linear: &'a mut Linear<S>,
+    rounding: &'a mut Option<Box<Rounding>>,
+}
+
+impl<H: Elements, S: Scalar> Sweep<'_, '_, H, S> {
+    /// Zero for the unknowns of other blocks.
+    fn hold(&self, numbers: &mut [S]) {
+        for (unknown, number) in numbers.iter_mut().enumerate() {
+            if self.blocks.holds_unknown(self.step.scheme.unknowns, unknown) {
+                *number = S::from_f64(0.0);
+            }
+        }
+    }
+}
+
+impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
+    type Number = S;
+    type Vector = Vec<S>;
+
+    fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {
+        self.lists.x.copy_from_slice(x);
+        self.step.residual(self.lists);
+        into.copy_from_slice(self.lists.correction);
+        self.hold(into);
+    }
+
+    fn factor(&mut self) -> Result<(), StepFailure> {
+        let (blocks, unknowns) = (self.blocks, self.step.scheme.unknowns);
+        let are_held = |unknown| blocks.holds_unknown(unknowns, unknown);
+        self.step.factor(self.lists, self.diagonal, self.linear, true, are_held)
+    }
+
+    fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
+        self.lists.correction.copy_from_slice(r);
+        self.step.correct(self.lists, self.diagonal, self.linear, TOLERANCE)?;
+        r.copy_from_slice(self.lists.correction);
+        self.hold(r);
+        Ok(())
+    }
+
+    fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
+        let (rounding, blocks, unknowns) =
+            (self.step.round(x, self.rounding), self.blocks, self.step.scheme.unknowns);
+        move |k| rounding[k].is_below(1.0) || blocks.holds_unknown(unknowns, k)
+    }
+
+    /// Not known where the matrix is not.
+    fn is_reversed(&self) -> bool {
+        match &*self.linear {
+            Linear::Band(band) => {
+                self.blocks.is_any_reversed(self.step.scheme.unknowns, |unknown| band.reverses(unknown))
+            }
+            Linear::Krylov(_) => self.linear.is_reversed(),
+        }
+    }
+}

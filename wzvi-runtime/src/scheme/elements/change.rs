@@ -1,0 +1,351 @@
+//! What a correction of the fixed point changes of the numbers that the equations are evaluated at, against the rounding of
+//! these numbers.
+//!
+//! After `x' = φ(x)` the equations leave the residual `x' - φ(x') = φ(x) - φ(x')`. The map `φ` reads its unknowns through
+//! `Q_s = q_i + c_s u` and `P = p_i + v` only, of which running error analysis ([`Rounded`](crate::algebra::scalar::Rounded)) knows the
+//! roundings `ε (|Q| + 2 |c u|)` and `ε (|P| + |v|)`, at least. Where the correction changes each by a quarter of that,
+//!
+//! ```text
+//! |c Δu| ≤ ε (|Q| + 2 |c u|) / 4,   |Δv| ≤ ε (|P| + |v|) / 4,
+//! ```
+//!
+//! it moves the numbers that `φ` is evaluated at, which are rounded, by no more than their rounding (by one unit in the last place, or
+//! where `c u` is larger than `Q / 2` by `ε (5 |Q| / 4 + |c u| / 2)`), and the residual is below the rounding of its own terms by the same analysis, to
+//! first order, without a pass that follows the rounding of every term. Each number is compared with its own rounding, so that no
+//! unit and no other site counts.
+
+use std::ops::Range;
+
+use super::memory::Lists;
+use super::passes::{Block, in_blocks, load, poisoned, widened};
+use super::step::Step;
+use super::{Elements, Stage, Unknowns};
+use crate::algebra::scalar::Scalar;
+
+/// The part of a rounding that a change may be. A fixed point contracts at least by [`CONTRACTS`](super::CONTRACTS), so that a
+/// twentieth is left.
+const UNSEEN: f64 = 0.25;
+
+/// What a correction changed: the more, the larger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Change {
+    /// No more than [`UNSEEN`] of a rounding.
+    Unseen,
+    /// More than that.
+    Seen,
+    /// To what is not finite.
+    Unknown,
+}
+
+/// By how much the changes are above [`UNSEEN`] of a rounding, at most, in lanes, so that none waits for the one before. A largest
+/// number is one instruction where a choice by a comparison may become several of each lane.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<const L: usize> {
+    above: [f64; L],
+    poison: [u64; L],
+}
+
+impl<const L: usize> Seen<L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn new() -> Self {
+        Self { above: [0.0; L], poison: [0; L] }
+    }
+
+    /// Changes of numbers whose rounding is `ε rounded`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
+        // The difference of two numbers has the sign that it has without rounding.
+        let mut excess = change;
+        for i in 0..N {
+            excess[i] -= UNSEEN * f64::EPSILON * rounded[i];
+        }
+        let (excess, change): ([f64; L], [f64; L]) = (widened(excess), widened(change));
+        let Self { mut above, mut poison } = *self;
+        for i in 0..L {
+            above[i] = if excess[i] > above[i] { excess[i] } else { above[i] };
+        }
+        for i in 0..L {
+            poison[i] |= poisoned(change[i]);
+        }
+        *self = Self { above, poison };
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn finish(self) -> Change {
+        let Self { above, poison } = self;
+        match above.iter().all(|&above| above == 0.0) {
+            _ if poison.iter().any(|&poison| poison != 0) => Change::Unknown,
+            true => Change::Unseen,
+            false => Change::Seen,
+        }
+    }
+}
+
+/// Unknowns that are looked at before it is asked whether one of them was changed.
+const AT_ONCE: usize = 4;
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// Whether the last correction of the fixed point changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]; not known of
+    /// numbers of several parts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> bool {
+        let mut spans = (0..self.degrees()).step_by(AT_ONCE);
+        // One of them tells mostly.
+        let first = 0..self.degrees().min(1);
+        size_of::<S>() == size_of::<f64>()
+            && self.change::<1>(lists, first) == Change::Unseen
+            && spans.all(|first| {
+                let places = first..self.degrees().min(first + AT_ONCE);
+                self.change::<AT_ONCE>(lists, places) == Change::Unseen
+            })
+    }
+
+    /// What the last correction changed at some places.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>) -> Change {
+        let mut seen = Seen::<L>::new();
+        if self.scheme.unknowns == Unknowns::Both {
+            self.change_of_both(lists, places, &mut seen);
+            return seen.finish();
+        }
+        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
+        for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+            let (q, u, before) = (&self.q[places.clone()], &u[places.clone()], &before[places.clone()]);
+            in_blocks::<L>(places.len(), &mut Moved { q, u, before, point, seen: &mut seen });
+        }
+        if self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
+            // Elements at the node may read momenta.
+            let (x, correction) = (&x[places.clone()], &correction[places.clone()]);
+            let momentum = &momentum[places.clone()];
+            in_blocks::<L>(places.len(), &mut Kicked { x, correction, momentum, seen: &mut seen });
+        }
+        seen.finish()
+    }
+
+    /// The same where both halves are unknown.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_of_both<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>, seen: &mut Seen<L>) {
+        let Lists { x, correction, momentum, .. } = lists;
+        let (x, correction) =
+            (&x.as_chunks::<2>().0[places.clone()], &correction.as_chunks::<2>().0[places.clone()]);
+        let state = self.q[places.clone()].iter().zip(&momentum[places]);
+        for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in x.iter().zip(correction).zip(state) {
+            for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+                seen.take([(change_u * point).magnitude()], [moved(q, u, point)]);
+            }
+            seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
+        }
+    }
+}
+
+/// `|q + c u| + 2 |c u|`
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn moved<S: Scalar>(q: S, u: S, point: f64) -> f64 {
+    let way = u * point;
+    (q + way).magnitude() + 2.0 * way.magnitude()
+}
+
+/// Coordinates, and increments after and before.
+pub(super) struct Moved<'a, S, const L: usize> {
+    pub(super) q: &'a [S],
+    pub(super) u: &'a [S],
+    pub(super) before: &'a [S],
+    pub(super) point: f64,
+    pub(super) seen: &'a mut Seen<L>,
+}
+
+impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (q, u) = (load::<_, N>(self.q, first), load::<_, N>(self.u, first));
+        let before = load::<_, N>(self.before, first);
+        let (mut change, mut rounded) = ([0.0; N], [0.0; N]);
+        for i in 0..N {
+            change[i] = ((u[i] - before[i]) * self.point).magnitude();
+        }
+        for i in 0..N {
+            rounded[i] = moved(q[i], u[i], self.point);
+        }
+        self.seen.take(change, rounded);
+    }
+}
+
+/// Unknowns, their corrections, and momenta.
+struct Kicked<'a, S, const L: usize> {
+    x: &'a [S],
+    correction: &'a [S],
+    momentum: &'a [S],
+    seen: &'a mut Seen<L>,
+}
+
+impl<S: Scalar, const L: usize> Block for Kicked<'_, S, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (x, momentum) = (load::<_, N>(self.x, first), load::<_, N>(self.momentum, first));
+        let correction = load::<_, N>(self.correction, first);
+        let (mut change, mut rounded) = ([0.0; N], [0.0; N]);
+        for i in 0..N {
+            change[i] = correction[i].magnitude();
+            rounded[i] = momentum[i].magnitude() + x[i].magnitude();
+        }
+        self.seen.take(change, rounded);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scheme::plan::{Facts, Knowledge, NoiseClass};
+    use nalgebra::DVector;
+
+    use super::super::memory::Memory;
+    use super::super::places::{Entries, Places};
+    use super::super::{
+        Alone, Curvature, Given, Hamiltonian, MomentumUpdate, Point, Quadrature, Slopes, Sums,
+    };
+    use super::*;
+    use crate::algebra::scalar::Number;
+
+    /// `Σ p_i² / 2 m_i + Σ k_i (d_i²/2 + d_i⁴/4)`, `d_i = q_i - q_{i-1}`
+    struct Chain {
+        mass: Vec<f64>,
+        spring: Vec<f64>,
+    }
+
+    impl Hamiltonian for Chain {
+        type Vector = DVector<f64>;
+        fn degrees(&self) -> usize {
+            self.mass.len()
+        }
+        fn evaluate<S: Scalar>(&self, _: usize, _: &[S], _: &[S], _: f64) -> S {
+            S::from_f64(f64::NAN)
+        }
+        fn differentiate<S: Scalar>(&self, _: usize, _: &[S], _: &[S], _: f64, _: &mut [S], _: &mut [S]) {}
+    }
+
+    impl Elements for Chain {
+        const FACTS: Facts = Facts {
+            degrees: usize::MAX,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+            has_pieces: false,
+        };
+        const PLACES: Places = Places { components: 1, tables: &[], nests: &[] };
+        const INTEGRALS: usize = 3;
+        const HAS_WINDOWS: bool = false;
+        const HAS_ONE_VELOCITY: bool = true;
+        type Exact = Alone;
+        type Usual = Alone;
+        fn entries(&self, _: usize, _: &[usize], _: Range<usize>) -> Entries {
+            Entries::of_length(0)
+        }
+        fn value<S: Scalar>(&self, _: usize, _: f64, _: &Point<'_, S>) -> S {
+            S::from_f64(f64::NAN)
+        }
+        fn slopes<S: Scalar, T: Number<S>, V: Given<S> + ?Sized, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+            &self,
+            _: usize,
+            weight: f64,
+            at: &Point<'_, S, V>,
+            wanted: Slopes,
+            by_q: &mut Q,
+            by_p: &mut P,
+        ) {
+            let scale = weight * at.h;
+            for i in 0..if wanted.by_p { self.mass.len() } else { 0 } {
+                by_p.add(i, T::of(at.p[i]) * (scale / self.mass[i]));
+            }
+            for i in 1..if wanted.by_q { self.mass.len() } else { 0 } {
+                let d = T::of(at.q[i]) - T::of(at.q[i - 1]);
+                let pull = (d + d * d * d) * (scale * self.spring[i]);
+                by_q.add(i, pull);
+                by_q.add(i - 1, -pull);
+            }
+        }
+        fn curvature<S: Scalar, C: Curvature<S>>(
+            &self,
+            _: usize,
+            _: f64,
+            _: &Point<'_, S>,
+            _: Slopes,
+            into: &mut C,
+        ) {
+            for i in 1..self.mass.len() {
+                into.add_qq(i, i - 1, false, S::from_f64(f64::NAN));
+            }
+        }
+    }
+
+    const STAGE: Stage = Stage { point: 0.5, start: 0.5, end: 0.5, parts: &[(0, 1.0)] };
+    const MIDPOINT: Quadrature = Quadrature {
+        stages: &[STAGE],
+        update: MomentumUpdate::Multiple(2.0),
+        unknowns: Unknowns::Momenta,
+        remembers: true,
+        is_linear: false,
+    };
+
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    #[test]
+    fn a_quarter_of_a_rounding_is_not_seen_and_what_is_not_finite_is_not_known() {
+        let after = |changes: [f64; 3]| {
+            let mut seen = Seen::<4>::new();
+            changes.into_iter().for_each(|change| seen.take([change], [1.0]));
+            seen.finish()
+        };
+        let bound = UNSEEN * f64::EPSILON;
+        assert_eq!(after([0.0, bound, 0.0]), Change::Unseen);
+        assert_eq!(after([0.0, bound * (1.0 + f64::EPSILON), bound]), Change::Seen);
+        for change in [f64::INFINITY, f64::NAN] {
+            assert_eq!(after([change, 0.0, 0.0]), Change::Unknown);
+            assert_eq!(after([1.0, change, 0.0]), Change::Unknown);
+        }
+    }
+
+    /// Chains of random masses, springs and states, each site of a scale of its own: the fixed point goes on until nothing is changed any
+    /// more, by this bound. By running error analysis, which follows the rounding of every term, each equation is at rounding there.
+    #[test]
+    fn equations_are_at_their_rounding_where_nothing_changes() {
+        let mut seed = 5;
+        for unknowns in [Unknowns::Momenta, Unknowns::Both] {
+            let scheme = &Quadrature { unknowns, ..MIDPOINT };
+            for n in (2..40).chain([95, 96, 97, 200]) {
+                let mut list = |from: f64, spread: f64| -> Vec<f64> {
+                    (0..n).map(|_| from + spread * random(&mut seed)).collect()
+                };
+                let system = Chain { mass: list(1.0, 1.0), spring: list(1.0, 1.0) };
+                let size: Vec<f64> =
+                    list(-3.0, 6.0).into_iter().map(|exponent| 10.0_f64.powf(exponent)).collect();
+                let scaled =
+                    |list: Vec<f64>| list.iter().zip(&size).map(|(x, size)| x * size).collect::<Vec<_>>();
+                let (q, p) = (scaled(list(0.0, 1.0)), scaled(list(0.0, 2.0)));
+                // Forces grow with the cube of the largest stretch, which is a thousand at most.
+                let h = 1e-4;
+                let step =
+                    Step { system: &system, scheme, t: 0.0, h, q: &q, p: &p, dw: &[], increment: None };
+                let mut memory = Memory::new(&system, scheme);
+                let mut scratch = memory.scratch(scheme, n);
+                step.start(&mut scratch, 0);
+                let mut sweeps = 0;
+                loop {
+                    step.sweep(&mut scratch, false);
+                    sweeps += 1;
+                    if step.changes_nothing(&scratch.lists) {
+                        break;
+                    }
+                    assert!(sweeps < 50, "{n} sites");
+                }
+                assert!(sweeps > 1);
+                let x = scratch.lists.x.to_vec();
+                for (k, residual) in step.round(&x, scratch.rounding).iter().enumerate() {
+                    assert!(residual.is_below(1.0), "unknown {k} of {n} sites: {residual:?}");
+                }
+            }
+        }
+    }
+}

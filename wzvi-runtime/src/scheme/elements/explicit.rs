@@ -1,0 +1,216 @@
+//! One step of a scheme that solves nothing: `v` and then `u` are assigned.
+
+use super::memory::Lists;
+use super::passes::{add, are_finite};
+use super::step::{Step, nothing};
+use super::sums::Onto;
+use super::windows::takes_windows;
+use super::{Memory, MomentumUpdate, Quadrature, Shared, Slopes};
+use crate::algebra::carry::Carry;
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::Vector;
+use crate::error::StepFailure;
+use crate::scheme::system::At;
+
+/// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
+///
+/// Inlined into the step of one system by one scheme, where the table of the scheme, and often the number of degrees of
+/// freedom, are constants: no loop over stages or parts, and no check of a length, is left. Numbers of several parts go a way
+/// of their own: their registers do not hold more than one element.
+///
+/// # Errors
+/// [`StepFailure`]: sizes that do not fit, a state that is not finite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
+    system: &H,
+    scheme: &Quadrature,
+    At { t, h, q, p, dw }: At<'_, S>,
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    let givens = Givens { system, scheme, t, h, dw };
+    if size_of::<S>() == size_of::<f64>() {
+        givens.advance(q, p, memory, carry)
+    } else {
+        advance_apart(givens, q, p, memory, carry)
+    }
+}
+
+/// What a step depends on besides the state.
+struct Givens<'a, H, S> {
+    system: &'a H,
+    scheme: &'a Quadrature,
+    t: f64,
+    h: f64,
+    dw: &'a [S],
+}
+
+#[inline(never)]
+fn advance_apart<H: Shared, S: Scalar, C: Carry<S>>(
+    givens: Givens<'_, H, S>,
+    q: &mut [S],
+    p: &mut [S],
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    givens.advance(q, p, memory, carry)
+}
+
+impl<H: Shared, S: Scalar> Givens<'_, H, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<C: Carry<S>>(
+        self,
+        q: &mut [S],
+        p: &mut [S],
+        memory: &mut Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        let Self { system, scheme, t, h, dw } = self;
+        if !memory.fits(system, q.len()) {
+            memory.fit(system, scheme, q.len())?;
+        }
+        let [q, p] = super::sized_mut(system, [q, p])?;
+        let dw = super::increments(system, dw)?;
+        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+            && takes_windows(scheme, q.len())
+            && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+        {
+            if !C::CARRIES {
+                let (q, p) = (known_q, known_p);
+                let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+                step.advance_windows(&mut memory.plan)?.copy(q, p);
+                return Ok(Effort::fast(0));
+            }
+            memory.make_room(scheme, q.len());
+        }
+        let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+        let mut lists = memory.work.lists(scheme, step.degrees());
+        if !C::CARRIES && !H::IS_CONFORMAL && scheme.update == MomentumUpdate::Multiple(1.0) {
+            // `P` is the new momentum.
+            if !step.go_on(&mut lists) {
+                return Err(StepFailure::NonFinite);
+            }
+            let Lists { u, momentum, .. } = lists;
+            q.copy_from_slice(u);
+            p.copy_from_slice(momentum);
+        } else {
+            step.assign(&mut lists);
+            step.finish(&mut lists);
+            lists.store(q, p, carry)?;
+        }
+        Ok(Effort::fast(0))
+    }
+}
+
+/// [`advance_explicit`] of vectors that may be exchanged for others.
+///
+/// # Errors
+/// Those of [`advance_explicit`].
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
+    system: &H,
+    scheme: &Quadrature,
+    [t, h]: [f64; 2],
+    [q, p]: [&mut H::Vector; 2],
+    dw: &[f64],
+    memory: &mut Memory<f64>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    let degrees = q.components().len();
+    if const { H::HAS_WINDOWS && !C::CARRIES } && takes_windows(scheme, degrees) {
+        return Givens { system, scheme, t, h, dw }.exchange(q, p, memory);
+    }
+    let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+    advance_explicit(system, scheme, at, memory, carry)
+}
+
+impl<H: Shared> Givens<'_, H, f64> {
+    /// The same, window by window.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn exchange(
+        self,
+        q: &mut H::Vector,
+        p: &mut H::Vector,
+        memory: &mut Memory<f64>,
+    ) -> Result<Effort, StepFailure> {
+        let Self { system, scheme, t, h, dw } = self;
+        let degrees = q.components().len();
+        if !memory.fits(system, degrees) {
+            memory.fit(system, scheme, degrees)?;
+        }
+        if p.components().len() != degrees {
+            return Err(StepFailure::Dimension { expected: degrees, got: p.components().len() });
+        }
+        let dw = super::increments(system, dw)?;
+        let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
+        step.advance_windows(&mut memory.plan)?.exchange(q, p);
+        Ok(Effort::fast(0))
+    }
+}
+
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
+    /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {
+        self.kick(lists);
+        self.drift(lists);
+    }
+
+    /// `P`
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kick(&self, lists: &mut Lists<'_, S>) {
+        let Lists { momentum, stages, by_p, .. } = lists;
+        let (_, by_q) = stages.at_mut(0);
+        by_q.fill(nothing());
+        for stage in self.scheme.stages {
+            if stage.start != 0.0 {
+                self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
+            }
+        }
+        for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
+            *momentum = p - force;
+        }
+    }
+
+    /// `u`
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn drift(&self, lists: &mut Lists<'_, S>) {
+        let Lists { u, momentum, by_p, .. } = lists;
+        u.fill(nothing());
+        self.velocities(momentum, by_p, u);
+    }
+
+    /// `P` and, in the place of `u`, the new coordinates; whether both are finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn go_on(&self, lists: &mut Lists<'_, S>) -> bool {
+        self.kick(lists);
+        let has_one_velocity = H::HAS_ONE_VELOCITY && self.scheme.takes_parts_once();
+        if has_one_velocity && size_of::<S>() == size_of::<f64>() {
+            let Lists { u, momentum, .. } = lists;
+            self.drift_onto(momentum, Onto { base: self.q, next: u });
+            return are_finite(u) && are_finite(momentum);
+        }
+        self.drift(lists);
+        let Lists { u, momentum, .. } = lists;
+        add(u, self.q) && are_finite(momentum)
+    }
+
+    /// Adds the velocities at once to the coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn drift_onto(&self, momentum: &[S], mut coordinates: Onto<'_, S>) {
+        for stage in self.scheme.stages {
+            let (at, none) = (self.at(stage, self.q, momentum), &mut [][..]);
+            for &(part, weight) in stage.parts {
+                self.system.slopes::<S, S::OfElements<H::Exact>, [S], [S], _>(
+                    part,
+                    weight,
+                    &at,
+                    Slopes::BY_MOMENTA,
+                    none,
+                    &mut coordinates,
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
+
+use super::kept::PATIENCE;
+use super::linear::{Linear, Wide};
+use super::memory::{Lists, Work};
+use super::passes::largest;
+use super::step::Step;
+use super::{Curvature, Elements, Quadrature, Slopes, Stage, Unknowns};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::{Banded, Krylov, Operator, Sparse, power_of_two};
+use crate::error::StepFailure;
+
+/// Takes the entries of a matrix; several for one place add up.
+pub(super) trait Entries<S> {
+    fn add(&mut self, row: usize, column: usize, value: S);
+}
+
+impl<S: Scalar> Entries<S> for Banded<S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        Banded::add(self, row, column, value);
+    }
+}
+
+impl<S: Scalar> Entries<S> for Sparse<S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        Sparse::add(self, row, column, value);
+    }
+}
+
+/// Rows of a matrix; others stay those of the identity.
+struct Rows<'a, M, F> {
+    matrix: &'a mut M,
+    are_held: F,
+}
+
+impl<S, M: Entries<S>, F: Fn(usize) -> bool> Entries<S> for Rows<'_, M, F> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        if !(self.are_held)(row) {
+            self.matrix.add(row, column, value);
+        }
+    }
+}
+
+/// `y += A x`
+struct Product<'a, S> {
+    x: &'a [S],
+    y: &'a mut [S],
+}
+
+impl<S: Scalar> Entries<S> for Product<'_, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, row: usize, column: usize, value: S) {
+        self.y[row] = self.y[row] + value * self.x[column];
+    }
+}
+
+/// The Jacobian at the current stages, and factors of one: of unknowns that are counted in these units, by kind, so that a norm may add up both.
+struct Conditioned<'a, 's, H, S> {
+    units: Option<[f64; 2]>,
+    room: &'a mut Vec<S>,
+    step: &'a Step<'s, H, S>,
+    lists: &'a Lists<'s, S>,
+    diagonal: &'a [S],
+    factors: &'a mut Sparse<S>,
+    most_cycles: u32,
+}
+
+impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
+    fn product(&mut self, x: &[S], y: &mut [S]) {
+        let Some(units) = self.units else {
+            y.copy_from_slice(x);
+            return self.step.entries(self.lists, self.diagonal, &mut Product { x, y });
+        };
+        self.room.clear();
+        self.room.extend_from_slice(x);
+        multiply(self.room, units);
+        y.copy_from_slice(self.room);
+        self.step.entries(self.lists, self.diagonal, &mut Product { x: self.room, y });
+        multiply(y, units.map(f64::recip));
+    }
+
+    fn precondition(&mut self, x: &mut [S]) {
+        self.units.into_iter().for_each(|units| multiply(x, units));
+        self.factors.solve(x);
+        self.units.into_iter().for_each(|units| multiply(x, units.map(f64::recip)));
+    }
+
+    fn most_cycles(&self) -> u32 {
+        self.most_cycles
+    }
+}
+
+/// Both kinds of unknowns, each by a power of two, which rounds nothing.
+fn multiply<S: Scalar>(list: &mut [S], [first, second]: [f64; 2]) {
+    let (first, second) = (S::from_f64(first), S::from_f64(second));
+    for pair in list.as_chunks_mut().0 {
+        let [u, v] = *pair;
+        *pair = [u * first, v * second];
+    }
+}
+
+/// What the unknowns are counted in, where there are two kinds: about the largest of each, or of its equations where that is zero.
+fn units<S: Scalar>(kind: Unknowns, x: &[S], residual: &[S]) -> Option<[f64; 2]> {
+    let (sizes, others) = (largest(kind, x), largest(kind, residual));
+    let unit = |i: usize| match [sizes[i], others[i]].into_iter().find(|&size| size > 0.0) {
+        Some(size) => power_of_two(size),
+        None => 1.0,
+    };
+    (kind == Unknowns::Both).then(|| [unit(0), unit(1)])
+}
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// `∂u/∂v` at the current stages, where it is diagonal.
+    pub(super) fn differentiate_velocities(&self, lists: &Lists<'_, S>, diagonal: &mut [S]) {
+        if self.scheme.unknowns == Unknowns::Momenta {
+            diagonal.fill(S::from_f64(0.0));
+            let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
+            for stage in free {
+                let into = &mut Velocities(diagonal);
+                self.curvature(stage, self.q, lists.momentum, Slopes::BY_MOMENTA, into);
+            }
+        }
+    }
+
+    /// Factors of the Jacobian at the current stages, without the rows that `are_held`; of a wide one with `all` entries where these are few.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
+    pub(super) fn factor(
+        &self,
+        lists: &Lists<'_, S>,
+        diagonal: &mut [S],
+        linear: &mut Linear<S>,
+        all: bool,
+        are_held: impl Fn(usize) -> bool,
+    ) -> Result<(), StepFailure> {
+        self.differentiate_velocities(lists, diagonal);
+        match linear {
+            Linear::Band(band) => {
+                band.reset();
+                self.entries(lists, diagonal, &mut Rows { matrix: band, are_held });
+                band.factor()
+            }
+            Linear::Krylov(wide) => {
+                let factors = wide.room(self.system, self.scheme, self.degrees(), all);
+                factors.reset();
+                self.entries(lists, diagonal, &mut Rows { matrix: &mut *factors, are_held });
+                factors.factor();
+                Ok(())
+            }
+        }
+    }
+
+    /// The correction becomes `J⁻¹` of itself, up to `tolerance` where that takes products with the Jacobian; their number. On `Err` it
+    /// is what it was.
+    ///
+    /// # Errors
+    /// [`StepFailure::NotConverged`] or [`StepFailure::NonFinite`] of an iteration.
+    pub(super) fn correct(
+        &self,
+        lists: &mut Lists<'_, S>,
+        diagonal: &[S],
+        linear: &mut Linear<S>,
+        tolerance: f64,
+    ) -> Result<Option<u32>, StepFailure> {
+        match linear {
+            Linear::Band(band) => {
+                band.solve(lists.correction);
+                Ok(None)
+            }
+            Linear::Krylov(wide) => {
+                let Wide { krylov, room, factors } = &mut **wide;
+                let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
+                let correction = std::mem::take(&mut lists.correction);
+                let units = units(self.scheme.unknowns, lists.x, correction);
+                units.into_iter().for_each(|units| multiply(correction, units.map(f64::recip)));
+                // Those that lack entries give way to those that do not.
+                let most = Krylov::<S>::MOST_CYCLES;
+                let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
+                let lists_of_stages = &lists.lend();
+                let operator = &mut Conditioned {
+                    units,
+                    room,
+                    step: self,
+                    lists: lists_of_stages,
+                    diagonal,
+                    factors,
+                    most_cycles,
+                };
+                let solved = krylov.solve(correction, tolerance, operator);
+                units.into_iter().for_each(|units| multiply(correction, units));
+                lists.correction = correction;
+                solved.map(Some)
+            }
+        }
+    }
+
+    /// `-φ'` at the current stages.
+    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], into: &mut impl Entries<S>) {
+        let Lists { stages, momentum, .. } = lists;
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (q, _) = stages.at(s);
+            match self.scheme.unknowns {
+                Unknowns::Both => {
+                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { matrix: into, stage });
+                }
+                _ => {
+                    let reduced = &mut Reduced { matrix: into, diagonal, stage };
+                    self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, reduced);
+                }
+            }
+        }
+    }
+}
+
+/// Calls `visit` with every place off the diagonal that the Jacobian may fill, some more than once.
+pub(super) fn pattern<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    degrees: usize,
+    visit: impl FnMut(usize, usize),
+) {
+    struct Places<F>(F);
+    impl<F: FnMut(usize, usize)> Entries<f64> for Places<F> {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn add(&mut self, row: usize, column: usize, _: f64) {
+            if row != column {
+                (self.0)(row, column);
+            }
+        }
+    }
+    let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
+    let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
+    let (mut work, diagonal) = (Work::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
+    step.entries(&work.lists(scheme, degrees), &diagonal, &mut Places(visit));
+}
+
+/// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.
+struct Velocities<'a, S>(&'a mut [S]);
+
+impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_pp(&mut self, i: usize, _: usize, is_diagonal: bool, value: S) {
+        if is_diagonal {
+            self.0[i] = self.0[i] + value;
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force_by_p(&mut self, _: usize, _: usize, _: S) {}
+}
+
+/// `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`: `I + Σ start (c F_qq D + F_qp)`.
+struct Reduced<'a, S, M> {
+    matrix: &'a mut M,
+    diagonal: &'a [S],
+    stage: &'a Stage,
+}
+
+impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
+        let weighted = value * (self.stage.start * self.stage.point);
+        self.matrix.add(i, j, weighted * self.diagonal[j]);
+        if !is_diagonal {
+            self.matrix.add(j, i, weighted * self.diagonal[i]);
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
+        self.matrix.add(i, j, value * self.stage.start);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(i, j, value * (self.stage.start * self.stage.point) * self.diagonal[j]);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(i, j, value * self.stage.start);
+    }
+}
+
+/// The Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`
+struct Coupled<'a, M> {
+    matrix: &'a mut M,
+    stage: &'a Stage,
+}
+
+impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
+        let weighted = value * (self.stage.start * self.stage.point);
+        self.matrix.add(2 * i + 1, 2 * j, weighted);
+        if !is_diagonal {
+            self.matrix.add(2 * j + 1, 2 * i, weighted);
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
+        self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
+        self.matrix.add(2 * j, 2 * i, -(value * self.stage.point));
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
+        self.matrix.add(2 * i, 2 * j + 1, -value);
+        if !is_diagonal {
+            self.matrix.add(2 * j, 2 * i + 1, -value);
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(2 * i + 1, 2 * j, value * (self.stage.start * self.stage.point));
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
+        self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
+    }
+}

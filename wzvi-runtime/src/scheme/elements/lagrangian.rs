@@ -1,0 +1,175 @@
+//! The discrete Lagrangian of a scheme, its gradient, and the momentum of a step: all from the stages and the parts of
+//! the step Hamiltonian.
+
+use super::hamiltonian::fits;
+use super::step::{Step, decay, scale_at};
+use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
+use crate::algebra::state::{State, Vector};
+use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
+
+/// What the discrete Lagrangian is evaluated at: a segment whose sizes were checked, and increments.
+struct Evaluated<'a, V> {
+    segment: &'a Segment<V>,
+    dw: &'a [f64],
+}
+
+impl<'a, V: Vector> Evaluated<'a, V> {
+    /// `None` if sizes do not fit.
+    fn new<H: Elements>(system: &H, segment: &'a Segment<V>, dw: &'a [f64]) -> Option<Self> {
+        let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
+        let fits = q1.len() == q0.len() && dw.len() == system.noises() && fits(system, q0, p);
+        fits.then_some(Self { segment, dw })
+    }
+
+    /// `q_{i+1} - q_i`
+    fn increment(&self) -> impl Iterator<Item = f64> {
+        let ends = self.segment.q0.components().iter().zip(self.segment.q1.components());
+        ends.map(|(start, end)| end - start)
+    }
+
+    /// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point.
+    fn for_each<H: Elements>(
+        &self,
+        system: &H,
+        scheme: &Quadrature,
+        mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>),
+    ) {
+        let Segment { q0, p, t, h, .. } = self.segment;
+        for stage in scheme.stages {
+            let q: Vec<f64> =
+                q0.components().iter().zip(self.increment()).map(|(q, u)| q + stage.point * u).collect();
+            let (t, acting) = (t + stage.point * h, 0..self.dw.len());
+            let scale = scale_at(system, stage.point * h);
+            let at = Point { q: &q[..], p: p.components(), t, h: *h, dw: self.dw, acting, scale };
+            stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
+        }
+    }
+}
+
+/// `L_d = P · (q_{i+1} - q_i) - F`, NaN if sizes do not fit.
+pub(crate) fn discrete_lagrangian<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    segment: &Segment<H::Vector>,
+    dw: &[f64],
+) -> f64 {
+    let Some(evaluated) = Evaluated::new(system, segment, dw) else { return f64::NAN };
+    let mut value: f64 = segment.p.components().iter().zip(evaluated.increment()).map(|(p, u)| p * u).sum();
+    evaluated.for_each(system, scheme, |part, _, weight, at| value -= system.value(part, weight, at));
+    value
+}
+
+/// The gradient of [`discrete_lagrangian`], NaN if sizes do not fit.
+pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    segment: &Segment<H::Vector>,
+    dw: &[f64],
+) -> LagrangianGradient<H::Vector> {
+    let Some(evaluated) = Evaluated::new(system, segment, dw) else {
+        let d = segment.q0.components().len();
+        let nan = || {
+            let mut nan = H::Vector::zeros(d);
+            nan.components_mut().fill(f64::NAN);
+            nan
+        };
+        return LagrangianGradient { q0: nan(), q1: nan(), p: nan() };
+    };
+    let mut gradient =
+        LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: segment.q1.clone() };
+    let [by_start, by_end, by_momentum] =
+        [&mut gradient.q0, &mut gradient.q1, &mut gradient.p].map(Vector::components_mut);
+    by_start.iter_mut().for_each(|p| *p = -*p);
+    by_momentum.iter_mut().zip(evaluated.increment()).for_each(|(by_p, u)| *by_p = u);
+    let mut force = vec![0.0; by_start.len()];
+    let mut velocity = force.clone();
+    evaluated.for_each(system, scheme, |part, stage, weight, at| {
+        force.fill(0.0);
+        velocity.fill(0.0);
+        slopes(system, part, weight, at, Slopes::ALL, &mut force, &mut velocity);
+        for i in 0..force.len() {
+            by_start[i] -= stage.start * force[i];
+            by_end[i] -= stage.end * force[i];
+            by_momentum[i] -= velocity[i];
+        }
+    });
+    if H::IS_CONFORMAL {
+        let decay = decay(system, segment.h);
+        by_end.iter_mut().for_each(|end| *end += decay * *end);
+    }
+    gradient
+}
+
+/// `P` of the step between two states: what is solved for it is compiled where the ends do not say it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn step_momentum<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    [before, after]: [&State<H::Vector>; 2],
+    h: f64,
+    dw: &[f64],
+) -> H::Vector {
+    match scheme.factor() {
+        Some(factor) => momentum_between(system, factor, before, after, h),
+        None => momentum_solved(system, scheme, before, after, h, dw),
+    }
+}
+
+/// The change of the momenta is `factor` times `v = P - p_i`. NaN if sizes do not fit.
+fn momentum_between<H: Hamiltonian>(
+    system: &H,
+    factor: f64,
+    before: &State<H::Vector>,
+    after: &State<H::Vector>,
+    h: f64,
+) -> H::Vector {
+    let decay = if H::IS_CONFORMAL { decay(system, h) } else { 0.0 };
+    let (mut momentum, end) = (before.p.clone(), after.p.components());
+    if end.len() != momentum.components().len() {
+        momentum.components_mut().fill(f64::NAN);
+    }
+    for (p, end) in momentum.components_mut().iter_mut().zip(end) {
+        // What friction took off is put back.
+        *p += ((end - *p) - decay * *p) / (1.0 + decay) / factor;
+    }
+    momentum
+}
+
+/// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where that has no solution.
+fn momentum_solved<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    before: &State<H::Vector>,
+    after: &State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+) -> H::Vector {
+    let mut momentum = before.p.clone();
+    match momentum_increment(system, scheme, before, after, h, dw) {
+        Some(v) => momentum.components_mut().iter_mut().zip(v).for_each(|(p, v)| *p += v),
+        None => momentum.components_mut().fill(f64::NAN),
+    }
+    momentum
+}
+
+/// `v = P - p_i`, if it is known.
+fn momentum_increment<H: Elements>(
+    system: &H,
+    scheme: &Quadrature,
+    before: &State<H::Vector>,
+    after: &State<H::Vector>,
+    h: f64,
+    dw: &[f64],
+) -> Option<Vec<f64>> {
+    let [q, p, end_q] = [&before.q, &before.p, &after.q].map(Vector::components);
+    if [p.len(), end_q.len()] != [q.len(); 2] || dw.len() != system.noises() {
+        return None;
+    }
+    let u: Vec<f64> = q.iter().zip(end_q).map(|(a, b)| b - a).collect();
+    let scheme = &Quadrature { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
+    let mut memory = Memory::default();
+    memory.fit(system, scheme, q.len()).ok()?;
+    let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
+    step.careful(&mut memory).ok()?;
+    Some(memory.work.lists(scheme, q.len()).x.to_vec())
+}

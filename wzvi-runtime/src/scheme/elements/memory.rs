@@ -1,0 +1,520 @@
+//! What a stepper of a system of elements allocates, once.
+
+use std::ops::Range;
+
+use super::blocks::Blocks;
+use super::kept::Kept;
+use super::linear::Linear;
+use super::preference::Preference;
+use super::rounding::Rounding;
+use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
+use super::{Elements, Quadrature, Unknowns};
+use crate::algebra::carry::{Carry, Compensation};
+use crate::algebra::memory::{Iteration, LinearWork, Method, StepMemory, Threads};
+use crate::algebra::scalar::Scalar;
+use crate::error::StepFailure;
+use crate::ground::numbers::{Numbers, Tape};
+
+/// Vectors of one step, unknowns of the steps before, and the matrix.
+pub struct Memory<S> {
+    pub(super) degrees: usize,
+    /// How many unknowns are remembered of each step.
+    remembered: usize,
+    pub(super) iteration: Iteration,
+    pub(super) work: Work<S>,
+    /// `∂u/∂v` where that is diagonal.
+    pub(super) diagonal: Vec<S>,
+    /// Unknowns of past steps, the latest first.
+    pub(super) past: [Vec<S>; 3],
+    pub(super) known: u8,
+    pub(super) preference: Preference,
+    pub(super) linear: Option<Linear<S>>,
+    pub(super) kept: Kept<S>,
+    pub(super) rounding: Option<Box<Rounding>>,
+    /// What a careful step solves.
+    pub(super) blocks: Blocks,
+    /// How a large system is stepped that solves nothing.
+    pub(super) plan: WindowPlan,
+    /// How the fixed point of a large system goes.
+    pub(super) sweeps: Option<Box<Sweeps>>,
+}
+
+/// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
+#[derive(Debug)]
+pub(super) struct Work<S>(Vec<S>);
+
+/// The parts of a [`Work`], as long as what is known of the system says: loops over several of them check nothing.
+pub(super) struct Lists<'a, S> {
+    pub(super) x: &'a mut [S],
+    pub(super) correction: &'a mut [S],
+    /// The correction before.
+    pub(super) previous: &'a mut [S],
+    pub(super) u: &'a mut [S],
+    pub(super) momentum: &'a mut [S],
+    /// Slopes by momenta; where `u` follows from `v`, that from before the correction.
+    pub(super) by_p: &'a mut [S],
+    pub(super) stages: Stages<'a, S>,
+}
+
+/// The coordinates of each stage, and the slopes by them.
+pub(super) struct Stages<'a, S> {
+    numbers: &'a mut [S],
+    degrees: usize,
+    /// Whether the two of a stage have changed places.
+    is_turned: bool,
+}
+
+/// Numbers between two lists of a large system: what is read and written at one time is at different places of pages, which
+/// processors tell apart by their last bits first.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn apart(degrees: usize) -> usize {
+    if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
+}
+
+/// The first `length` numbers, and what is behind those after them.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
+    let (list, rest) = numbers.split_at_mut(length + apart);
+    (&mut list[..length], rest)
+}
+
+impl<S> Default for Work<S> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<S: Scalar> Work<S> {
+    /// Scratch for a system of so many degrees of freedom.
+    pub(super) fn new(scheme: &Quadrature, degrees: usize) -> Self {
+        debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
+        Self(vec![S::from_f64(0.0); Self::length(scheme, degrees)])
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn length(scheme: &Quadrature, degrees: usize) -> usize {
+        let apart = (6 + 2 * scheme.stages.len()) * apart(degrees);
+        3 * scheme.unknowns.count(degrees) + (3 + 2 * scheme.stages.len()) * degrees + apart
+    }
+
+    /// Whether it was made for such a system.
+    pub(super) fn fits(&self, scheme: &Quadrature, degrees: usize) -> bool {
+        self.0.len() == Self::length(scheme, degrees)
+    }
+
+    /// Its parts for the scheme and the degrees of freedom that it was made for.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn lists(&mut self, scheme: &Quadrature, degrees: usize) -> Lists<'_, S> {
+        let unknowns = scheme.unknowns.count(degrees);
+        let numbers = &mut self.0[..Self::length(scheme, degrees)];
+        let apart = apart(degrees);
+        let (x, numbers) = split_apart(numbers, unknowns, apart);
+        let (correction, numbers) = split_apart(numbers, unknowns, apart);
+        let (previous, numbers) = split_apart(numbers, unknowns, apart);
+        let (u, numbers) = split_apart(numbers, degrees, apart);
+        let (momentum, numbers) = split_apart(numbers, degrees, apart);
+        let (by_p, numbers) = split_apart(numbers, degrees, apart);
+        Lists {
+            x,
+            correction,
+            previous,
+            u,
+            momentum,
+            by_p,
+            stages: Stages { numbers, degrees, is_turned: false },
+        }
+    }
+}
+
+impl<S: Scalar> Lists<'_, S> {
+    /// The same, if numbers are `f64`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn plain(&mut self) -> Option<Lists<'_, f64>> {
+        let Self { x, correction, previous, u, momentum, by_p, stages } = self;
+        let Stages { numbers, degrees, is_turned } = stages;
+        let stages = Stages { numbers: S::plain_mut(numbers)?, degrees: *degrees, is_turned: *is_turned };
+        Some(Lists {
+            x: S::plain_mut(x)?,
+            correction: S::plain_mut(correction)?,
+            previous: S::plain_mut(previous)?,
+            u: S::plain_mut(u)?,
+            momentum: S::plain_mut(momentum)?,
+            by_p: S::plain_mut(by_p)?,
+            stages,
+        })
+    }
+}
+
+impl<S> Lists<'_, S> {
+    /// The same for a function of its own: what it is given the address of does not stay in registers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn lend(&mut self) -> Lists<'_, S> {
+        let Self { x, correction, previous, u, momentum, by_p, stages } = self;
+        let stages = Stages { numbers: stages.numbers, ..*stages };
+        Lists { x, correction, previous, u, momentum, by_p, stages }
+    }
+}
+
+impl<S> Stages<'_, S> {
+    /// Where the coordinates of a stage are, and the slopes by them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(&self, stage: usize) -> (usize, usize) {
+        let stride = self.degrees + apart(self.degrees);
+        (2 * stride * stage, stride)
+    }
+
+    /// The coordinates of a stage, and the slopes by them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn at(&self, stage: usize) -> (&[S], &[S]) {
+        let (start, stride) = self.bounds(stage);
+        let (first, second) = self.numbers[start..][..2 * stride].split_at(stride);
+        let (first, second) = (&first[..self.degrees], &second[..self.degrees]);
+        if self.is_turned { (second, first) } else { (first, second) }
+    }
+
+    /// The same, to be written.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn at_mut(&mut self, stage: usize) -> (&mut [S], &mut [S]) {
+        let (start, stride) = self.bounds(stage);
+        let (first, second) = self.numbers[start..][..2 * stride].split_at_mut(stride);
+        let (first, second) = (&mut first[..self.degrees], &mut second[..self.degrees]);
+        if self.is_turned { (second, first) } else { (first, second) }
+    }
+
+    /// Exchanges the two of each stage.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn turn(&mut self) {
+        self.is_turned = !self.is_turned;
+    }
+}
+
+/// What the solution of a step reads and writes of its [`Memory`].
+pub(super) struct Scratch<'a, S> {
+    pub(super) lists: Lists<'a, S>,
+    pub(super) diagonal: &'a mut [S],
+    pub(super) past: &'a mut [Vec<S>; 3],
+    pub(super) known: u8,
+    pub(super) iteration: Iteration,
+    pub(super) preference: Preference,
+    pub(super) linear: &'a mut Option<Linear<S>>,
+    pub(super) kept: &'a mut Kept<S>,
+    pub(super) rounding: &'a mut Option<Box<Rounding>>,
+    pub(super) sweeps: &'a mut Option<Box<Sweeps>>,
+    /// On how many these go.
+    pub(super) threads: Threads,
+    /// Whether nothing is to be done in vector instructions.
+    pub(super) is_exact: bool,
+}
+
+impl<S: Scalar> Memory<S> {
+    /// For the scheme and the degrees of freedom that it was made for; with past steps where they start the iteration.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
+        let Self { iteration, work, diagonal, past, known, .. } = self;
+        let Self { preference, linear, kept, rounding, plan, sweeps, .. } = self;
+        Scratch {
+            lists: work.lists(scheme, degrees),
+            diagonal,
+            past,
+            known: if scheme.remembers { *known } else { 0 },
+            iteration: *iteration,
+            preference: *preference,
+            linear,
+            kept,
+            rounding,
+            sweeps,
+            threads: plan.threads(),
+            is_exact: false,
+        }
+    }
+}
+
+impl<S: Scalar> Scratch<'_, S> {
+    /// The inverse of the Jacobian, if that is a diagonal matrix.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn inverses(&self) -> Option<&[S]> {
+        if let Some(Linear::Band(band)) = &*self.linear { band.inverses() } else { None }
+    }
+}
+
+impl<S> Scratch<'_, S> {
+    /// As [`Lists::lend`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn lend(&mut self) -> Scratch<'_, S> {
+        let Self { lists, diagonal, past, known, iteration, preference, linear, kept, .. } = self;
+        let Self { rounding, sweeps, threads, is_exact, .. } = self;
+        Scratch {
+            lists: lists.lend(),
+            diagonal,
+            past,
+            known: *known,
+            iteration: *iteration,
+            preference: *preference,
+            linear,
+            kept,
+            rounding,
+            sweeps,
+            threads: *threads,
+            is_exact: *is_exact,
+        }
+    }
+}
+
+impl<S> Default for Memory<S> {
+    fn default() -> Self {
+        Self {
+            degrees: 0,
+            remembered: 0,
+            iteration: Iteration::default(),
+            work: Work::default(),
+            diagonal: Vec::new(),
+            past: [Vec::new(), Vec::new(), Vec::new()],
+            known: 0,
+            preference: Preference::default(),
+            linear: None,
+            kept: Kept::default(),
+            rounding: None,
+            blocks: Blocks::default(),
+            plan: WindowPlan::default(),
+            sweeps: None,
+        }
+    }
+}
+
+/// What the steps before left: scratch says nothing to anyone but the step that fills it.
+impl<S: Scalar> std::fmt::Debug for Memory<S> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            degrees,
+            iteration,
+            past,
+            known,
+            preference,
+            remembered: _,
+            work: _,
+            diagonal: _,
+            linear: _,
+            kept: _,
+            rounding: _,
+            blocks: _,
+            plan: _,
+            sweeps: _,
+        } = self;
+        formatter
+            .debug_struct("Memory")
+            .field("degrees", degrees)
+            .field("iteration", iteration)
+            .field("past", &&past[..usize::from(*known).min(past.len())])
+            .field("known", known)
+            .field("preference", preference)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S: Scalar> Clone for Memory<S> {
+    fn clone(&self) -> Self {
+        let past = if self.known == 0 { Default::default() } else { self.past.clone() };
+        let (iteration, known, preference) = (self.iteration, self.known, self.preference);
+        let (kept, plan, blocks) = (self.kept.clone(), self.plan.alike(), self.blocks.alike());
+        Self { iteration, past, known, preference, kept, plan, blocks, ..Self::default() }
+    }
+
+    /// Keeps what is allocated.
+    fn clone_from(&mut self, other: &Self) {
+        if other.known > 0 {
+            self.past.clone_from(&other.past);
+        }
+        (self.iteration, self.known, self.preference) = (other.iteration, other.known, other.preference);
+        self.kept.clone_from(&other.kept);
+    }
+}
+
+impl<S: Scalar> Numbers for Memory<S> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let unknowns = tape.length(if self.known == 0 { 0 } else { self.past[0].len() });
+        tape.count(&mut self.known);
+        self.preference.pass(tape);
+        if unknowns != 0 {
+            for past in &mut self.past {
+                past.resize(unknowns, S::from_f64(0.0));
+                past.iter_mut().for_each(|number| number.pass(tape));
+            }
+        }
+        self.kept.pass(tape);
+    }
+}
+
+impl<S: Scalar> StepMemory for Memory<S> {
+    fn pin(&mut self, iteration: Iteration) {
+        self.iteration = iteration;
+    }
+
+    fn pinned(&self) -> Iteration {
+        self.iteration
+    }
+
+    fn share(&mut self, threads: Threads) {
+        self.plan.share(threads);
+        self.sweeps = None;
+    }
+
+    fn forget(&mut self) {
+        self.known = 0;
+        self.preference = Preference::default();
+        self.kept.forget();
+    }
+
+    fn hold(&mut self) {
+        self.known = self.known.min(1);
+    }
+
+    fn adopt(&mut self, left: Self) {
+        (self.past, self.known, self.preference) = (left.past, left.known, left.preference);
+        if self.degrees == 0 {
+            (self.degrees, self.remembered) = (left.degrees, left.remembered);
+            (self.work, self.linear) = (left.work, left.linear);
+            (self.diagonal, self.kept) = (left.diagonal, left.kept);
+        } else {
+            self.kept.clone_from(&left.kept);
+        }
+        if self.remembered == 0 {
+            self.known = 0;
+        }
+        if self.known == 0 && self.past[0].len() != self.remembered {
+            self.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
+        }
+    }
+
+    fn blocks(&self) -> usize {
+        self.blocks.count()
+    }
+
+    fn restrict(&mut self, blocks: Range<usize>) {
+        self.blocks.restrict(blocks);
+    }
+
+    fn method(&self) -> Option<Method> {
+        Some(match &self.linear {
+            _ if self.degrees == 0 => Method::Undecided,
+            None => Method::Explicit,
+            Some(linear) => linear.method(),
+        })
+    }
+
+    fn linear_work(&self) -> LinearWork {
+        self.kept.work
+    }
+}
+
+impl<S: Scalar> Memory<S> {
+    /// The memory of a stepper: allocated at once if the system knows its size, else by the first step.
+    pub fn new<H: Elements>(system: &H, scheme: &Quadrature) -> Self {
+        let mut memory = Self::default();
+        let degrees = system.degrees();
+        if degrees != 0 && super::check(system, degrees).is_ok() {
+            memory.allocate(system, scheme, degrees);
+        }
+        memory
+    }
+
+    /// Whether nothing was allocated or remembered yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.degrees == 0 && self.known == 0
+    }
+
+    /// Whether there is room for a state of so many degrees of freedom, which was checked then.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn fits<H: Elements>(&self, system: &H, degrees: usize) -> bool {
+        super::is_sized(system, self.degrees, degrees)
+    }
+
+    /// Makes room for `degrees`, after checking that the indices of the system fit.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn fit<H: Elements>(
+        &mut self,
+        system: &H,
+        scheme: &Quadrature,
+        degrees: usize,
+    ) -> Result<(), StepFailure> {
+        super::check(system, degrees)?;
+        self.allocate(system, scheme, degrees);
+        Ok(())
+    }
+
+    /// Makes room for a step that does not go window by window.
+    pub(super) fn make_room(&mut self, scheme: &Quadrature, degrees: usize) {
+        if !self.work.fits(scheme, degrees) {
+            self.work = Work::new(scheme, degrees);
+        }
+    }
+
+    fn allocate<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
+        let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
+        self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
+        self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
+        (self.rounding, self.plan, self.sweeps) = (None, self.plan.alike(), None);
+        self.blocks = self.blocks.alike();
+        let unknowns = scheme.unknowns.count(degrees);
+        let is_implicit = scheme.unknowns != Unknowns::None;
+        let remembered = if scheme.remembers { unknowns } else { 0 };
+        self.remembered = remembered;
+        // A copy comes with its past.
+        if self.known == 0 || self.past[0].len() != unknowns {
+            let past = || vec![S::from_f64(0.0); remembered];
+            self.past = [past(), past(), past()];
+            self.known = 0;
+        }
+        self.degrees = degrees;
+        self.kept.lose();
+        self.linear = is_implicit.then(|| Linear::new(system, scheme, degrees));
+    }
+}
+
+/// [`Compensation`] of a size that is known at run time; empty until the first step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompensationVec<S> {
+    coordinates: Vec<S>,
+    momenta: Vec<S>,
+}
+
+impl<S> Default for CompensationVec<S> {
+    fn default() -> Self {
+        Self { coordinates: Vec::new(), momenta: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Carry<S> for CompensationVec<S> {
+    const CARRIES: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_coordinate(&self, i: usize) -> S {
+        self.coordinates.get(i).copied().unwrap_or(S::from_f64(0.0))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_momentum(&self, i: usize) -> S {
+        self.momenta.get(i).copied().unwrap_or(S::from_f64(0.0))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(base: S, increment: S, carried: S) -> (S, S) {
+        Compensation::<S, 1>::add(base, increment, carried)
+    }
+    fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
+        let zero = S::from_f64(0.0);
+        self.coordinates.resize(coordinates.len(), zero);
+        self.momenta.resize(momenta.len(), zero);
+        self.coordinates.copy_from_slice(coordinates);
+        self.momenta.copy_from_slice(momenta);
+    }
+}
+
+impl<S: Scalar> Numbers for CompensationVec<S> {
+    fn pass(&mut self, tape: &mut Tape) {
+        for list in [&mut self.coordinates, &mut self.momenta] {
+            let length = tape.length(list.len());
+            list.resize(length, S::from_f64(0.0));
+            list.iter_mut().for_each(|number| number.pass(tape));
+        }
+    }
+}

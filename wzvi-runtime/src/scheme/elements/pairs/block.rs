@@ -1,0 +1,138 @@
+//! The slopes of a body and a block of its partners.
+
+use std::any::TypeId;
+
+use super::{LANES, Pair};
+use crate::algebra::scalar::Number;
+
+/// Partners whose slopes are computed in one loop, which the compiler takes for one over neighbours: half as many it would write out.
+pub(super) const BLOCK: usize = 2 * LANES;
+
+/// The same where a row has as many: sums wait for the loop before.
+pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
+
+/// Slopes of a body and the first `few` of a block of partners in columns.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn fill<
+    T: Number<f64>,
+    K: Pair<O, P, D, M, F>,
+    const O: usize,
+    const P: usize,
+    const D: usize,
+    const M: usize,
+    const F: usize,
+    const B: usize,
+>(
+    few: usize,
+    own: [T; O],
+    constants: [f64; P],
+    points: [&[f64; B]; D],
+    entries: [&[f64; B]; M],
+    by_own: &mut [[f64; B]; F],
+    by_partner: &mut [[f64; B]; D],
+) {
+    for place in 0..few {
+        let (mut point, mut entry) = ([T::from_f64(0.0); D], [T::from_f64(0.0); M]);
+        for k in 0..D {
+            point[k] = T::of(points[k][place]);
+        }
+        for k in 0..M {
+            entry[k] = T::from_f64(entries[k][place]);
+        }
+        let slopes = K::slopes(own, constants, point, entry);
+        for k in 0..F {
+            by_own[k][place] = slopes.0[k].kept();
+        }
+        for k in 0..D {
+            by_partner[k][place] = slopes.1[k].kept();
+        }
+    }
+}
+
+/// The slopes by a body, and those by partners in columns: at the beginning of a line of the cache, which the widest registers fill.
+#[repr(align(64))]
+pub(in crate::scheme::elements) struct Block<const B: usize, const D: usize, const F: usize> {
+    pub(in crate::scheme::elements) by_own: [[f64; B]; F],
+    pub(in crate::scheme::elements) by_partner: [[f64; B]; D],
+}
+
+impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
+    /// Those of the first `most` of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
+    /// know the result.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
+        &mut self,
+        most: usize,
+        few: usize,
+        own: [T; O],
+        constants: [f64; P],
+        points: [&[f64; B]; D],
+        entries: [&[f64; B]; M],
+    ) where
+        T: Number<f64>,
+        U: Number<f64>,
+        K: Pair<O, P, D, M, F>,
+    {
+        let mut usual = [U::from_f64(0.0); O];
+        for k in 0..O {
+            usual[k] = U::of(own[k].kept());
+        }
+        let Self { by_own, by_partner } = self;
+        fill::<U, K, O, P, D, M, F, B>(most, usual, constants, points, entries, by_own, by_partner);
+        if TypeId::of::<T>() != TypeId::of::<U>()
+            && !(if few == B { self.is_finite(B) } else { self.is_finite(few) })
+        {
+            self.fill_one_by_one::<T, K, O, P, M>(few, own, constants, points, entries);
+        }
+    }
+
+    /// The same in numbers `T`.
+    #[cold]
+    #[inline(never)]
+    pub(in crate::scheme::elements) fn fill_one_by_one<T, K, const O: usize, const P: usize, const M: usize>(
+        &mut self,
+        few: usize,
+        own: [T; O],
+        constants: [f64; P],
+        points: [&[f64; B]; D],
+        entries: [&[f64; B]; M],
+    ) where
+        T: Number<f64>,
+        K: Pair<O, P, D, M, F>,
+    {
+        let Self { by_own, by_partner } = self;
+        fill::<T, K, O, P, D, M, F, B>(few, own, constants, points, entries, by_own, by_partner);
+    }
+
+    /// Whether the first `few` of all slopes are finite. By bits without signs: no sum waits for another one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_finite(&self, few: usize) -> bool {
+        let mut poison = 0;
+        for numbers in self.by_own.iter().chain(&self.by_partner) {
+            for number in &numbers[..few] {
+                poison |= (number * 0.0).to_bits() << 1;
+            }
+        }
+        poison == 0
+    }
+}
+
+/// `sums += slopes`
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn add<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N]) {
+    let (mut new, slopes) = (*sums, *slopes);
+    for lane in 0..N {
+        new[lane] += slopes[lane];
+    }
+    *sums = new;
+}
+
+/// The same of the first `few`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn add_few<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N], few: usize) {
+    let mut slopes = *slopes;
+    for lane in 0..N {
+        slopes[lane] = if lane < few { slopes[lane] } else { -0.0 };
+    }
+    add(sums, &slopes);
+}

@@ -1,0 +1,258 @@
+//! Passes over whole vectors: corrections, their sizes, sums.
+
+use super::Unknowns;
+use crate::algebra::scalar::{Mask, Scalar};
+
+/// `x -= correction`, and the largest correction against the largest unknown of its kind; NaN if any part is.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> f64 {
+    let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
+    let (chunks, rest) = x.as_chunks_mut::<LANES>();
+    let (corrections, other) = correction.as_chunks::<LANES>();
+    for (x, c) in chunks.iter_mut().zip(corrections) {
+        let (old, c) = (*x, *c);
+        let new = std::array::from_fn(|lane| old[lane] - c[lane]);
+        *x = new;
+        // What is not finite here comes from the correction, or shows in the new state.
+        size.take_finite(&new);
+        change.take(&c);
+    }
+    // Pairs stay pairs: of both kinds there is an even number.
+    let (pairs, single) = rest.as_chunks_mut::<2>();
+    let (other, last) = other.as_chunks::<2>();
+    for (x, c) in pairs.iter_mut().zip(other) {
+        *x = [x[0] - c[0], x[1] - c[1]];
+        size.take_finite(x);
+        change.take(c);
+    }
+    for (x, &c) in single.iter_mut().zip(last) {
+        *x = *x - c;
+        size.take_finite(&[*x]);
+        change.take(&[c]);
+    }
+    relate(x, correction, size.by_kind(kind), change.by_kind(kind))
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn relate<S: Scalar>(x: &[S], correction: &[S], sizes: [f64; 2], changes: [f64; 2]) -> f64 {
+    if !changes.iter().all(|change| change.is_finite()) {
+        return f64::NAN;
+    }
+    let mut relative = changes[0].relative_to(sizes[0]).max(changes[1].relative_to(sizes[1]));
+    if size_of::<S>() != size_of::<f64>() {
+        // Numbers that carry derivatives or lanes converge in every part.
+        for (k, (&x, &c)) in x.iter().zip(correction).enumerate() {
+            if c.magnitude() != 0.0 || !(c.relative_to(x) == 0.0) {
+                let part = c.relative_to(x.abs() + sizes[k % 2]);
+                relative = if part > relative || part.is_nan() { part } else { relative };
+            }
+        }
+    }
+    relative
+}
+
+/// Work on entries of lists, `N` of them beside each other.
+///
+/// It reads all that it needs, then does one operation on all entries after the other, and stores last: so the compiler keeps lists of
+/// entries in vector registers, where it would take several operations of an entry apart.
+pub(super) trait Block {
+    /// The work on those from `first` on.
+    fn take<const N: usize>(&mut self, first: usize);
+}
+
+/// Does the work on all of `length` entries: on `L` at a time, and one by one on what is left.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
+    for number in 0..length / L {
+        block.take::<L>(number * L);
+    }
+    for first in length / L * L..length {
+        block.take::<1>(first);
+    }
+}
+
+/// Entries of a list beside each other.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn load<S: Copy, const N: usize>(list: &[S], first: usize) -> [S; N] {
+    let list = &list[first..first + N];
+    let mut entries = [list[0]; N];
+    entries.copy_from_slice(list);
+    entries
+}
+
+/// Writes entries of a list beside each other.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn store<S: Copy, const N: usize>(list: &mut [S], first: usize, entries: [S; N]) {
+    list[first..first + N].copy_from_slice(&entries);
+}
+
+/// The numbers, and zeros behind them.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn widened<const N: usize, const L: usize>(numbers: [f64; N]) -> [f64; L] {
+    std::array::from_fn(|i| if i < N { numbers[i] } else { 0.0 })
+}
+
+/// Zero for a finite magnitude. Bits, as the compiler would else do these sums and others beside them in turns, and part the lanes of both.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn poisoned(magnitude: f64) -> u64 {
+    (magnitude * 0.0).to_bits()
+}
+
+/// Numbers that are looked at side by side: few enough for the registers of x86-64.
+const LANES: usize = 4;
+
+/// The largest magnitude, in lanes, so that the search does not wait for itself.
+pub(super) struct Largest<const L: usize> {
+    most: [f64; L],
+    /// Of numbers that are not finite, which a maximum may swallow.
+    poison: [u64; L],
+}
+
+impl<const L: usize> Default for Largest<L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn default() -> Self {
+        Self { most: [0.0; L], poison: [0; L] }
+    }
+}
+
+impl<const L: usize> Largest<L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn take<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        self.take_finite(numbers);
+        let (numbers, mut poison): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.poison);
+        for i in 0..L {
+            poison[i] |= poisoned(numbers[i]);
+        }
+        self.poison = poison;
+    }
+
+    /// The same of numbers that need no check.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
+        let (sizes, mut most): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.most);
+        for i in 0..L {
+            most[i] = if sizes[i] > most[i] { sizes[i] } else { most[i] };
+        }
+        self.most = most;
+    }
+
+    /// NaN if any was NaN or infinite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn get(self) -> f64 {
+        self.by_kind(Unknowns::Momenta)[0]
+    }
+
+    /// Of coordinates and of momenta, which have units of their own, where a list has both in turn; else twice the same. NaN if any was NaN or infinite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn by_kind(self, kind: Unknowns) -> [f64; 2] {
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        if self.poison.iter().any(|&poison| poison != 0) {
+            return [f64::NAN; 2];
+        }
+        let of = |first: usize| self.most.into_iter().skip(first).step_by(2).fold(0.0, larger);
+        let [even, odd] = [of(0), of(1)];
+        if kind == Unknowns::Both { [even, odd] } else { [larger(even, odd); 2] }
+    }
+}
+
+/// The largest magnitude of each kind; NaN if any is not finite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
+    let mut largest = Largest::<LANES>::default();
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    chunks.iter().for_each(|chunk| largest.take(chunk));
+    let (pairs, single) = rest.as_chunks::<2>();
+    pairs.iter().for_each(|pair| largest.take(pair));
+    single.iter().for_each(|&x| largest.take(&[x]));
+    largest.by_kind(kind)
+}
+
+/// Whether numbers have several parts, which are beside each other already: their arrays would be copied in memory.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn has_parts<S>() -> bool {
+    size_of::<S>() != size_of::<f64>()
+}
+
+/// `sums += base`, and whether every part of every sum is finite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn add<S: Scalar>(sums: &mut [S], base: &[S]) -> bool {
+    if has_parts::<S>() {
+        let mut zero = S::from_f64(0.0);
+        for (sum, &base) in sums.iter_mut().zip(base) {
+            *sum = base + *sum;
+            zero = zero + *sum * 0.0;
+        }
+        return zero.is_finite().all();
+    }
+    let mut zeros = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = sums.as_chunks_mut::<LANES>();
+    let (bases, other) = base.as_chunks::<LANES>();
+    for (sum, base) in chunks.iter_mut().zip(bases) {
+        let new = std::array::from_fn(|lane| base[lane] + sum[lane]);
+        *sum = new;
+        zeros = std::array::from_fn(|lane| zeros[lane] + new[lane] * 0.0);
+    }
+    for (sum, &base) in rest.iter_mut().zip(other) {
+        *sum = base + *sum;
+    }
+    are_zero(zeros, rest)
+}
+
+/// Whether every part of every number is finite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
+    if has_parts::<S>() {
+        let zero = numbers.iter().fold(S::from_f64(0.0), |zero, &number| zero + number * 0.0);
+        return zero.is_finite().all();
+    }
+    let mut zeros = [S::from_f64(0.0); LANES];
+    let (chunks, rest) = numbers.as_chunks::<LANES>();
+    for chunk in chunks {
+        zeros = std::array::from_fn(|lane| zeros[lane] + chunk[lane] * 0.0);
+    }
+    are_zero(zeros, rest)
+}
+
+/// Whether sums of products with zero are zero, and the rest finite: what is not finite times zero is NaN.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn are_zero<S: Scalar>([a, b, c, d]: [S; LANES], rest: &[S]) -> bool {
+    let zero = rest.iter().fold((a + b) + (c + d), |zero, &number| zero + number * 0.0);
+    zero.is_finite().all()
+}
+
+/// Unknowns, their corrections, the corrections before, and what the unknowns are increments of.
+pub(super) struct Corrected<'a, S, const N: usize> {
+    pub(super) x: &'a [[S; N]],
+    pub(super) correction: &'a [[S; N]],
+    pub(super) previous: &'a [[S; N]],
+}
+
+impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
+    /// In groups of `N`, and the rest of them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn of(x: &'a [S], correction: &'a [S], previous: &'a [S]) -> (Self, [&'a [S]; 3]) {
+        let ((x, a), (correction, b), (previous, c)) =
+            (x.as_chunks(), correction.as_chunks(), previous.as_chunks());
+        (Self { x, correction, previous }, [a, b, c])
+    }
+
+    /// Whether what is left of each correction is below the rounding of what it changes, if the next is smaller by the
+    /// factor `ratio`, or by the one that its own unknown has, whichever is larger.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn are_small(&self, state: impl Iterator<Item = [S; N]>, ratio: f64) -> bool {
+        let mut excess = [f64::NEG_INFINITY; N];
+        let unknowns = self.x.iter().zip(self.correction).zip(self.previous).zip(state);
+        for (((x, correction), previous), state) in unknowns {
+            for k in 0..N {
+                let change = correction[k].magnitude();
+                let bound = f64::EPSILON * (x[k].magnitude() + state[k].magnitude());
+                let own = change / previous[k].magnitude();
+                let factor = if own > ratio { own } else { ratio };
+                let factor = if factor < 1.0 { factor } else { 1.0 };
+                let over = change * factor - bound;
+                excess[k] = if over > excess[k] { over } else { excess[k] };
+            }
+        }
+        excess.iter().all(|&excess| excess <= 0.0)
+    }
+}

@@ -1,0 +1,139 @@
+//! What the compiler derived of one scheme.
+
+use super::hamiltonian::DRIFT;
+use crate::scheme::plan::{Facts, KeptEnergy, Plan, Solver};
+
+/// Which unknowns are iterated on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknowns {
+    /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those that read
+    /// coordinates stand at the nodes.
+    None,
+    /// `v`, from which `u` follows.
+    Momenta,
+    /// `u` and `v`.
+    Both,
+}
+
+impl Unknowns {
+    /// How many there are.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) const fn count(self, degrees: usize) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Momenta => degrees,
+            Self::Both => degrees.saturating_mul(2),
+        }
+    }
+
+    /// Numbers of `∂u/∂v`, which is diagonal where `u` follows from `v`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn diagonals(self, degrees: usize) -> usize {
+        match self {
+            Self::Momenta => degrees,
+            Self::None | Self::Both => 0,
+        }
+    }
+}
+
+/// A quadrature point of the discrete Lagrangian, and the part of the step Hamiltonian that is evaluated there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// `c` in `Q = q_i + c u`, `T = t_i + c h`.
+    pub point: f64,
+    /// `∂Q/∂q_i`, the weight of the slopes in `D_1 L_d`.
+    pub start: f64,
+    /// `∂Q/∂q_{i+1}`, the weight of the slopes in `D_2 L_d`.
+    pub end: f64,
+    /// The parts that add up here, by number, with their weights.
+    pub parts: &'static [(usize, f64)],
+}
+
+impl Stage {
+    /// The point, `∂Q/∂q_i` and `∂Q/∂q_{i+1}`, and the parts there.
+    pub const fn new([point, start, end]: [f64; 3], parts: &'static [(usize, f64)]) -> Self {
+        Self { point, start, end, parts }
+    }
+}
+
+/// How `p_{i+1} - p_i` follows from the solved unknowns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MomentumUpdate {
+    /// So many times `v`: where `D_2 L_d - P` is a multiple of `D_1 L_d + P`, no slopes are evaluated again.
+    Multiple(f64),
+    /// `v` and the slopes of `D_2 L_d`.
+    Slopes,
+}
+
+/// What the compiler derived of one scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quadrature {
+    /// The quadrature points of the discrete Lagrangian, at least one.
+    pub stages: &'static [Stage],
+    /// How the new momentum follows.
+    pub update: MomentumUpdate,
+    /// What is iterated on.
+    pub unknowns: Unknowns,
+    /// Whether past steps start the iteration: not where increments decide.
+    pub remembers: bool,
+    /// Whether the Jacobian reads the step size and parameters only.
+    pub is_linear: bool,
+}
+
+impl Quadrature {
+    /// How many times `v` the change of the momenta is, if it is: infinitely many where `D_1 L_d` reads no slopes, and `v` is zero.
+    #[doc(hidden)]
+    pub const fn factor(&self) -> Option<f64> {
+        if let MomentumUpdate::Multiple(factor) = self.update {
+            return Some(factor);
+        }
+        let mut stages = self.stages;
+        while let [stage, rest @ ..] = stages {
+            if stage.start != 0.0 {
+                return None;
+            }
+            stages = rest;
+        }
+        Some(f64::INFINITY)
+    }
+
+    /// The energy that steps of this order keep of a linear system, by where the drift is evaluated.
+    pub(crate) const fn kept_energy(&self, order: u32) -> KeptEnergy {
+        let (mut stages, mut point, mut count) = (self.stages, 0.5, 0);
+        while let [stage, rest @ ..] = stages {
+            let mut parts = stage.parts;
+            while let [(part, _), others @ ..] = parts {
+                if *part == DRIFT {
+                    (point, count) = (stage.point, count + 1);
+                }
+                parts = others;
+            }
+            stages = rest;
+        }
+        match (count, order) {
+            (2.., _) => KeptEnergy::Nearly,
+            (_, 1) => KeptEnergy::Point(point),
+            _ => KeptEnergy::Hamiltonian,
+        }
+    }
+
+    /// The plan of steps in loops.
+    pub(super) const fn plan(&self, facts: Facts, order: u32, consistent: bool) -> Plan {
+        let (solver, unknowns) = match (self.unknowns, self.is_linear) {
+            (Unknowns::None, _) => (Solver::Explicit, 0),
+            (unknowns, true) => (Solver::Linear, unknowns.count(facts.degrees)),
+            (unknowns, false) => (Solver::Newton, unknowns.count(facts.degrees)),
+        };
+        facts.plan(solver, unknowns, order, consistent)
+    }
+
+    /// Whether no part is evaluated at two stages.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn takes_parts_once(&self) -> bool {
+        let numbers = |stage: &'static Stage| stage.parts.iter().map(|&(part, _)| part);
+        let stages = self.stages.iter().enumerate();
+        let mut earlier =
+            stages.flat_map(|(s, stage)| self.stages[..s].iter().map(move |other| (stage, other)));
+        earlier.all(|(stage, other)| numbers(stage).all(|part| numbers(other).all(|known| known != part)))
+    }
+}

@@ -1,0 +1,310 @@
+//! The discrete Euler-Lagrange equations of one step, `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P` at trial values of the unknowns.
+//!
+//! All of it is inlined into the step of one system by one scheme, where the table of the scheme, and often the number of
+//! degrees of freedom, are constants: no loop over stages or parts, and no check of a length, is left. Where neither speed nor
+//! allocation counts it is compiled once for all schemes.
+
+use super::memory::Lists;
+use super::passes::{add, are_finite};
+use super::{Curvature, Elements, MomentumUpdate, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
+use crate::algebra::carry::Carry;
+use crate::algebra::scalar::{Number, Scalar};
+use crate::error::StepFailure;
+use crate::scheme::system::Hamiltonian;
+
+/// The givens of one step.
+pub(super) struct Step<'a, H, S> {
+    pub(super) system: &'a H,
+    pub(super) scheme: &'a Quadrature,
+    pub(super) t: f64,
+    pub(super) h: f64,
+    pub(super) q: &'a [S],
+    pub(super) p: &'a [S],
+    pub(super) dw: &'a [S],
+    /// `u`, if both nodes are known and `P` alone is not.
+    pub(super) increment: Option<&'a [S]>,
+}
+
+/// `e^{γ τ}` with the rate of friction that steps take in, `τ` after the start of the step.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
+    if H::IS_CONFORMAL { (system.friction_rate() * tau).exp() } else { 1.0 }
+}
+
+/// `e^{-γ h} - 1`
+pub(super) fn decay<H: Hamiltonian>(system: &H, h: f64) -> f64 {
+    (-system.friction_rate() * h).exp_m1()
+}
+
+/// What a sum starts with: adding to `-0.0` is nothing, where compilers see it, and not so for `0.0`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn nothing<S: Scalar>() -> S {
+    S::from_f64(-0.0)
+}
+
+impl<H, S> Clone for Step<'_, H, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<H, S> Copy for Step<'_, H, S> {}
+
+impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
+    /// The degrees of freedom.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn degrees(&self) -> usize {
+        self.q.len()
+    }
+}
+
+impl<H: Elements, S: Scalar> Step<'_, H, S> {
+    /// `u` and `P` at `x`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
+        self.refresh_as::<S::OfElements<H::Exact>>(lists);
+    }
+
+    /// [`Step::refresh`], computed in numbers `T`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn refresh_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
+        let Lists { x, u, momentum, stages, .. } = lists;
+        if self.scheme.unknowns == Unknowns::Both {
+            let unknowns = x.as_chunks().0;
+            let known = momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(unknowns));
+            for ((momentum, u), (&p, &[x_u, x_v])) in known {
+                (*u, *momentum) = (x_u, p + x_v);
+            }
+        } else {
+            for ((momentum, u), (&p, &x)) in momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(&**x)) {
+                (*u, *momentum) = (nothing(), p + x);
+            }
+            match self.increment {
+                Some(known) => u.copy_from_slice(known),
+                None => self.velocities_as::<T>(momentum, stages.at_mut(0).1, u),
+            }
+        }
+    }
+
+    /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the
+    /// second of them; leaves `u`, `P`, the stages and slopes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
+        self.refresh(lists);
+        self.residual_as::<S::OfElements<H::Exact>>(lists);
+    }
+
+    /// [`Step::residual`] where `u` and `P` are those at `x`, computed in numbers `T`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn residual_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
+        let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
+        let is_both = self.scheme.unknowns == Unknowns::Both;
+        if is_both {
+            by_p.fill(nothing());
+        }
+        let wanted = if is_both { Slopes::ALL } else { Slopes::BY_COORDINATES };
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (q, by_q) = stages.at_mut(s);
+            self.place(stage, q, by_q, u);
+            self.slopes_as::<T>(stage, q, momentum, wanted, by_q, by_p);
+        }
+        for (s, stage) in self.scheme.stages.iter().enumerate() {
+            let (weight, (_, by_q)) = (stage.start, stages.at(s));
+            match (is_both, s) {
+                (true, 0) => {
+                    let unknowns = correction.as_chunks_mut().0.iter_mut().zip(x.as_chunks().0);
+                    for (([c_u, c_v], &[u, v]), (&by_p, &by_q)) in unknowns.zip(by_p.iter().zip(by_q)) {
+                        (*c_u, *c_v) = (u - by_p, v + by_q * weight);
+                    }
+                }
+                (true, _) => {
+                    for ([_, c], &by_q) in correction.as_chunks_mut().0.iter_mut().zip(by_q) {
+                        *c = *c + by_q * weight;
+                    }
+                }
+                (false, 0) => {
+                    for (c, (&x, &by_q)) in correction.iter_mut().zip(x.iter().zip(by_q)) {
+                        *c = x + by_q * weight;
+                    }
+                }
+                (false, _) => {
+                    for (c, &by_q) in correction.iter_mut().zip(by_q) {
+                        *c = *c + by_q * weight;
+                    }
+                }
+            }
+        }
+    }
+
+    /// `Q = q_i + c u`, and room for the slopes there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
+        for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
+            *point = q + u * stage.point;
+            *slope = nothing();
+        }
+    }
+
+    /// Adds to `u` what follows from `P`, where that does not read `u` itself: elements that read coordinates and momenta
+    /// are at the node `q_i` then, by the choice of unknowns. What else these add goes to `by_q`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
+        self.velocities_as::<S::OfElements<H::Exact>>(momentum, by_q, u);
+    }
+
+    /// [`Step::velocities`], computed in numbers `T`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn velocities_as<T: Number<S>>(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
+        for stage in self.scheme.stages {
+            self.slopes_as::<T>(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
+        }
+    }
+
+    /// Adds the slopes of the parts at a stage.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn slopes(
+        &self,
+        stage: &Stage,
+        q: &[S],
+        p: &[S],
+        wanted: Slopes,
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
+        self.slopes_as::<S::OfElements<H::Exact>>(stage, q, p, wanted, by_q, by_p);
+    }
+
+    /// [`Step::slopes`], computed in numbers `T`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn slopes_as<T: Number<S>>(
+        &self,
+        stage: &Stage,
+        q: &[S],
+        p: &[S],
+        wanted: Slopes,
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
+        let at = self.at(stage, q, p);
+        for &(part, weight) in stage.parts {
+            if size_of::<S>() == size_of::<f64>() {
+                super::slopes_as::<H, S, T>(self.system, part, weight, &at, wanted, by_q, by_p);
+            } else {
+                slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
+            }
+        }
+    }
+
+    /// Adds the second derivatives of the parts at a stage.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn curvature(
+        &self,
+        stage: &Stage,
+        q: &[S],
+        p: &[S],
+        wanted: Slopes,
+        into: &mut impl Curvature<S>,
+    ) {
+        let at = self.at(stage, q, p);
+        for &(part, weight) in stage.parts {
+            self.system.curvature(part, weight, &at, wanted, into);
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn at<'b, V: ?Sized>(&'b self, stage: &Stage, q: &'b V, p: &'b V) -> Point<'b, S, V> {
+        let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
+        let scale = scale_at(self.system, stage.point * self.h);
+        Point { q, p, t, h: self.h, dw: self.dw, acting, scale }
+    }
+
+    /// `p_{i+1} - p_i` into `by_p`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn finish(&self, lists: &mut Lists<'_, S>) {
+        let Lists { x, u, momentum, by_p: dp, stages, correction, .. } = lists;
+        match self.scheme.unknowns {
+            Unknowns::None => {
+                let (_, forces) = stages.at(0);
+                dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = -force);
+            }
+            Unknowns::Momenta => dp.copy_from_slice(x),
+            Unknowns::Both => dp.iter_mut().zip(x.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v),
+        }
+        match self.scheme.update {
+            MomentumUpdate::Multiple(1.0) => {}
+            MomentumUpdate::Multiple(factor) => dp.iter_mut().for_each(|dp| *dp = *dp * factor),
+            MomentumUpdate::Slopes => {
+                for (s, stage) in self.scheme.stages.iter().enumerate() {
+                    if stage.end == 0.0 {
+                        continue;
+                    }
+                    let (q, by_q) = stages.at_mut(s);
+                    self.place(stage, q, by_q, u);
+                    // Slopes with respect to momenta go where nobody looks.
+                    self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
+                    dp.iter_mut().zip(&*by_q).for_each(|(dp, &force)| *dp = *dp - force * stage.end);
+                }
+            }
+        }
+        if H::IS_CONFORMAL {
+            let decay = decay(self.system, self.h);
+            dp.iter_mut().zip(self.p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
+        }
+    }
+}
+
+/// [`Elements::slopes`] as a function of its own: that its lists do not overlap, which numbers of several parts take to be
+/// fast, is lost where it is inlined.
+#[inline(never)]
+fn slopes_apart<H: Elements, S: Scalar>(
+    system: &H,
+    part: usize,
+    weight: f64,
+    at: &Point<'_, S>,
+    wanted: Slopes,
+    by_q: &mut [S],
+    by_p: &mut [S],
+) {
+    slopes(system, part, weight, at, wanted, by_q, by_p);
+}
+
+impl<S: Scalar> Lists<'_, S> {
+    /// Adds the increments of a step, `u` and `by_p`, to the state. Sums are made before anything is stored.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] if a sum is not finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn store<C: Carry<S>>(
+        &mut self,
+        q: &mut [S],
+        p: &mut [S],
+        carry: &mut C,
+    ) -> Result<(), StepFailure> {
+        let Lists { u, by_p: dp, stages, .. } = self;
+        let degrees = u.len();
+        let (q, p) = (&mut q[..degrees], &mut p[..degrees]);
+        // What the sums lose takes the place of slopes and stages.
+        let (lost_q, lost_p) = stages.at_mut(0);
+        let is_finite = if C::CARRIES {
+            for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
+                (*u, *lost) = C::add(q, *u, carry.of_coordinate(i));
+            }
+            for (i, (dp, (&p, lost))) in dp.iter_mut().zip(p.iter().zip(&mut *lost_p)).enumerate() {
+                (*dp, *lost) = C::add(p, *dp, carry.of_momentum(i));
+            }
+            are_finite(u) && are_finite(dp)
+        } else {
+            add(u, q) && add(dp, p)
+        };
+        if !is_finite {
+            return Err(StepFailure::NonFinite);
+        }
+        q.copy_from_slice(u);
+        p.copy_from_slice(dp);
+        if C::CARRIES {
+            carry.keep(lost_q, lost_p);
+        }
+        Ok(())
+    }
+}

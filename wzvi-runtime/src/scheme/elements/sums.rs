@@ -1,0 +1,244 @@
+//! What the slopes of elements are added to.
+//!
+//! The loops of a system say where a run of placements adds, place by place, and what. Whether that goes to a vector, to the part of
+//! it that is in a window, or at once to the new state, is decided here.
+
+use std::ops::{Index, Range};
+
+use super::beside::{OneByOne, Placements};
+use super::pairs::{Pair, Row, add_row};
+use crate::algebra::scalar::{Number, Scalar};
+
+/// Numbers by degree of freedom, which elements read: all of them, or those of a stretch.
+pub trait Given<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]> {
+    /// The degrees of freedom of the system.
+    fn degrees(&self) -> usize;
+}
+
+impl<S> Given<S> for [S] {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn degrees(&self) -> usize {
+        self.len()
+    }
+}
+
+/// Sums by degree of freedom.
+pub trait Sums<S> {
+    /// Values of the variable of a loop.
+    type Outer: Iterator<Item = isize>;
+    /// Sums next to each other.
+    type Run<'r>: Run<S>
+    where
+        Self: 'r;
+    /// Sums next to each other, in points of `D`.
+    type Points<'r, const D: usize>: Run<S>
+    where
+        Self: 'r;
+    /// Placements of an element that are taken beside each other, where they are not in a run.
+    type Beside<T: Number<S>, const M: usize, const F: usize>: Placements<T, M, F>;
+
+    /// Those `values` of an outermost loop, by its number, whose placements add to any of the sums.
+    fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
+
+    /// Of `len` placements, of which each adds to points of `D` after those of the one before, from the places `first` on: how many
+    /// to leave out, and how many to take then.
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize);
+
+    /// The sums of `len` places from `first` on.
+    fn run(&mut self, first: usize, len: usize) -> Self::Run<'_>;
+
+    /// The sums of `len` points from place `first` on.
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Self::Points<'_, D>;
+
+    /// Adds to a place.
+    fn add<T: Number<S>>(&mut self, place: usize, value: T);
+
+    /// Whether the placements of a loop from `low` to `end` are taken beside each other.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gathers(&self, _low: isize, _end: isize) -> bool {
+        false
+    }
+
+    /// Room for placements beside each other.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn beside<T: Number<S>, const M: usize, const F: usize>(&self) -> Self::Beside<T, M, F> {
+        Placements::new()
+    }
+
+    /// Before the rows of an element, whose partners are points of `D` in the coordinates `q`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn begin_rows<const D: usize>(&mut self, _q: &[S]) {}
+
+    /// Adds the slopes of a body and its partners, see [`Pair`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn row<
+        T: Number<S>,
+        K: Pair<O, P, D, M, F>,
+        V: Given<S> + ?Sized,
+        const O: usize,
+        const P: usize,
+        const D: usize,
+        const M: usize,
+        const F: usize,
+    >(
+        &mut self,
+        q: &V,
+        row: Row<'_, T, O, P, M, F>,
+    ) where
+        S: Scalar,
+    {
+        add_row::<S, T, K, V, Self, O, P, D, M, F>(self, q, row);
+    }
+
+    /// After the rows of an element.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn end_rows<const D: usize>(&mut self) {}
+}
+
+/// Sums next to each other.
+pub trait Run<S> {
+    /// Adds to a place.
+    fn add<T: Number<S>>(&mut self, place: usize, value: T);
+    /// Adds to the part of a point.
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T);
+}
+
+/// `sum += value`
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn add_to<S: Scalar, T: Number<S>>(sum: &mut S, value: T) {
+    *sum = (T::of(*sum) + value).kept();
+}
+
+/// Of `len` placements whose slopes are all added to the places from `first` on, and only then to those from `second` on: how
+/// many may be taken at once, so that every place still gets its slopes in the order of the placements.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn apart(len: usize, first: usize, second: usize) -> usize {
+    if second > first { len.min(second - first) } else { len }
+}
+
+/// All of a vector.
+impl<S: Scalar> Sums<S> for [S] {
+    type Outer = Range<isize>;
+    type Run<'r> = Places<'r, S>;
+    type Points<'r, const D: usize> = Points<'r, S, D>;
+    type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
+        values
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
+        (0, len)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(&mut self, first: usize, len: usize) -> Places<'_, S> {
+        Places(&mut self[first..first + len])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> Points<'_, S, D> {
+        Points(&mut self[first..first + D * len].as_chunks_mut::<D>().0[..len])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        add_to(&mut self[place], value);
+    }
+}
+
+/// Sums of one term each and a number that is known before, of all of a vector: `next[i] = base[i] + term`.
+pub(super) struct Onto<'a, S> {
+    pub(super) base: &'a [S],
+    pub(super) next: &'a mut [S],
+}
+
+impl<S: Scalar> Sums<S> for Onto<'_, S> {
+    type Outer = Range<isize>;
+    type Run<'r>
+        = OntoRun<'r, S, 1>
+    where
+        Self: 'r;
+    type Points<'r, const D: usize>
+        = OntoRun<'r, S, D>
+    where
+        Self: 'r;
+    type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
+        values
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
+        (0, len)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(&mut self, first: usize, len: usize) -> OntoRun<'_, S, 1> {
+        self.points::<1>(first, len)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn points<const D: usize>(&mut self, first: usize, len: usize) -> OntoRun<'_, S, D> {
+        let places = first..first + D * len;
+        OntoRun::new(&self.base[places.clone()], &mut self.next[places])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.run(place, 1).add(0, value);
+    }
+}
+
+/// A stretch of such sums, in points.
+pub(super) struct OntoRun<'r, S, const D: usize> {
+    base: &'r [[S; D]],
+    next: &'r mut [[S; D]],
+}
+
+impl<'r, S, const D: usize> OntoRun<'r, S, D> {
+    /// Of two lists of one length.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn new(base: &'r [S], next: &'r mut [S]) -> Self {
+        let (base, next) = (base.as_chunks().0, next.as_chunks_mut().0);
+        let len = base.len().min(next.len());
+        Self { base: &base[..len], next: &mut next[..len] }
+    }
+}
+
+impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.add_part(place, 0, value);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
+        self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
+    }
+}
+
+/// A stretch of a vector.
+#[derive(Debug)]
+pub struct Places<'r, S>(pub(super) &'r mut [S]);
+
+impl<S: Scalar> Run<S> for Places<'_, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        add_to(&mut self.0[place], value);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
+        add_to(&mut self.0[place + part], value);
+    }
+}
+
+/// Points of a vector.
+#[derive(Debug)]
+pub struct Points<'r, S, const D: usize>(pub(super) &'r mut [[S; D]]);
+
+impl<S: Scalar, const D: usize> Run<S> for Points<'_, S, D> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.add_part(place, 0, value);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
+        add_to(&mut self.0[place][part], value);
+    }
+}

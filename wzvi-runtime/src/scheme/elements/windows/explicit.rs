@@ -1,0 +1,152 @@
+//! The moves of a scheme with one quadrature point at a node.
+
+use std::ops::Range;
+
+use super::layout::Recorder;
+use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, advance};
+use crate::algebra::scalar::Number;
+use crate::error::StepFailure;
+use crate::scheme::elements::step::Step;
+use crate::scheme::elements::{Given, MomentumUpdate, Quadrature, Shared, Slopes, Stage, Sums, Unknowns};
+
+/// Whether steps of so many degrees of freedom go window by window.
+///
+/// Only for [`Elements::HAS_WINDOWS`], which is asked beforehand, so that nothing is compiled for the others.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(in crate::scheme::elements) fn takes_windows(scheme: &Quadrature, degrees: usize) -> bool {
+    let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
+    degrees >= LEAST_IN_WINDOWS && is_explicit && (kicks_first(scheme) || kicks_last(scheme))
+}
+
+/// `DeltaPlus`: the new momentum is `P`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn kicks_first(scheme: &Quadrature) -> bool {
+    scheme.update == MomentumUpdate::Multiple(1.0)
+}
+
+/// `DeltaMinus`: `P` is the old momentum.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn kicks_last(scheme: &Quadrature) -> bool {
+    let is_last = |stage: &Stage| stage.start == 0.0 && (stage.end == 1.0 && stage.point == 1.0);
+    scheme.update == MomentumUpdate::Slopes && scheme.stages.iter().all(is_last)
+}
+
+impl<H: Shared> Step<'_, H, f64> {
+    /// The step, window by window.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] if the new state is not finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn advance_windows<'p>(
+        mut self,
+        plan: &'p mut WindowPlan,
+    ) -> Result<Taken<'p>, StepFailure> {
+        let (q, p) = (self.q, self.p);
+        advance(&mut self, q, p, plan)
+    }
+
+    /// Adds the slopes of the stages with a weight.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
+        &self,
+        weight_of: impl Fn(&Stage) -> f64,
+        state: &V,
+        wanted: Slopes,
+        into: &mut A,
+    ) {
+        let none = &mut [][..];
+        for stage in self.scheme.stages {
+            if weight_of(stage) == 0.0 {
+                continue;
+            }
+            // Elements of one half of the phase space read nothing of the other.
+            let at = self.at(stage, state, state);
+            for &(part, weight) in stage.parts {
+                if wanted.by_q {
+                    self.system.slopes::<f64, T, _, A, [f64]>(part, weight, &at, wanted, into, none);
+                } else {
+                    self.system.slopes::<f64, T, _, [f64], A>(part, weight, &at, wanted, none, into);
+                }
+            }
+        }
+    }
+}
+
+impl<H: Shared> Moves for Step<'_, H, f64> {
+    type Share<'s>
+        = Self
+    where
+        Self: 's;
+    type Exact = H::Exact;
+    type Usual = H::Usual;
+    const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
+    const IS_WORD: bool = false;
+    const CHANGES: bool = false;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn share(&mut self) -> Self {
+        *self
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn divide(self, _: usize) -> [Self; 2] {
+        [self; 2]
+    }
+
+    fn degrees(&self) -> usize {
+        self.q.len()
+    }
+
+    fn record(&self, mut recorder: &Recorder) {
+        let all = |_: &Stage| 1.0;
+        self.slopes_of::<f64, _, _>(all, self.q, Slopes::BY_COORDINATES, &mut recorder);
+        self.slopes_of::<f64, _, _>(all, self.p, Slopes::BY_MOMENTA, &mut recorder);
+    }
+
+    /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count(&self) -> usize {
+        if kicks_first(self.scheme) { 2 } else { 3 }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kind(&self, number: usize) -> Move {
+        match number {
+            0 => Move::Kick(Kick::Minus),
+            1 => Move::Drift,
+            _ => Move::Kick(Kick::MinusFromZero),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, _: usize) -> Option<Origin> {
+        None
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        let weight_of = |stage: &Stage| if number == 0 { stage.start } else { stage.end };
+        self.slopes_of::<T, V, A>(weight_of, q, Slopes::BY_COORDINATES, into);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_velocities<T, V, A>(&self, _: usize, p: &V, into: &mut A)
+    where
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        self.slopes_of::<T, V, A>(|_| 1.0, p, Slopes::BY_MOMENTA, into);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momenta(&mut self, _: usize, _: Range<usize>, _: &mut [f64]) {}
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_state(&mut self, _: usize, _: Range<usize>, _: &mut [f64], _: &mut [f64]) {}
+}

@@ -1,0 +1,306 @@
+//! Which stretch of the vectors of slopes is written.
+//!
+//! A step of a large system goes over it in windows that stay in the first cache: all slopes of a window, then what follows
+//! from them. Every entry gets the same terms in the same order as in one pass over all placements, so that the bits of a step do
+//! not depend on the windows. What placements at the border of a window add outside of it goes to a margin, or where it is
+//! too far for that, to a place that nobody reads.
+
+use std::cell::{Cell, RefCell};
+use std::iter::{Cloned, Flatten};
+use std::ops::Range;
+use std::slice;
+
+use super::super::beside::OneByOne;
+use super::super::sums::{Run, Sums};
+use super::BLOCK;
+use crate::algebra::scalar::Number;
+
+/// The places from `start` to `end`, of a plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strip<'a> {
+    pub(super) start: usize,
+    pub(super) end: usize,
+    /// The number of the window in the plan.
+    number: usize,
+    plan: &'a Windows,
+}
+
+/// The values of an outermost loop, in ranges.
+pub(super) type Values<'a> = Flatten<Cloned<slice::Iter<'a, Range<isize>>>>;
+
+impl<'a> Strip<'a> {
+    /// As [`Sums::outer`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn outer(self, variable: usize) -> Values<'a> {
+        let rows = self.plan.rows.iter().find(|rows| rows.variable == variable);
+        let own = rows.and_then(|rows| rows.of_window.get(self.number)).map_or(&[][..], |own| &own[..]);
+        own.iter().cloned().flatten()
+    }
+
+    /// As [`Sums::clip`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn clip<const D: usize, const N: usize>(
+        self,
+        len: usize,
+        first: [usize; N],
+    ) -> (usize, usize) {
+        // Windows begin with a point.
+        clip(self.start / D..self.end / D, len, first.map(|place| place / D))
+    }
+
+    /// Where the sums of the window are, in a list of [`Windows::room`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn own(self) -> Range<usize> {
+        let margin = self.plan.margin;
+        margin..margin + (self.end - self.start)
+    }
+
+    /// Where sums that nobody reads begin.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn unread(self) -> usize {
+        self.plan.size + 2 * self.plan.margin
+    }
+
+    /// Where the sums of `len` places from `first` on are.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn position(self, first: usize, len: usize) -> usize {
+        let margin = self.plan.margin;
+        let is_near = first + margin >= self.start && first + len <= self.end + margin;
+        if is_near { first + margin - self.start } else { self.unread() }
+    }
+}
+
+/// As [`Sums::clip`], to what writes into `places`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> (usize, usize) {
+    // Rows of a lattice mostly lie in a window: looking at one stretch of them is enough. Chains, with one or two stretches, do not.
+    if N > 2 && first.iter().any(|&first| places.start <= first && first + len <= places.end) {
+        return (0, len);
+    }
+    let (mut start, mut end) = (len, 0);
+    for first in first {
+        let (from, to) = (places.start.saturating_sub(first), places.end.saturating_sub(first).min(len));
+        if from < to {
+            (start, end) = (start.min(from), end.max(to));
+        }
+    }
+    (start.min(end), end.saturating_sub(start))
+}
+
+/// A run of placements, as [`Sums::clip`] is told of it.
+#[derive(Clone, Debug)]
+struct Placements {
+    /// The outermost loop around it and the value of its variable, if there is one.
+    outer: Option<(usize, isize)>,
+    /// Places from one placement to the next.
+    stride: usize,
+    len: usize,
+    first: Vec<usize>,
+}
+
+/// Takes down the runs of a system; nothing is computed.
+#[derive(Debug, Default)]
+pub(super) struct Recorder {
+    runs: RefCell<Vec<Placements>>,
+    outer: Cell<Option<(usize, isize)>>,
+}
+
+/// The values of an outermost loop, each of which the recorder is told before its turn.
+pub(super) struct Told<'a> {
+    variable: usize,
+    values: Range<isize>,
+    recorder: &'a Recorder,
+}
+
+impl Iterator for Told<'_> {
+    type Item = isize;
+
+    fn next(&mut self) -> Option<isize> {
+        let value = self.values.next();
+        self.recorder.outer.set(value.map(|value| (self.variable, value)));
+        value
+    }
+}
+
+impl<'a> Sums<f64> for &'a Recorder {
+    type Outer = Told<'a>;
+    type Run<'r>
+        = Unkept
+    where
+        Self: 'r;
+    type Points<'r, const D: usize>
+        = Unkept
+    where
+        Self: 'r;
+    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
+
+    fn outer(&self, variable: usize, values: Range<isize>) -> Told<'a> {
+        Told { variable, values, recorder: self }
+    }
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+        let first = first.to_vec();
+        self.runs.borrow_mut().push(Placements { outer: self.outer.get(), stride: D, len, first });
+        (0, 0)
+    }
+    fn run(&mut self, _first: usize, _len: usize) -> Unkept {
+        Unkept
+    }
+    fn points<const D: usize>(&mut self, _first: usize, _len: usize) -> Unkept {
+        Unkept
+    }
+    fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
+}
+
+/// Sums that nobody reads.
+pub(super) struct Unkept;
+
+impl Run<f64> for Unkept {
+    fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
+    fn add_part<T: Number<f64>>(&mut self, _place: usize, _part: usize, _value: T) {}
+}
+
+/// The values of one outermost loop that write into each window, in ranges.
+#[derive(Clone, Debug)]
+struct Rows {
+    variable: usize,
+    of_window: Vec<Vec<Range<isize>>>,
+}
+
+/// The windows of a system of one size.
+#[derive(Clone, Debug)]
+pub(super) struct Windows {
+    degrees: usize,
+    /// Places of a window; the last one has fewer.
+    size: usize,
+    /// Entries before and behind those of a window.
+    margin: usize,
+    /// Entries that nobody reads, behind all others.
+    unread: usize,
+    rows: Vec<Rows>,
+    /// By window, those whose coordinates its slopes read, itself included.
+    neighbours: Vec<Vec<usize>>,
+}
+
+/// Windows are as many times as long as placements reach: that part of them is computed twice.
+const REACHES: usize = 8;
+
+/// How far apart the places are that a placement writes to: the median, because what wraps around reaches far.
+fn reach(runs: &[Placements]) -> usize {
+    let reach = |run: &Placements| {
+        let (least, most) = (run.first.iter().min(), run.first.iter().max());
+        least.zip(most).map_or(0, |(least, most)| most - least)
+    };
+    let mut reaches: Vec<(usize, usize)> = runs.iter().map(|run| (reach(run), run.len)).collect();
+    reaches.sort_unstable();
+    let half = runs.iter().map(|run| run.len).sum::<usize>() / 2;
+    let mut before = 0;
+    let median = reaches.into_iter().find(|&(_, len)| {
+        before += len;
+        before > half
+    });
+    median.map_or(0, |(reach, _)| reach)
+}
+
+impl Windows {
+    /// Windows of `size` places, or of more where placements write far apart, from the runs of a system of so many degrees of
+    /// freedom.
+    pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
+        let runs = recorder.runs.into_inner();
+        let stride = runs.iter().map(|run| run.stride).max().unwrap_or(1);
+        let size = size.max(REACHES * reach(&runs)).next_multiple_of(BLOCK * stride).min(degrees).max(1);
+        let count = degrees.div_ceil(size);
+        let neighbours = (0..count).map(|number| vec![number]).collect();
+        let mut windows = Self { degrees, size, margin: 0, unread: 1, rows: Vec::new(), neighbours };
+        for run in runs {
+            for number in windows.touched(&run) {
+                windows.add(&run, number, count);
+            }
+        }
+        for number in 0..count {
+            for neighbour in windows.neighbours[number].clone() {
+                windows.neighbours[neighbour].push(number);
+            }
+        }
+        for neighbours in &mut windows.neighbours {
+            neighbours.sort_unstable();
+            neighbours.dedup();
+        }
+        windows
+    }
+
+    /// The windows that a run writes into.
+    fn touched(&self, run: &Placements) -> Vec<usize> {
+        let ends = |&first: &usize| first / self.size..(first + run.stride * run.len).div_ceil(self.size);
+        let mut all: Vec<usize> = run.first.iter().filter(|_| run.len > 0).flat_map(ends).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn add(&mut self, run: &Placements, number: usize, count: usize) {
+        let (start, end) = self.bounds(number);
+        let stride = run.stride;
+        let points = start / stride..end / stride;
+        let clips = run.first.iter().map(|&first| clip(points.clone(), run.len, [first / stride]));
+        let (from, to) = clips
+            .filter(|&(_, len)| len > 0)
+            .fold((run.len, 0), |(from, to), (skip, len)| (from.min(skip), to.max(skip + len)));
+        for first in &run.first {
+            let (first, last) = (first + stride * from, first + stride * to);
+            if first < end && start < last {
+                self.margin = self.margin.max(start.saturating_sub(first)).max(last.saturating_sub(end));
+            }
+            self.unread = self.unread.max(stride * (to - from));
+            if from < to {
+                self.neighbours[number].extend(first / self.size..=(last - 1) / self.size);
+            }
+        }
+        let Some((variable, value)) = run.outer else { return };
+        let known = self.rows.iter().position(|rows| rows.variable == variable);
+        let at = known.unwrap_or_else(|| {
+            self.rows.push(Rows { variable, of_window: vec![Vec::new(); count] });
+            self.rows.len() - 1
+        });
+        let ranges = &mut self.rows[at].of_window[number];
+        match ranges.last_mut() {
+            Some(last) if last.contains(&value) => {}
+            Some(last) if last.end == value => last.end += 1,
+            _ => ranges.push(value..value + 1),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(&self, number: usize) -> (usize, usize) {
+        (number * self.size, ((number + 1) * self.size).min(self.degrees))
+    }
+
+    /// Entries that the slopes of a window need.
+    pub(super) fn room(&self) -> usize {
+        self.size + 2 * self.margin + self.unread
+    }
+
+    /// Entries before those of a window.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn margin(&self) -> usize {
+        self.margin
+    }
+
+    /// By window, those whose coordinates its slopes read, itself included: who reads is read.
+    pub(super) fn neighbours(&self) -> &[Vec<usize>] {
+        &self.neighbours
+    }
+
+    /// All windows in as many portions of neighbours, or in fewer if there are not so many.
+    pub(super) fn portions(&self, number: usize) -> impl Iterator<Item = Range<usize>> {
+        let all = self.neighbours.len();
+        let parts = number.clamp(1, all.max(1));
+        (0..parts).map(move |part| part * all / parts..(part + 1) * all / parts)
+    }
+
+    /// A window by its number.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn strip(&self, number: usize) -> Strip<'_> {
+        let (start, end) = self.bounds(number);
+        Strip { start, end, number, plan: self }
+    }
+}

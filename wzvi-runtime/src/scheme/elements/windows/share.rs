@@ -1,0 +1,299 @@
+//! The turns of one thread.
+//!
+//! Threads have windows next to each other, and of the new state the part that belongs to them: each goes over its own as far as that
+//! can be without what others write. The rest, a few windows at the borders, is taken when all are done. Every number is that of one thread:
+//! which turns a window waits for changes no term and no order of a sum.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::check::Check;
+use super::layout::{Strip, Windows};
+use super::order::Turn;
+use super::sums::{Moved, Stretch, Window};
+use super::{Kick, LINE, Move, Moves, Share};
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::scalar::Number;
+use crate::algebra::threads::each;
+
+/// The part of the new state that is written, from the place `first` on. Lists that are not needed are empty.
+pub(super) struct Room<'a> {
+    pub(super) first: usize,
+    /// Coordinates after the rounds with even and with odd numbers.
+    pub(super) even: &'a mut [f64],
+    pub(super) odd: &'a mut [f64],
+    pub(super) momenta: &'a mut [f64],
+    /// Where the last force acts, and the force.
+    pub(super) kept: [&'a mut [f64]; 2],
+}
+
+impl<'a> Room<'a> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn lend(&mut self) -> Room<'_> {
+        let Self { first, even, odd, momenta, kept: [q, force] } = self;
+        Room { first: *first, even, odd, momenta, kept: [q, force] }
+    }
+
+    /// What is before a place, and what is from it on.
+    fn divide(self, place: usize) -> [Self; 2] {
+        let Self { first, even, odd, momenta, kept: [q, force] } = self;
+        let halves = |list: &'a mut [f64]| list.split_at_mut((place - first).min(list.len()));
+        let ((even, even_behind), (odd, odd_behind)) = (halves(even), halves(odd));
+        let ((momenta, momenta_behind), (q, q_behind)) = (halves(momenta), halves(q));
+        let (force, force_behind) = halves(force);
+        let kept = [q_behind, force_behind];
+        [
+            Self { first, even, odd, momenta, kept: [q, force] },
+            Self { first: place, even: even_behind, odd: odd_behind, momenta: momenta_behind, kept },
+        ]
+    }
+}
+
+/// A step as all threads see it.
+#[derive(Clone, Copy)]
+pub(super) struct Taking<'a> {
+    pub(super) windows: &'a Windows,
+    pub(super) rounds: &'a [Range<usize>],
+    pub(super) q: &'a [f64],
+    pub(super) p: &'a [f64],
+    /// Whether the first force is the one that is kept.
+    pub(super) reuses: bool,
+}
+
+impl Taking<'_> {
+    /// The turns of all shares, each on a thread; whether all numbers are finite.
+    pub(super) fn on_threads<M: Moves, T: Number<f64>>(
+        self,
+        moves: &mut M,
+        shares: &mut [Share],
+        room: Room<'_>,
+        instructions: InstructionSet,
+    ) -> bool {
+        let (is_finite, mut behind) = (AtomicBool::new(true), (moves.share(), room));
+        let mut jobs = Vec::with_capacity(shares.len());
+        for share in shares {
+            let (moves, room) = behind;
+            let [moves, moves_behind] = moves.divide(share.end);
+            let [room, room_behind] = room.divide(share.end);
+            behind = (moves_behind, room_behind);
+            jobs.push(Job::<_, T, false>::new(self, moves, share, room));
+        }
+        each(jobs, |job| {
+            if !job.run_in(instructions) {
+                is_finite.store(false, Ordering::Relaxed);
+            }
+        });
+        is_finite.into_inner()
+    }
+}
+
+/// Turns of windows, with slopes in numbers `T`. Where the room is `WHOLE` is known when it is compiled: to find places in a part of it takes time.
+pub(super) struct Job<'a, M, T, const WHOLE: bool> {
+    step: Taking<'a>,
+    moves: M,
+    turns: &'a [Turn],
+    sums: &'a mut [f64],
+    room: Room<'a>,
+    numbers: PhantomData<fn() -> T>,
+}
+
+impl<'a, M: Moves, T: Number<f64>, const WHOLE: bool> Job<'a, M, T, WHOLE> {
+    pub(super) fn new(step: Taking<'a>, moves: M, share: &'a mut Share, room: Room<'a>) -> Self {
+        let Share { turns, sums, .. } = share;
+        let first = sums[step.windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+        Self { step, moves, turns, sums: &mut sums[first..], room, numbers: PhantomData }
+    }
+
+    /// Whether all new numbers are finite. Compiled once, and called from wherever jobs are done.
+    #[inline(never)]
+    pub(super) fn run_in(self, instructions: InstructionSet) -> bool {
+        instructions.run(self)
+    }
+}
+
+/// The output is whether all new numbers are finite.
+impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE> {
+    type Output = bool;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(self) -> bool {
+        let mut room = self.room;
+        let Self { step, mut moves, turns, sums, .. } = self;
+        let Taking { windows, rounds, q, p, reuses } = step;
+        // Where lists are is read again for each move: what follows from it would else be computed for moves that are not to come.
+        let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = &mut room;
+        let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
+        let keeps = M::IS_WORD && !kept_q.is_empty() && last > 0;
+        let mut check = Check::default();
+        for &Turn { round, window } in turns {
+            let strip = windows.strip(window);
+            let places = strip.start..strip.end;
+            let own = strip.start - first..strip.end - first;
+            let (from, to): (&[f64], &mut &mut [f64]) = match round {
+                0 => (q, &mut *even),
+                round if round % 2 == 1 => (*even, &mut *odd),
+                _ => (*odd, &mut *even),
+            };
+            let mut taken = OneTurn::<'_, M, WHOLE> {
+                moves: &mut moves,
+                check: &mut check,
+                strip,
+                first,
+                from: Stretch {
+                    numbers: from,
+                    first: if WHOLE || round == 0 { 0 } else { first },
+                    degrees: q.len(),
+                },
+                to,
+                momenta,
+                sums,
+                base: (round == 0).then(|| &p[places.clone()]),
+                has_drifted: false,
+            };
+            for number in rounds[round].clone() {
+                let kind = taken.moves.kind(number);
+                if !matches!(kind, Move::Kick(_)) {
+                    taken.store_base();
+                }
+                match kind {
+                    Move::Kick(_) if M::IS_WORD && reuses && round == 0 => {
+                        taken.kick_again(&kept_force[own.clone()]);
+                    }
+                    Move::Kick(kick) => {
+                        let force = taken.kick::<T>(number, kick);
+                        if keeps && round == last {
+                            kept_force[own.clone()].copy_from_slice(force);
+                            kept_q[own.clone()].copy_from_slice(&taken.from[places.clone()]);
+                        }
+                    }
+                    Move::Drift => taken.drift::<T>(number),
+                    Move::Momenta if M::CHANGES => taken.change_momenta(number),
+                    Move::State if M::CHANGES => taken.change_state(number),
+                    Move::Momenta | Move::State => {}
+                }
+            }
+        }
+        check.is_finite()
+    }
+}
+
+/// A window in a round.
+struct OneTurn<'t, M, const WHOLE: bool> {
+    moves: &'t mut M,
+    check: &'t mut Check,
+    strip: Strip<'t>,
+    /// Where the room begins.
+    first: usize,
+    /// Coordinates before, and after.
+    from: Stretch<'t>,
+    to: &'t mut [f64],
+    momenta: &'t mut [f64],
+    sums: &'t mut [f64],
+    /// Until something is stored, momenta are those of the state.
+    base: Option<&'t [f64]>,
+    has_drifted: bool,
+}
+
+impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
+    /// Where its places are in the room.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn own(&self) -> Range<usize> {
+        self.strip.start - self.first..self.strip.end - self.first
+    }
+
+    /// Momenta that no kick has stored.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store_base(&mut self) {
+        if let Some(base) = self.base.take() {
+            let own = self.own();
+            self.momenta[own].copy_from_slice(base);
+        }
+    }
+
+    /// With the force of the step before.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kick_again(&mut self, force: &[f64]) {
+        let own = self.own();
+        let p = &mut self.momenta[own];
+        self.check.store(p, self.base.take(), force, |p, force| p + force);
+    }
+
+    /// Adds forces to momenta; the sums.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn kick<T: Number<f64>>(&mut self, number: usize, kick: Kick) -> &[f64] {
+        let own = self.own();
+        let p = &mut self.momenta[own];
+        let mut into = match kick {
+            Kick::Terms if M::IS_WORD => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
+            _ => Window::empty(self.strip, self.sums),
+        };
+        match WHOLE {
+            true => self.moves.add_forces::<T, _, _>(number, self.from.numbers, &mut into),
+            false => self.moves.add_forces::<T, _, _>(number, &self.from, &mut into),
+        }
+        let (base, sums) = (self.base.take(), into.finish());
+        match kick {
+            Kick::Minus if !M::IS_WORD => self.check.store(p, base, sums, |p, sum| p - sum),
+            Kick::Plus if M::IS_WORD => self.check.store(p, base, sums, |p, sum| p + sum),
+            Kick::Terms if M::IS_WORD => self.check.store(p, base, sums, |_, sum| sum),
+            _ => self.check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
+        }
+        sums
+    }
+
+    /// Adds velocities to coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn drift<T: Number<f64>>(&mut self, number: usize) {
+        let own = self.own();
+        let Self { strip, first, from, to, momenta, has_drifted, .. } = self;
+        let stretch = &Stretch { numbers: momenta, first: *first, degrees: from.degrees };
+        if M::HAVE_ONE_VELOCITY && !(M::CHANGES && *has_drifted) {
+            let mut moved = Moved { strip: *strip, base: *from, next: to, first: *first };
+            match WHOLE {
+                true => self.moves.add_velocities::<T, _, _>(number, stretch.numbers, &mut moved),
+                false => self.moves.add_velocities::<T, _, _>(number, stretch, &mut moved),
+            }
+            self.check.look(&to[own]);
+        } else {
+            let base = (!*has_drifted).then(|| &from[strip.start..strip.end]);
+            let q = &mut to[own];
+            let mut into = match M::IS_WORD {
+                true => Window::onto(*strip, self.sums, base.unwrap_or(q)),
+                false => Window::empty(*strip, self.sums),
+            };
+            match WHOLE {
+                true => self.moves.add_velocities::<T, _, _>(number, stretch.numbers, &mut into),
+                false => self.moves.add_velocities::<T, _, _>(number, stretch, &mut into),
+            }
+            let sums = into.finish();
+            match M::IS_WORD {
+                true => self.check.store(q, base, sums, |_, sum| sum),
+                false => self.check.store(q, base, sums, |q, sum| q + sum),
+            }
+        }
+        *has_drifted = true;
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momenta(&mut self, number: usize) {
+        let own = self.own();
+        let p = &mut self.momenta[own];
+        self.moves.change_momenta(number, self.strip.start..self.strip.end, p);
+        self.check.look(p);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_state(&mut self, number: usize) {
+        let places = self.strip.start..self.strip.end;
+        let own = self.own();
+        let (q, p) = (&mut self.to[own.clone()], &mut self.momenta[own]);
+        if !self.has_drifted {
+            q.copy_from_slice(&self.from[places.clone()]);
+        }
+        self.moves.change_state(number, places, q, p);
+        self.check.look(q);
+        self.check.look(p);
+        self.has_drifted = true;
+    }
+}

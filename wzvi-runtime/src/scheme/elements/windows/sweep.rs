@@ -1,0 +1,365 @@
+//! One iteration of the fixed point, `x ← φ(x)`: of a large system window by window, in the best vector instructions of the machine.
+//!
+//! A window of the vectors stays in the first cache while its forces are taken, the new unknowns, the velocities that follow from
+//! them, and the coordinates at which the forces of the next iteration are taken:
+//!
+//! ```text
+//! v' = v - (v + start Σ ∂V/∂q (Q)),   P' = p + v',   u' = Σ ∂T/∂p (P'),   Q' = q + c u'
+//! ```
+//!
+//! Where the Jacobian `I - φ'` is diagonal an iteration of Newton's method is the same with each correction divided by its entry.
+//!
+//! Every loop is over neighbours and without branches, so that it becomes vector code. Each number is computed as in one pass over
+//! all placements ([`Step::residual`]), no operation is fused and no sum is parted, so that bits depend neither on windows nor on
+//! instructions.
+
+mod blocks;
+mod parts;
+
+use std::any::TypeId;
+
+use blocks::{Compared, Follow, Guess, Kick, Store};
+use parts::{Found, Part, Portion, on_threads};
+
+use super::LEAST_IN_WINDOWS;
+use super::layout::{Recorder, Strip, Windows};
+use super::sums::Window;
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::threads::Threads;
+use crate::scheme::elements::change::{Change, Seen};
+use crate::scheme::elements::linear::Linear;
+use crate::scheme::elements::memory::{Lists, Scratch};
+use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
+use crate::scheme::elements::step::Step;
+use crate::scheme::elements::sums::Given;
+use crate::scheme::elements::{MomentumUpdate, Quadrature, Shared, Slopes, Unknowns};
+
+/// Places of a window. Ten stretches of it are used at one time.
+const SIZE: usize = 256;
+
+/// Degrees of freedom that are worth a thread of their own in each pass: the three or more of a step of so many take some 500 µs
+/// (`cargo bench --bench elements -- memory`).
+const LEAST_OF_THREAD: usize = 1 << 16;
+
+/// A correction that was taken.
+pub(in crate::scheme::elements) struct Swept {
+    /// The largest correction against the largest unknown; NaN if any is not finite.
+    pub(in crate::scheme::elements) relative: f64,
+    /// What it changed of what the equations are evaluated at, where that is known for less than another iteration costs.
+    pub(in crate::scheme::elements) change: Option<Change>,
+}
+
+/// Windows of a system, and who takes them.
+#[derive(Debug)]
+pub(in crate::scheme::elements) struct Sweeps {
+    windows: Windows,
+    portions: Vec<Portion>,
+    instructions: InstructionSet,
+    /// Whether the coordinates at the unknowns are where the next iteration takes them from.
+    is_ready: bool,
+    /// Whether the state after the step is known to be finite.
+    is_finite: bool,
+}
+
+impl Sweeps {
+    /// Takes down where the elements of a system add what.
+    #[cold]
+    #[inline(never)]
+    fn new<H: Shared>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
+        let recorder = Recorder::default();
+        for (state, wanted) in [(step.q, Slopes::BY_COORDINATES), (step.p, Slopes::BY_MOMENTA)] {
+            step.slopes_of::<f64, _, _>(|_| 1.0, state, wanted, &mut &recorder);
+        }
+        let degrees = step.degrees();
+        let windows = Windows::new(degrees, SIZE, recorder);
+        let portions = Portion::all(&windows, threads.number(degrees / LEAST_OF_THREAD));
+        Self { windows, portions, instructions: InstructionSet::best(), is_ready: false, is_finite: false }
+    }
+}
+
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
+    /// The guess of so many steps before, with its `u` and `P`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
+        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+            && self.takes_vectors(scratch)
+            && self.start_in_vectors(scratch, known)
+        {
+            return;
+        }
+        scratch.guess(known);
+        self.refresh(&mut scratch.lists);
+    }
+
+    /// `x ← φ(x)`, or Newton's iteration with a diagonal Jacobian that was factored, with the new `u` and `P` from those of before.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Swept {
+        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+            && self.takes_vectors(scratch)
+            && let Some(swept) = self.sweep_in_vectors(scratch, is_newton)
+        {
+            return swept;
+        }
+        let Scratch { lists, linear, .. } = scratch;
+        self.residual_as::<S::OfElements<H::Exact>>(lists);
+        if is_newton && let Some(Linear::Band(band)) = linear {
+            band.solve(lists.correction);
+        }
+        let relative = subtract(self.scheme.unknowns, lists.x, lists.correction);
+        if self.scheme.unknowns == Unknowns::Momenta {
+            std::mem::swap(&mut lists.u, &mut lists.by_p);
+        }
+        self.refresh(lists);
+        Swept { relative, change: None }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn takes_vectors(&self, scratch: &Scratch<'_, S>) -> bool {
+        H::HAS_WINDOWS
+            && S::plain(&[]).is_some()
+            && self.scheme.unknowns == Unknowns::Momenta
+            && self.scheme.stages.len() == 1
+            && self.degrees() >= LEAST_IN_WINDOWS
+            && !scratch.is_exact
+    }
+
+    /// Whether an iteration may have failed for arguments of functions that loops over neighbours do not know.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn may_have_been_unusual(&self, scratch: &Scratch<'_, S>) -> bool {
+        TypeId::of::<H::Usual>() != TypeId::of::<H::Exact>() && self.takes_vectors(scratch)
+    }
+
+    /// The same step, if its numbers are `f64`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn plain(&self) -> Option<Step<'_, H, f64>> {
+        let &Self { system, scheme, t, h, q, p, dw, increment } = self;
+        let (q, p, dw, increment) = (S::plain(q)?, S::plain(p)?, S::plain(dw)?, increment.and_then(S::plain));
+        Some(Step { system, scheme, t, h, q, p, dw, increment })
+    }
+
+    /// [`Step::start`]; whether that was done.
+    #[inline(never)]
+    fn start_in_vectors(&self, scratch: &mut Scratch<'_, S>, known: u8) -> bool {
+        let Some(step) = self.plain() else { return false };
+        let threads = scratch.threads;
+        let sweeps = scratch.sweeps.get_or_insert_with(|| Box::new(Sweeps::new(&step, threads)));
+        let [Some(a), Some(b), Some(c)] = scratch.past.each_ref().map(|past| S::plain(past)) else {
+            return false;
+        };
+        let Some(mut lists) = scratch.lists.plain() else { return false };
+        let (Sweeps { windows, portions, instructions, .. }, past) = (&mut **sweeps, [a, b, c]);
+        on_threads(portions, lists.parted().0, |portion, part| {
+            Start { step, windows, portion, part, past, known }.run_in(*instructions)
+        });
+        (sweeps.is_ready, sweeps.is_finite) = (true, false);
+        true
+    }
+
+    /// [`Step::sweep`]; `None` if it is not for these.
+    #[inline(never)]
+    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Option<Swept> {
+        let (step, sweeps) = (self.plain()?, scratch.sweeps.as_deref_mut()?);
+        if !std::mem::replace(&mut sweeps.is_ready, false) {
+            return None;
+        }
+        let Scratch { lists, linear, .. } = scratch;
+        let inverses = match linear {
+            Some(Linear::Band(band)) if is_newton => S::plain(band.inverses()?)?,
+            _ => &[],
+        };
+        lists.stages.turn();
+        std::mem::swap(&mut lists.u, &mut lists.by_p);
+        let mut lists = lists.plain()?;
+        let Sweeps { windows, portions, instructions, .. } = &mut *sweeps;
+        let (part, now, before) = lists.parted();
+        let found = on_threads(portions, part, |portion, part| {
+            Sweep { step, windows, portion, part, now, before, inverses }.run_in(*instructions)
+        });
+        (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
+        let relative = match found.change {
+            Change::Unknown => f64::NAN,
+            _ => found.corrected.relative_to(found.size),
+        };
+        Some(Swept { relative, change: Some(found.change) })
+    }
+}
+
+impl<H: Shared> Step<'_, H, f64> {
+    /// The sums of a window, of slopes at coordinates or momenta.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn window<'w, T: Number<f64>, V: Given<f64> + ?Sized>(
+        &self,
+        strip: Strip<'w>,
+        state: &V,
+        wanted: Slopes,
+        sums: &'w mut [f64],
+    ) -> &'w [f64] {
+        let mut window = Window::empty(strip, sums);
+        self.slopes_of::<T, V, _>(|_| 1.0, state, wanted, &mut window);
+        window.finish()
+    }
+
+    /// `c` in `Q = q + c u`, and the weight of forces.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn weights(&self) -> [f64; 2] {
+        self.scheme.stages.first().map_or([0.0; 2], |stage| [stage.point, stage.start])
+    }
+}
+
+impl Lists<'_, f64> {
+    /// What an iteration writes; the coordinates at which it takes forces; `u` of the one before.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parted(&mut self) -> (Part<'_>, &[f64], &[f64]) {
+        let Self { x, correction, u, by_p: before, momentum, stages, .. } = self;
+        let (now, next) = stages.at_mut(0);
+        (Part { first: 0, x, correction, momentum, u, next }, now, before)
+    }
+}
+
+impl<H: Shared, S: Scalar> Step<'_, H, S> {
+    /// Whether the last iteration went in windows and leads to a state that is finite: then [`Scratch::store_windows`] ends the step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
+        let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
+        let is_known =
+            |sweeps: &mut Box<Sweeps>| std::mem::replace(&mut sweeps.is_ready, false) && sweeps.is_finite;
+        H::HAS_WINDOWS && !H::IS_CONFORMAL && is_a_multiple && scratch.sweeps.as_mut().is_some_and(is_known)
+    }
+}
+
+impl<S: Scalar> Scratch<'_, S> {
+    /// The unknowns change in another way than in windows.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::scheme::elements) fn leave_windows(&mut self) {
+        if let Some(sweeps) = self.sweeps.as_deref_mut() {
+            sweeps.is_ready = false;
+        }
+    }
+
+    /// Adds the increments of a step to the state, and keeps its unknowns for the next if that is to be.
+    #[inline(never)]
+    pub(in crate::scheme::elements) fn store_windows(
+        &mut self,
+        scheme: &Quadrature,
+        q: &mut [S],
+        p: &mut [S],
+    ) {
+        let (Some(sweeps), MomentumUpdate::Multiple(factor)) = (self.sweeps.as_deref_mut(), scheme.update)
+        else {
+            return;
+        };
+        let (Some(q), Some(p), Some(lists)) = (S::plain_mut(q), S::plain_mut(p), self.lists.plain()) else {
+            return;
+        };
+        self.past.rotate_right(usize::from(scheme.remembers));
+        let past = S::plain_mut(&mut self.past[0]).unwrap_or_default();
+        let Sweeps { portions, instructions, .. } = sweeps;
+        let store = Store { first: 0, q, p, u: lists.u, x: lists.x, past, factor };
+        on_threads(portions, store, |_, store| {
+            instructions.run(store);
+            Found::NOTHING
+        });
+    }
+}
+
+/// [`Step::start`], of a portion.
+struct Start<'a, 's, H> {
+    step: Step<'s, H, f64>,
+    windows: &'a Windows,
+    portion: &'a mut Portion,
+    part: Part<'a>,
+    past: [&'a [f64]; 3],
+    known: u8,
+}
+
+impl<H: Shared> Start<'_, '_, H> {
+    #[inline(never)]
+    fn run_in(self, instructions: InstructionSet) -> Found {
+        instructions.run(self);
+        Found::NOTHING
+    }
+}
+
+impl<H: Shared> Kernel for Start<'_, '_, H> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(self) {
+        let Self { step, windows, portion, part, past, known } = self;
+        let [point, _] = step.weights();
+        for number in portion.windows.clone() {
+            let strip = windows.strip(number);
+            let (places, own) = (strip.start..strip.end, part.own(strip));
+            let p = &step.p[places.clone()];
+            let past = past.map(|past| past.get(places.clone()).unwrap_or(&[]));
+            let (x, momentum) = (&mut part.x[own.clone()], &mut part.momentum[own.clone()]);
+            in_blocks::<L>(p.len(), &mut Guess { past, known, p, x, momentum });
+            let momenta = part.momenta(step.degrees());
+            let velocities =
+                step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
+            let (u, next) = (&mut part.u[own.clone()], &mut part.next[own]);
+            in_blocks::<L>(places.len(), &mut Follow::new(&step, &places, velocities, point, u, next));
+        }
+    }
+}
+
+/// [`Step::sweep`], of a portion.
+struct Sweep<'a, 's, H> {
+    step: Step<'s, H, f64>,
+    windows: &'a Windows,
+    portion: &'a mut Portion,
+    part: Part<'a>,
+    /// Coordinates at which forces are taken, of all places.
+    now: &'a [f64],
+    /// `u` of the iteration before.
+    before: &'a [f64],
+    /// The inverse of a diagonal Jacobian, of all places; none for the fixed point.
+    inverses: &'a [f64],
+}
+
+impl<H: Shared> Sweep<'_, '_, H> {
+    #[inline(never)]
+    fn run_in(self, instructions: InstructionSet) -> Found {
+        instructions.run(self)
+    }
+}
+
+impl<H: Shared> Kernel for Sweep<'_, '_, H> {
+    type Output = Found;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(self) -> Found {
+        let Self { step, windows, portion, part, now, before, inverses } = self;
+        let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
+        let factor = match step.scheme.update {
+            MomentumUpdate::Multiple(factor) => factor,
+            MomentumUpdate::Slopes => f64::NAN,
+        };
+        let (mut size, mut corrected, mut seen) =
+            (Largest::<HALF>::default(), Largest::<HALF>::default(), Seen::<HALF>::new());
+        for number in portion.windows.clone() {
+            let strip = windows.strip(number);
+            let (places, own) = (strip.start..strip.end, part.own(strip));
+            let p = &step.p[places.clone()];
+            let forces = step.window::<H::Usual, _>(strip, now, Slopes::BY_COORDINATES, &mut portion.sums);
+            let (x, correction) = (&mut part.x[own.clone()], &mut part.correction[own.clone()]);
+            let momentum = &mut part.momentum[own.clone()];
+            let inverses = inverses.get(places.clone()).unwrap_or_default();
+            let mut kick = Kick { forces, weight, inverses, p, x, correction, momentum, size, corrected };
+            in_blocks::<HALF>(places.len(), &mut kick);
+            (size, corrected) = (kick.size, kick.corrected);
+            let momenta = part.momenta(step.degrees());
+            let velocities =
+                step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
+            let (u, next) = (&mut part.u[own.clone()], &mut part.next[own.clone()]);
+            let follow = Follow::new(&step, &places, velocities, point, u, next);
+            let (x, before) = (&part.x[own], &before[places.clone()]);
+            let compared = &mut Compared { p, x, factor, zeros, follow, before, seen: &mut seen };
+            in_blocks::<HALF>(places.len(), compared);
+            zeros = compared.zeros;
+        }
+        let (size, corrected, change) = (size.get(), corrected.get(), seen.finish());
+        Found { size, corrected, change, is_finite: zeros.iter().sum::<f64>() == 0.0 }
+    }
+}

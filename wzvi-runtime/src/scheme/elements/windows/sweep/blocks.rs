@@ -1,0 +1,226 @@
+//! What an iteration of the fixed point does with the numbers of a window, one by one.
+
+use std::ops::Range;
+
+use super::parts::Parted;
+use crate::algebra::lanes::instructions::Kernel;
+use crate::scheme::elements::Shared;
+use crate::scheme::elements::change::{Moved, Seen};
+use crate::scheme::elements::passes::{Block, Largest, in_blocks, load, store, widened};
+use crate::scheme::elements::step::Step;
+
+/// `q += u`, `p += factor v`, and a copy of `v` if there is room for one.
+pub(super) struct Store<'a> {
+    /// The place of the first number.
+    pub(super) first: usize,
+    pub(super) q: &'a mut [f64],
+    pub(super) p: &'a mut [f64],
+    pub(super) u: &'a [f64],
+    pub(super) x: &'a [f64],
+    pub(super) past: &'a mut [f64],
+    pub(super) factor: f64,
+}
+
+impl Parted for Store<'_> {
+    fn divide(self, place: usize) -> [Self; 2] {
+        let Self { first, q, p, u, x, past, factor } = self;
+        let at = place - first;
+        let ((q, q_behind), (p, p_behind)) = (q.split_at_mut(at), p.split_at_mut(at));
+        let ((u, u_behind), (x, x_behind)) = (u.split_at(at), x.split_at(at));
+        let (past, past_behind) = past.split_at_mut(at.min(past.len()));
+        [
+            Self { first, q, p, u, x, past, factor },
+            Self {
+                first: place,
+                q: q_behind,
+                p: p_behind,
+                u: u_behind,
+                x: x_behind,
+                past: past_behind,
+                factor,
+            },
+        ]
+    }
+}
+
+impl Kernel for Store<'_> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(mut self) {
+        in_blocks::<HALF>(self.x.len(), &mut self);
+    }
+}
+
+impl Block for Store<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (mut q, mut p) = (load::<_, N>(self.q, first), load::<_, N>(self.p, first));
+        let (u, x) = (load::<_, N>(self.u, first), load::<_, N>(self.x, first));
+        move_on([&mut q, &mut p], &u, &x, self.factor);
+        store(self.q, first, q);
+        store(self.p, first, p);
+        if !self.past.is_empty() {
+            store(self.past, first, x);
+        }
+    }
+}
+
+/// The state after a step.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn move_on<const N: usize>([q, p]: [&mut [f64; N]; 2], u: &[f64; N], v: &[f64; N], factor: f64) {
+    for i in 0..N {
+        q[i] += u[i];
+    }
+    for i in 0..N {
+        p[i] += v[i] * factor;
+    }
+}
+
+/// The start from the steps before, and `P` there.
+pub(super) struct Guess<'a> {
+    pub(super) past: [&'a [f64]; 3],
+    pub(super) known: u8,
+    pub(super) p: &'a [f64],
+    pub(super) x: &'a mut [f64],
+    pub(super) momentum: &'a mut [f64],
+}
+
+impl Block for Guess<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let [a, b, c] = self.past;
+        let mut x = [0.0; N];
+        match self.known {
+            0 => {}
+            1 => x = load(a, first),
+            2 => {
+                let (a, b) = (load::<_, N>(a, first), load::<_, N>(b, first));
+                for i in 0..N {
+                    x[i] = a[i] * 2.0 - b[i];
+                }
+            }
+            _ => {
+                let (a, b, c) = (load::<_, N>(a, first), load::<_, N>(b, first), load::<_, N>(c, first));
+                for i in 0..N {
+                    x[i] = (a[i] - b[i]) * 3.0 + c[i];
+                }
+            }
+        }
+        let mut momentum = load::<_, N>(self.p, first);
+        for i in 0..N {
+            momentum[i] += x[i];
+        }
+        store(self.x, first, x);
+        store(self.momentum, first, momentum);
+    }
+}
+
+/// `v ← v - J⁻¹ (v + start F)` and `P`, with a diagonal `J`, or none.
+pub(super) struct Kick<'a, const L: usize> {
+    pub(super) forces: &'a [f64],
+    pub(super) weight: f64,
+    pub(super) inverses: &'a [f64],
+    pub(super) p: &'a [f64],
+    pub(super) x: &'a mut [f64],
+    pub(super) correction: &'a mut [f64],
+    pub(super) momentum: &'a mut [f64],
+    pub(super) size: Largest<L>,
+    pub(super) corrected: Largest<L>,
+}
+
+impl<const L: usize> Block for Kick<'_, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (forces, mut x) = (load::<_, N>(self.forces, first), load::<_, N>(self.x, first));
+        let mut momentum = load::<_, N>(self.p, first);
+        let mut correction = [0.0; N];
+        for i in 0..N {
+            correction[i] = x[i] + forces[i] * self.weight;
+        }
+        if !self.inverses.is_empty() {
+            let inverses = load::<_, N>(self.inverses, first);
+            for i in 0..N {
+                correction[i] *= inverses[i];
+            }
+        }
+        for i in 0..N {
+            x[i] -= correction[i];
+        }
+        for i in 0..N {
+            momentum[i] += x[i];
+        }
+        self.size.take_finite(&x);
+        self.corrected.take(&correction);
+        store(self.correction, first, correction);
+        store(self.x, first, x);
+        store(self.momentum, first, momentum);
+    }
+}
+
+/// `u` and `Q` from the sums of velocities.
+pub(super) struct Follow<'a> {
+    pub(super) velocities: &'a [f64],
+    pub(super) q: &'a [f64],
+    pub(super) point: f64,
+    pub(super) u: &'a mut [f64],
+    pub(super) next: &'a mut [f64],
+}
+
+impl<'a> Follow<'a> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn new<H: Shared>(
+        step: &Step<'a, H, f64>,
+        places: &Range<usize>,
+        velocities: &'a [f64],
+        point: f64,
+        u: &'a mut [f64],
+        next: &'a mut [f64],
+    ) -> Self {
+        Self { velocities, q: &step.q[places.clone()], point, u, next }
+    }
+}
+
+impl Block for Follow<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let (u, mut next) = (load::<_, N>(self.velocities, first), load::<_, N>(self.q, first));
+        for i in 0..N {
+            next[i] += u[i] * self.point;
+        }
+        store(self.u, first, u);
+        store(self.next, first, next);
+    }
+}
+
+/// [`Follow`], and what that changes.
+pub(super) struct Compared<'a, const L: usize> {
+    pub(super) follow: Follow<'a>,
+    pub(super) before: &'a [f64],
+    pub(super) seen: &'a mut Seen<L>,
+    pub(super) p: &'a [f64],
+    pub(super) x: &'a [f64],
+    pub(super) factor: f64,
+    /// Zero while the state after the step is finite.
+    pub(super) zeros: [f64; L],
+}
+
+impl<const L: usize> Block for Compared<'_, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<const N: usize>(&mut self, first: usize) {
+        let Follow { velocities: u, q, point, .. } = self.follow;
+        Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);
+        let (mut q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
+        let (mut p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
+        move_on([&mut q, &mut p], &u, &x, self.factor);
+        for i in 0..N {
+            q[i] = q[i] * 0.0 + p[i] * 0.0;
+        }
+        let (terms, mut zeros): ([f64; L], _) = (widened(q), self.zeros);
+        for i in 0..L {
+            zeros[i] += terms[i];
+        }
+        self.zeros = zeros;
+        self.follow.take::<N>(first);
+    }
+}

@@ -1,0 +1,158 @@
+//! Windows next to each other that one thread takes. Every number is that of one thread: what is found of all of them does not depend on
+//! the order of its terms.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use super::super::layout::{Strip, Windows};
+use super::super::sums::Stretch;
+use crate::algebra::threads::each;
+use crate::scheme::elements::change::Change;
+use crate::scheme::elements::step::nothing;
+
+/// Windows of a thread, where they end, and room for the sums of one of them.
+#[derive(Debug)]
+pub(super) struct Portion {
+    pub(super) windows: Range<usize>,
+    end: usize,
+    pub(super) sums: Vec<f64>,
+}
+
+impl Portion {
+    /// All windows, for so many threads at most.
+    pub(super) fn all(windows: &Windows, threads: usize) -> Vec<Self> {
+        let portion = |own: Range<usize>| {
+            let end = own.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
+            Self { windows: own, end, sums: vec![nothing(); windows.room()] }
+        };
+        windows.portions(threads).map(portion).collect()
+    }
+}
+
+/// Lists that are written, each at the places of a portion.
+pub(super) trait Parted: Send + Sized {
+    /// What is before a place, and what is from it on.
+    fn divide(self, place: usize) -> [Self; 2];
+}
+
+/// What an iteration writes, from the place `first` on.
+pub(super) struct Part<'a> {
+    pub(super) first: usize,
+    pub(super) x: &'a mut [f64],
+    pub(super) correction: &'a mut [f64],
+    pub(super) momentum: &'a mut [f64],
+    pub(super) u: &'a mut [f64],
+    /// The coordinates at which the next forces are taken.
+    pub(super) next: &'a mut [f64],
+}
+
+impl Part<'_> {
+    /// The places of a window in it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn own(&self, strip: Strip<'_>) -> Range<usize> {
+        strip.start - self.first..strip.end - self.first
+    }
+
+    /// `P`, of a system of so many degrees of freedom.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn momenta(&self, degrees: usize) -> Stretch<'_> {
+        Stretch { numbers: self.momentum, first: self.first, degrees }
+    }
+}
+
+impl Parted for Part<'_> {
+    fn divide(self, place: usize) -> [Self; 2] {
+        let Self { first, x, correction, momentum, u, next } = self;
+        let at = place - first;
+        let ((x, x_behind), (correction, correction_behind)) =
+            (x.split_at_mut(at), correction.split_at_mut(at));
+        let ((momentum, momentum_behind), (u, u_behind)) = (momentum.split_at_mut(at), u.split_at_mut(at));
+        let (next, next_behind) = next.split_at_mut(at);
+        [
+            Self { first, x, correction, momentum, u, next },
+            Self {
+                first: place,
+                x: x_behind,
+                correction: correction_behind,
+                momentum: momentum_behind,
+                u: u_behind,
+                next: next_behind,
+            },
+        ]
+    }
+}
+
+/// What an iteration found in its windows.
+#[derive(Clone, Copy)]
+pub(super) struct Found {
+    /// The largest unknown, and the largest correction: NaN if any is not finite.
+    pub(super) size: f64,
+    pub(super) corrected: f64,
+    pub(super) change: Change,
+    /// Whether the state after the step is.
+    pub(super) is_finite: bool,
+}
+
+impl Found {
+    /// In no window.
+    pub(super) const NOTHING: Self =
+        Self { size: 0.0, corrected: 0.0, change: Change::Unseen, is_finite: true };
+
+    fn and(self, other: Self) -> Self {
+        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        Self {
+            size: larger(self.size, other.size),
+            corrected: larger(self.corrected, other.corrected),
+            change: self.change.max(other.change),
+            is_finite: self.is_finite && other.is_finite,
+        }
+    }
+}
+
+/// Does the work on the part of each portion, on a thread each if there are several; what all found.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn on_threads<P: Parted>(
+    portions: &mut [Portion],
+    part: P,
+    work: impl Fn(&mut Portion, P) -> Found + Sync,
+) -> Found {
+    if let [all] = portions {
+        return work(all, part);
+    }
+    let (mut jobs, mut behind) = (Vec::with_capacity(portions.len()), part);
+    for portion in portions {
+        let [own, rest] = behind.divide(portion.end);
+        behind = rest;
+        jobs.push((portion, own));
+    }
+    let all = Mutex::new(Found::NOTHING);
+    each(jobs, |(portion, own)| {
+        let found = work(portion, own);
+        let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+        *all = all.and(found);
+    });
+    all.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_found_does_not_depend_on_the_order() {
+        let found =
+            |size: f64, corrected: f64, change, is_finite| Found { size, corrected, change, is_finite };
+        let parts = [
+            found(1.0, f64::NAN, Change::Unknown, true),
+            found(3.0, 2.0, Change::Unseen, true),
+            found(2.0, 5.0, Change::Seen, false),
+        ];
+        for [a, b, c] in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+            let all = Found::NOTHING.and(parts[a]).and(parts[b]).and(parts[c]);
+            assert!(all.corrected.is_nan() && all.size == 3.0);
+            assert_eq!((all.change, all.is_finite), (Change::Unknown, false));
+        }
+        let all = parts[1].and(parts[2]);
+        assert_eq!((all.size, all.corrected, all.change), (3.0, 5.0, Change::Seen));
+    }
+}

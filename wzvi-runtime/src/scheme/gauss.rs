@@ -1,0 +1,190 @@
+//! The Gauss methods: the discrete embedding with `S` quadrature points, of order `2S`.
+//!
+//! With `F = h H_0 + Σ_k ΔW_k H_k`, frozen over the step, the discrete Lagrangian with internal stages
+//!
+//! ```text
+//! L_d = ext Σ_i b_i [P_i · V_i - F(P_i, Q_i, t + c_i h)],  Q_i = q + Σ_j a_ij V_j,  q' = q + Σ_j b_j V_j
+//! ```
+//!
+//! has the stages `V_i = ∂F/∂p (i)`, `P_i = p - Σ_j a_ij ∂F/∂q (j)` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
+//! Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them at once, and by Newton's method
+//! where sweeps do not contract. One path has its stages side by side in a vector register; paths of an ensemble lie side by side themselves,
+//! and take stage after stage with the same arithmetic. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are
+//! eliminated (Nyström form), which doubles the number of digits that a sweep gains.
+//!
+//! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M. Antoñana, J. Makazaga, A. Murua,
+//! "Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes", Numer. Algorithms 76, 2017.
+
+mod action;
+mod advance;
+mod beside;
+mod dense;
+mod equations;
+mod kept;
+mod newton;
+mod shape;
+mod source;
+mod stages;
+mod stiff;
+mod sweep;
+mod table;
+mod wide;
+
+use crate::algebra::carry::Carry;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::solve::Effort;
+use crate::algebra::state::State;
+use crate::error::{ConfigError, StepFailure};
+use crate::scheme::dense::Slopes;
+use crate::scheme::elements::{self, Elements};
+use crate::scheme::plan::{Facts, Plan, Solver};
+use crate::scheme::system::{At, Properties, Scheme, Segment};
+
+pub use advance::Prepared;
+pub use kept::Memory;
+pub use shape::{Dynamic, Fixed, Shape};
+pub use source::Systems;
+pub use stages::{One, Stages};
+
+/// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
+/// with every Stratonovich system. `Gauss<1>` is [`Midpoint`](crate::scheme::embedding::Midpoint).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gauss<const S: usize>;
+
+pub(crate) use table::quadrature;
+
+/// The slopes of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`; generated.
+pub trait Field: Elements + Sized {
+    /// Whether `F` is a constant quadratic form of `p` plus a function of `q` and `t`.
+    const IS_NYSTROM: bool;
+    /// Whether all stages can be evaluated at once although their times differ.
+    const IN_LANES: bool;
+    /// Lists of one entry per degree of freedom.
+    type Shape: Shape;
+    /// Whether the potential energy has a constant quadratic part.
+    const IS_STIFF: bool = false;
+    /// Lists of one entry per noise.
+    type Noises: Shape;
+
+    /// The numbers that slopes read of the system, which is nothing else then; [`Apart`](crate::scheme::system::Apart) where it is.
+    type Parameters<K: Constant>;
+
+    /// Those of `L` systems beside each other; `None` where there are none.
+    fn parameters_beside<const L: usize>(systems: [&Self; L]) -> Option<Self::Parameters<Lanes<L>>>;
+
+    /// [`Field::step_slopes`] of systems with these parameters.
+    #[expect(clippy::too_many_arguments, reason = "as there")]
+    fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
+        parameters: &Self::Parameters<K>,
+        t: S,
+        h: S,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    );
+
+    /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
+    fn stiffness(&self, _k: &mut [f64]) {}
+
+    /// `∂F/∂q` and `∂F/∂p`, as far as they are wanted. Slices have the degrees of freedom and the noises of the system.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "generated code implements it, and each is one thing that slopes depend on"
+    )]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+        &self,
+        t: S,
+        h: S,
+        q: &[S],
+        p: &[S],
+        dw: &[S],
+        by_q: &mut [S],
+        by_p: &mut [S],
+    ) {
+        elements::field::<_, S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
+    }
+}
+
+/// What the slopes are for lists that do not fit the system.
+#[cold]
+pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
+    by_q.fill(S::from_f64(f64::NAN));
+    by_p.fill(S::from_f64(f64::NAN));
+}
+
+/// The plan of a step with so many stages.
+const fn plan(facts: Facts, stages: usize, is_nystrom: bool) -> Plan {
+    let unknowns = facts.degrees.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
+    facts.plan(Solver::Newton, unknowns, 2 * stages as u32, true)
+}
+
+impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
+    const PLAN: Plan = plan(F::FACTS, N, F::IS_NYSTROM);
+    const PROPERTIES: Properties = Properties {
+        in_lanes: F::Shape::IS_FIXED,
+        // That of a step with friction is one of the momentum that friction leaves alone.
+        has_polynomial: N > 1 && !F::IS_CONFORMAL,
+        dense_order: dense::dense_order(
+            if F::IS_CONFORMAL { 1 } else { N as u32 },
+            &<Self as Scheme<F>>::PLAN,
+        ),
+        ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<<Self as Scheme<F>>::Memory<f64>>())
+    };
+    type Prepared = Prepared<N>;
+    type Memory<S: Scalar> = Memory<S, F::Shape, F::Noises, N>;
+    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Carry<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Beside<const L: usize> = Systems<F, L, N>;
+
+    fn memory(system: &F) -> Self::Memory<f64> {
+        advance::memory(system)
+    }
+
+    fn prepare(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
+        advance::prepare(system, h)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &F,
+        prepared: &Prepared<N>,
+        at: At<'_, S>,
+        memory: &mut Self::Memory<S>,
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        advance::advance::<F, S, C, N, CAREFUL>(system, prepared, at, memory, carry)
+    }
+
+    fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared<N>; L]) -> Option<Systems<F, L, N>> {
+        source::beside(systems, prepared)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance_beside<const L: usize>(
+        beside: &Systems<F, L, N>,
+        at: At<'_, Lanes<L>>,
+        memory: &mut Self::Memory<Lanes<L>>,
+    ) -> Result<Effort, StepFailure> {
+        advance::advance_beside(beside, at, memory)
+    }
+
+    fn slopes_between(
+        system: &F,
+        (prepared, memory): (&Prepared<N>, &Self::Memory<f64>),
+        before: &State<F::Vector>,
+        h: f64,
+        dw: &[f64],
+        slopes: &mut Slopes,
+    ) {
+        dense::slopes_between(system, prepared, memory, before, h, dw, slopes);
+    }
+
+    fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
+        let prepared = advance::prepare::<F, N>(system, segment.h);
+        prepared.map_or(f64::NAN, |prepared| action::value(system, &prepared, segment, dw))
+    }
+}

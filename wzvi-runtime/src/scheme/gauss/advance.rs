@@ -1,0 +1,229 @@
+//! The step of a Gauss method.
+
+use super::Field;
+use super::kept::{GivenOf, LeftOf, Lists, Memory, MemoryOf};
+use super::shape::Shape;
+use super::source::{Source, Systems};
+use super::stiff::Modes;
+use super::sweep::Solved;
+use super::table::Table;
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::lanes::Lanes;
+use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::error::{ConfigError, StepFailure};
+use crate::scheme::system::{At, no_nan};
+
+/// What is made once for a step size.
+#[derive(Clone, Debug)]
+pub struct Prepared<const N: usize> {
+    table: Table<N>,
+    /// The linear part of a stiff force.
+    modes: Option<Modes<N>>,
+    /// Friction that the step takes in.
+    friction: Friction<N>,
+    instructions: InstructionSet,
+}
+
+/// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Friction<const N: usize> {
+    /// `e^{γ c_i h}`
+    pub(super) scale: [f64; N],
+    /// `e^{-γ c_i h}`
+    pub(super) inverse: [f64; N],
+    /// `e^{-γ h} - 1`
+    pub(super) decay: f64,
+}
+
+impl<const N: usize> Friction<N> {
+    fn new(rate: f64, table: &Table<N>, h: f64) -> Self {
+        let exponents = table.c.map(|c| rate * c * h);
+        Self {
+            scale: exponents.map(f64::exp),
+            inverse: exponents.map(|x| (-x).exp()),
+            decay: (-rate * h).exp_m1(),
+        }
+    }
+}
+
+/// Prepares a step of size `h` with `N` stages.
+///
+/// # Errors
+/// [`ConfigError::Parameter`] if a parameter is not a number.
+pub(super) fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
+    no_nan(system)?;
+    let table = Table::get();
+    let modes = Modes::new(system, &table, h);
+    let friction = Friction::new(system.friction_rate(), &table, h);
+    Ok(Prepared { table, modes, friction, instructions: InstructionSet::best() })
+}
+
+/// The memory of a new stepper: all that its steps will need, where the system knows its size.
+pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::Noises, N> {
+    let mut memory = Memory::default();
+    let degrees = system.degrees();
+    if degrees != 0 && system.check(degrees).is_ok() {
+        memory.fit(degrees, system.noises());
+        if !F::IN_LANES {
+            memory.left.scratch.reserve(degrees, system.noises());
+        }
+        memory.left.modal.reserve(degrees);
+        if F::Shape::IS_FIXED {
+            memory.left.exact.lists(degrees, system.noises());
+        }
+    }
+    memory
+}
+
+/// One step from `(q, p)` at `t` in place. On `Err`, `q`, `p`, `memory` and `carry` are as they were.
+///
+/// # Errors
+/// [`StepFailure::NotConverged`], [`StepFailure::NonFinite`], or where sizes do not fit.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>(
+    system: &F,
+    prepared: &Prepared<N>,
+    At { t, h, q, p, dw }: At<'_, S>,
+    memory: &mut Memory<S, F::Shape, F::Noises, N>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    let degrees = q.len();
+    if !memory.fits(degrees, dw.len()) || !system.fits(degrees) {
+        system.check(degrees)?;
+        if dw.len() == system.noises() {
+            memory.fit(degrees, dw.len());
+        }
+    }
+    if p.len() != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
+    }
+    if dw.len() != system.noises() {
+        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
+    }
+    let step = ToTake::<F, S, C, N, CAREFUL> { source: system, prepared, t, h, q, p, dw, carry };
+    let run = Run { step, memory };
+    // Other numbers than `f64` are not side by side, or are so already; and care is not compiled for each set of instructions.
+    if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
+        prepared.instructions.run(run)
+    } else {
+        run.run::<1, 1>()
+    }
+}
+
+/// The same of `L` systems beside each other, without friction and a stiff part.
+///
+/// # Errors
+/// As above.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn advance_beside<F: Field, const L: usize, const N: usize>(
+    systems: &Systems<F, L, N>,
+    At { t, h, q, p, dw }: At<'_, Lanes<L>>,
+    memory: &mut Memory<Lanes<L>, F::Shape, F::Noises, N>,
+) -> Result<Effort, StepFailure> {
+    let Systems { prepared, degrees, noises, .. } = systems;
+    let [expected, got] = [*degrees, if q.len() == *degrees { p.len() } else { q.len() }];
+    if got != expected {
+        return Err(StepFailure::Dimension { expected, got });
+    }
+    if dw.len() != *noises {
+        return Err(StepFailure::Increments { expected: *noises, got: dw.len() });
+    }
+    memory.fit(*degrees, *noises);
+    let carry = &mut Plain;
+    let step = ToTake::<_, _, _, N, false> { source: systems, prepared, t, h, q, p, dw, carry };
+    Run { step, memory }.run::<1, 1>()
+}
+
+impl<const N: usize> Prepared<N> {
+    pub(super) fn table(&self) -> &Table<N> {
+        &self.table
+    }
+
+    pub(super) fn friction(&self) -> &Friction<N> {
+        &self.friction
+    }
+
+    pub(super) fn modes(&self) -> Option<&Modes<N>> {
+        self.modes.as_ref()
+    }
+}
+
+/// A step to take.
+struct ToTake<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
+    source: &'a Y,
+    prepared: &'a Prepared<N>,
+    t: f64,
+    h: f64,
+    q: &'a mut [S],
+    p: &'a mut [S],
+    dw: &'a [S],
+    carry: &'a mut C,
+}
+
+/// The same with a memory.
+struct Run<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
+    step: ToTake<'a, Y, S, C, N, CAREFUL>,
+    memory: &'a mut MemoryOf<Y::Field, S, N>,
+}
+
+impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kernel
+    for Run<'_, Y, S, C, N, CAREFUL>
+{
+    type Output = Result<Effort, StepFailure>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
+        let Memory { left, given, lists } = self.memory;
+        if S::IS_BESIDE {
+            // More than there are registers for: where they are.
+            return self.step.take(given, lists, left);
+        }
+        let (mut own_given, mut own_lists) = (given.take(), lists.take());
+        let taken = self.step.take(&mut own_given, &mut own_lists, left);
+        lists.give_back(own_lists);
+        given.give_back(own_given);
+        taken
+    }
+}
+
+impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>
+    ToTake<'_, Y, S, C, N, CAREFUL>
+{
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take(
+        self,
+        given: &mut GivenOf<Y::Field, S, N>,
+        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
+    ) -> Result<Effort, StepFailure> {
+        let Self { source, prepared, t, h, q, p, dw, carry } = self;
+        given.read(prepared, q, p, dw, carry);
+        let solved = if S::IS_BESIDE && !C::CARRIES && !CAREFUL {
+            given.step(source, prepared, t, h).solve_beside([q, p], dw, lists, left)
+        } else if let Some(system) = source.system() {
+            let step = given.step(system, prepared, t, h);
+            step.solve_together::<C, CAREFUL>([q, p], dw, lists, left, carry)
+        } else {
+            Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY })
+        };
+        let Solved { effort, prefers_newton } = solved?;
+        left.prefers_newton = prefers_newton;
+        // With noise it is no guide to the next step, but it says what lies between the nodes: of one path.
+        if !S::IS_BESIDE || dw.is_empty() {
+            let [by_p, by_q] = &mut left.past;
+            if !S::IS_BESIDE || !Y::Field::IS_NYSTROM {
+                std::mem::swap(by_p, &mut lists.slopes[0]);
+            }
+            std::mem::swap(by_q, &mut lists.slopes[1]);
+        }
+        (left.is_known, left.is_held) = (dw.is_empty(), false);
+        q.copy_from_slice(lists.next[0].as_ref());
+        p.copy_from_slice(lists.next[1].as_ref());
+        if C::CARRIES {
+            carry.keep(lists.lost[0].as_ref(), lists.lost[1].as_ref());
+        }
+        Ok(effort)
+    }
+}

@@ -1,0 +1,211 @@
+//! How the equations of a step are solved: for one path, and for paths beside each other.
+//!
+//! Beside each other, paths are swept together until each has ended by the verdict that it has alone; what a path keeps is that of its own
+//! last sweep. One whose sweeps do not contract goes alone, as a [`Stepper`](crate::path::step::Stepper) takes it. So the bits of a path do not
+//! depend on what is beside it.
+
+use super::Field;
+use super::advance::advance;
+use super::equations::Step;
+use super::kept::{LeftOf, Lists, Memory};
+use super::shape::Shape;
+use super::source::Source;
+use super::stages::Stages;
+use super::sweep::{Solved, Swept};
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::memory::Iteration;
+use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::solve::Effort;
+use crate::error::StepFailure;
+use crate::scheme::system::{At, Hamiltonian};
+
+/// One path of several, and what its steps before left.
+#[derive(Debug)]
+pub(super) struct Alone<H: Shape, W: Shape, const N: usize> {
+    memory: Memory<f64, H, W, N>,
+    q: Vec<f64>,
+    p: Vec<f64>,
+    dw: Vec<f64>,
+}
+
+impl<H: Shape, W: Shape, const N: usize> Default for Alone<H, W, N> {
+    fn default() -> Self {
+        Self { memory: Memory::default(), q: Vec::new(), p: Vec::new(), dw: Vec::new() }
+    }
+}
+
+impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
+    /// Solves for the stages, and for the new state.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`], and those of Newton's method.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn solve_together<C: Carry<S>, const CAREFUL: bool>(
+        &self,
+        state: [&[S]; 2],
+        dw: &[S],
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
+        carry: &C,
+    ) -> Result<Solved<S>, StepFailure> {
+        let solved = self.solve::<CAREFUL>(lists, left)?;
+        if !self.finish(state, dw, lists, carry).all() {
+            return Err(StepFailure::NonFinite);
+        }
+        self.change_momentum(lists);
+        Ok(solved)
+    }
+
+    /// Solves for the stages.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn solve<const CAREFUL: bool>(
+        &self,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
+    ) -> Result<Solved<S>, StepFailure> {
+        // The steps before are a guide without noise only.
+        self.begin::<CAREFUL>(lists, left);
+        if !self.prefers_newton(left).any() {
+            let swept = self.sweeps::<CAREFUL>(S::Mask::from_bool(true), lists, left);
+            // With care, only Newton's method is a judge of sweeps that do not contract from the first one on.
+            let is_wild = CAREFUL && swept.are_wild.any();
+            let is_settled = swept.are_settled.all();
+            if is_settled && (!is_wild || self.unknowns() > Self::MOST_UNKNOWNS) {
+                let prefers_newton = S::Mask::from_bool(false);
+                let effort = Effort { doubtful: is_wild, is_far: is_wild, ..Effort::fast(swept.sweeps) };
+                return Ok(Solved { effort, prefers_newton });
+            }
+            if !is_settled && swept.failure == StepFailure::NonFinite
+                || left.iteration == Iteration::FixedPoint
+            {
+                return Err(swept.failure);
+            }
+            self.begin::<CAREFUL>(lists, left);
+        }
+        self.newton::<CAREFUL>(lists, left)
+    }
+
+    /// The stages to start from: those of a part of the same step, what the steps before extrapolate to, which is a guide without noise only, or
+    /// those of the state.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
+        if CAREFUL && left.is_held {
+            lists.slopes.clone_from(&left.past);
+            if F::IS_CONFORMAL {
+                // They were left in the momentum of the step after.
+                let back = [(1.0 + self.prepared.friction().decay).recip(); N];
+                lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
+            }
+            return self.follow(lists, &mut left.scratch, &mut ());
+        }
+        let from_past = self.dw.is_empty() && left.is_known && !CAREFUL;
+        self.guess(lists, &mut left.past, &mut left.scratch, from_past);
+    }
+}
+
+impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
+    /// Where Newton's method is tried first.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn prefers_newton(&self, left: &LeftOf<Y::Field, S, N>) -> S::Mask {
+        match left.iteration {
+            Iteration::Automatic => left.prefers_newton,
+            Iteration::Newton => S::Mask::from_bool(true),
+            Iteration::FixedPoint => S::Mask::from_bool(false),
+        }
+    }
+
+    /// With friction, slopes are left in the momentum of the step that follows.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momentum(&self, lists: &mut Lists<S, <Y::Field as Field>::Shape, N>) {
+        if Y::Field::IS_CONFORMAL {
+            let left = [1.0 + self.prepared.friction().decay; N];
+            lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&left));
+        }
+    }
+
+    /// Solves for the stages and the new states of paths beside each other.
+    ///
+    /// # Errors
+    /// That of a path that goes alone.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn solve_beside(
+        &self,
+        state: [&[S]; 2],
+        dw: &[S],
+        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
+    ) -> Result<Solved<S>, StepFailure> {
+        let none = S::Mask::from_bool(false);
+        // One path is faster with its stages beside each other.
+        let together = if S::LANES > 1 { !self.prefers_newton(left) } else { none };
+        let mut solved = Solved { effort: Effort::fast(0), prefers_newton: none };
+        let mut are_solved = none;
+        if together.any() {
+            let from_past = self.dw.is_empty() && left.is_known;
+            self.guess(lists, &mut left.past, &mut left.scratch, from_past);
+            let Swept { are_settled, sweeps, .. } = self.sweeps::<false>(together, lists, left);
+            are_solved = are_settled & self.finish(state, dw, lists, &Plain);
+            self.change_momentum(lists);
+            solved.effort = Effort::fast(sweeps);
+        }
+        if !are_solved.all() {
+            for lane in (0..S::LANES).filter(|&lane| !are_solved.lane(lane)) {
+                let alone = self.alone(lane, state, dw, lists, left)?;
+                solved.effort = solved.effort + alone.effort;
+                solved.prefers_newton = solved.prefers_newton | alone.prefers_newton;
+            }
+        }
+        Ok(solved)
+    }
+
+    /// One path, with its stages beside each other.
+    ///
+    /// # Errors
+    /// Those of its step.
+    #[cold]
+    #[inline(never)]
+    fn alone(
+        &self,
+        lane: usize,
+        [q, p]: [&[S]; 2],
+        dw: &[S],
+        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
+        left: &mut LeftOf<Y::Field, S, N>,
+    ) -> Result<Solved<S>, StepFailure> {
+        let Some(system) = self.source.system() else {
+            return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
+        };
+        let (degrees, is_lane) = (q.len(), S::Mask::of_lane(lane));
+        let room = left.alone.get_or_insert_default();
+        let Alone { memory: own, q: own_q, p: own_p, dw: own_dw } = &mut **room;
+        for (own, all) in [(&mut *own_q, q), (&mut *own_p, p), (&mut *own_dw, dw)] {
+            own.clear();
+            own.extend(all.iter().map(|number| number.lane(lane)));
+        }
+        own.fit(degrees, dw.len());
+        own.left.is_known = left.is_known;
+        own.left.prefers_newton = left.prefers_newton.lane(lane);
+        own.left.iteration = left.iteration;
+        for (own, all) in own.left.past.iter_mut().zip(&left.past) {
+            for (own, all) in own.as_mut().iter_mut().zip(all.as_ref()) {
+                (0..N).for_each(|i| own.set(i, all.get(i).lane(lane)));
+            }
+        }
+        let at = At { t: self.t, h: self.h, q: own_q, p: own_p, dw: own_dw };
+        let effort = advance::<_, f64, Plain, N, false>(system, self.prepared, at, own, &mut Plain)?;
+        for (all, own) in lists.next.iter_mut().zip([&*own_q, own_p]) {
+            for (all, own) in all.as_mut().iter_mut().zip(own) {
+                *all = S::select(is_lane, S::from_f64(*own), *all);
+            }
+        }
+        for (all, own) in lists.slopes.iter_mut().zip(&own.left.past) {
+            for (all, own) in all.as_mut().iter_mut().zip(own.as_ref()) {
+                (0..N).for_each(|i| {
+                    all.set(i, S::select(is_lane, S::from_f64(Stages::get(own, i)), all.get(i)));
+                });
+            }
+        }
+        let prefers_newton = if own.left.prefers_newton { is_lane } else { S::Mask::from_bool(false) };
+        Ok(Solved { effort, prefers_newton })
+    }
+}

@@ -1,0 +1,312 @@
+//! What a step leaves for the next one, and its scratch.
+
+use super::Field;
+use super::beside::Alone;
+use super::newton::Newton;
+use super::shape::Shape;
+use super::stages::{Part, Scratch, Stages};
+use super::stiff::Modal;
+use crate::algebra::memory::{Iteration, StepMemory};
+use crate::algebra::scalar::{Mask, Rounded, Scalar};
+use crate::ground::numbers::{Numbers, Tape};
+
+/// What is given of a step of a system.
+pub(super) type GivenOf<F, S, const N: usize> = Given<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// What the steps of a system leave.
+pub(super) type LeftOf<F, S, const N: usize> = Left<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// The memory of a system's steps.
+pub(super) type MemoryOf<F, S, const N: usize> = Memory<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// Room for the equations of a system in numbers that know their rounding.
+pub(super) type ExactOf<F, const N: usize> = Exact<<F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// A list of numbers of all stages.
+pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>::Stages<N>>;
+
+/// The slopes of the last step at its `N` stages, and the lists of a step.
+#[derive(Debug)]
+pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    pub(super) left: Left<S, H, W, N>,
+    pub(super) given: Given<S, H, W, N>,
+    pub(super) lists: Lists<S, H, N>,
+}
+
+/// What a step leaves for the next one, and room for its solution.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`, for one path.
+    pub(super) past: [OfStages<S, H, N>; 2],
+    pub(super) is_known: bool,
+    /// Whether they are those of a part of the same step.
+    pub(super) is_held: bool,
+    /// Where sweeps did not contract in the last step.
+    pub(super) prefers_newton: S::Mask,
+    pub(super) iteration: Iteration,
+    pub(super) scratch: Scratch<S, H, W, N>,
+    pub(super) modal: Modal<S::Stages<N>>,
+    pub(super) newton: Newton<S>,
+    pub(super) exact: Exact<H, W, N>,
+    /// Room for a path whose sweeps do not contract as those beside it do.
+    pub(super) alone: Option<Box<Alone<H, W, N>>>,
+}
+
+/// Room for a part of the stages of a system.
+pub(super) type Room<F, S, const N: usize> = Scratch<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+
+/// Room for the equations in numbers that know their rounding. Few steps ask for them: vectors wait for the first that
+/// does, and stay.
+#[derive(Debug)]
+pub(super) struct Exact<H: Shape, W: Shape, const N: usize>(Option<Box<ExactLists<H, W, N>>>);
+
+/// What is given, and what is computed.
+#[derive(Debug)]
+pub(super) struct ExactLists<H: Shape, W: Shape, const N: usize> {
+    pub(super) given: Given<Rounded, H, W, N>,
+    pub(super) lists: Lists<Rounded, H, N>,
+    pub(super) scratch: Scratch<Rounded, H, W, N>,
+}
+
+impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
+    /// Room for so many degrees of freedom and noises.
+    pub(super) fn lists(&mut self, degrees: usize, noises: usize) -> &mut ExactLists<H, W, N> {
+        let room = self.0.take().filter(|room| room.lists.fits(degrees) && room.given.fits(noises));
+        self.0.insert(room.unwrap_or_else(|| {
+            let scratch = Scratch::of_length(degrees, noises);
+            let (given, lists) = (Given::of_length(degrees, noises), Lists::of_length(degrees));
+            Box::new(ExactLists { given, lists, scratch })
+        }))
+    }
+}
+
+/// What is given of a step.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    /// `q` and `p` with what is carried.
+    pub(super) start: [H::Of<S>; 2],
+    /// `b_i ΔW_k`
+    pub(super) dw: OfStages<S, W, N>,
+}
+
+/// What a step computes.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
+    /// Coordinates and momenta at the stages.
+    pub(super) at: [OfStages<S, H, N>; 2],
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q`; in Nyström form the first is `∂F/∂p`.
+    pub(super) slopes: [OfStages<S, H, N>; 2],
+    /// Slopes that nobody reads.
+    pub(super) spare: OfStages<S, H, N>,
+    /// The largest relative changes of the last sweep.
+    pub(super) changes: Part<S, N>,
+    /// The increments of the state, then the new state.
+    pub(super) next: [H::Of<S>; 2],
+    /// What rounding took from the new state.
+    pub(super) lost: [H::Of<S>; 2],
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
+    pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
+        let zero = S::from_f64(0.0);
+        Self {
+            start: [H::list(degrees, zero), H::list(degrees, zero)],
+            dw: W::list(noises, S::Stages::<N>::splat(zero)),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fits(&self, noises: usize) -> bool {
+        self.dw.as_ref().len() == noises
+    }
+
+    /// The lists, for the duration of a step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn take(&mut self) -> Self {
+        let zero = S::from_f64(0.0);
+        Self {
+            start: self.start.each_mut().map(|list| H::take(list, zero)),
+            dw: W::take(&mut self.dw, S::Stages::<N>::splat(zero)),
+        }
+    }
+
+    /// Takes them back.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn give_back(&mut self, given: Self) {
+        give_back::<H, _, 2>(&mut self.start, given.start);
+        W::give_back(&mut self.dw, given.dw);
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn give_back<H: Shape, T: Copy + std::fmt::Debug, const K: usize>(
+    lists: &mut [H::Of<T>; K],
+    room: [H::Of<T>; K],
+) {
+    for (list, room) in lists.iter_mut().zip(room) {
+        H::give_back(list, room);
+    }
+}
+
+impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
+    pub(super) fn of_length(length: usize) -> Self {
+        let zero = S::from_f64(0.0);
+        let stages = || H::list(length, S::Stages::<N>::splat(zero));
+        let ends = || H::list(length, zero);
+        Self {
+            at: [stages(), stages()],
+            slopes: [stages(), stages()],
+            spare: stages(),
+            changes: Part::<S, N>::from_f64(0.0),
+            next: [ends(), ends()],
+            lost: [ends(), ends()],
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fits(&self, degrees: usize) -> bool {
+        self.spare.as_ref().len() == degrees
+    }
+
+    /// The lists, for the duration of a step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn take(&mut self) -> Self {
+        let zero = S::from_f64(0.0);
+        let zeros = S::Stages::<N>::splat(zero);
+        Self {
+            at: self.at.each_mut().map(|list| H::take(list, zeros)),
+            slopes: self.slopes.each_mut().map(|list| H::take(list, zeros)),
+            spare: H::take(&mut self.spare, zeros),
+            changes: Part::<S, N>::from_f64(0.0),
+            next: self.next.each_mut().map(|list| H::take(list, zero)),
+            lost: self.lost.each_mut().map(|list| H::take(list, zero)),
+        }
+    }
+
+    /// Takes them back.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn give_back(&mut self, lists: Self) {
+        give_back::<H, _, 2>(&mut self.at, lists.at);
+        give_back::<H, _, 2>(&mut self.slopes, lists.slopes);
+        H::give_back(&mut self.spare, lists.spare);
+        give_back::<H, _, 2>(&mut self.next, lists.next);
+        give_back::<H, _, 2>(&mut self.lost, lists.lost);
+    }
+
+    /// Where all stages are finite.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn are_finite(&self) -> S::Mask {
+        let mut zeros = S::Stages::<N>::splat(S::from_f64(0.0));
+        for list in &self.at {
+            for stages in list.as_ref() {
+                zeros = zeros.plus(stages.times(&[0.0; N]));
+            }
+        }
+        zeros.total().is_finite()
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Memory<S, H, W, N> {
+    fn default() -> Self {
+        Self { left: Left::default(), given: Given::of_length(0, 0), lists: Lists::of_length(0) }
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N> {
+    fn default() -> Self {
+        let past = || H::list(0, S::Stages::<N>::splat(S::from_f64(0.0)));
+        Self {
+            past: [past(), past()],
+            is_known: false,
+            is_held: false,
+            prefers_newton: S::Mask::from_bool(false),
+            iteration: Iteration::Automatic,
+            scratch: Scratch::of_length(0, 0),
+            modal: Modal::default(),
+            newton: Newton::default(),
+            exact: Exact(None),
+            alone: None,
+        }
+    }
+}
+
+/// What the steps before left; scratch is allocated anew where the copy is used.
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N> {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        let (left, other) = (&mut self.left, &other.left);
+        left.past.clone_from(&other.past);
+        (left.is_known, left.is_held) = (other.is_known, other.is_held);
+        left.prefers_newton = other.prefers_newton;
+        left.iteration = other.iteration;
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, N> {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.flag(&mut self.left.is_known);
+        self.left.prefers_newton.pass(tape);
+        if self.left.is_known {
+            let length = tape.length(self.left.past[0].as_ref().len());
+            self.fit(length, self.given.dw.as_ref().len());
+            for past in &mut self.left.past {
+                past.as_mut().iter_mut().for_each(|number| number.pass(tape));
+            }
+        }
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
+    /// Whether there is room for so many degrees of freedom and noises.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn fits(&self, degrees: usize, noises: usize) -> bool {
+        self.lists.fits(degrees) && self.given.fits(noises)
+    }
+
+    /// Makes room for so many degrees of freedom and noises.
+    pub(super) fn fit(&mut self, degrees: usize, noises: usize) {
+        if !self.fits(degrees, noises) {
+            self.lists = Lists::of_length(degrees);
+            self.given = Given::of_length(degrees, noises);
+            self.left.scratch = Scratch::of_length(degrees, noises);
+        }
+        if self.left.past[0].as_ref().len() != degrees {
+            let past = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
+            self.left.past = [past(), past()];
+            (self.left.is_known, self.left.is_held) = (false, false);
+        }
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, W, N> {
+    fn forget(&mut self) {
+        (self.left.is_known, self.left.is_held) = (false, false);
+        self.left.prefers_newton = S::Mask::from_bool(false);
+    }
+
+    fn hold(&mut self) {
+        self.left.is_held = true;
+    }
+
+    fn adopt(&mut self, other: Self) {
+        self.left.past = other.left.past;
+        (self.left.is_known, self.left.prefers_newton) = (other.left.is_known, other.left.prefers_newton);
+    }
+
+    fn pin(&mut self, iteration: Iteration) {
+        self.left.iteration = iteration;
+    }
+
+    fn pinned(&self) -> Iteration {
+        self.left.iteration
+    }
+}

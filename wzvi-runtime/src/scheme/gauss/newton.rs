@@ -1,0 +1,286 @@
+//! Newton's method on all stages, for steps on which sweeps do not contract.
+//!
+//! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, which are those of its slopes
+//! on dual numbers. It is factored densely: sweeps that do not contract are for stiff forces of few degrees of freedom. The
+//! iteration is that of all hard steps ([`damped`]).
+
+use super::Field;
+use super::equations::Step;
+use super::kept::{ExactOf, LeftOf, Lists, Room as Scratch};
+use super::stages::Stages;
+use super::sweep::{Solved, UNSEEN};
+use crate::algebra::scalar::{Dual, Mask, Scalar};
+use crate::algebra::solve::{Banded, Problem, Room, damped};
+use crate::error::StepFailure;
+
+/// The matrix and its right-hand side, allocated where they are needed first.
+#[derive(Debug)]
+pub(super) struct Newton<S> {
+    jacobian: Jacobian<S>,
+    room: Room<Vec<S>>,
+    start: Vec<S>,
+}
+
+/// `1 - A ⊗ J F''` with what it is made of.
+#[derive(Debug)]
+struct Jacobian<S> {
+    /// The stages that it is taken at.
+    point: Vec<S>,
+    matrix: Option<Banded<S>>,
+    /// Second derivatives of `b_j F` at one stage, by rows: `(q, p)` by `(q, p)`.
+    hessian: Vec<f64>,
+    /// `h M⁻¹` by rows, in Nyström form.
+    inverse_mass: Vec<f64>,
+    lists: [Vec<Dual<1>>; 4],
+    dw: Vec<Dual<1>>,
+    /// Which equations are solved to rounding.
+    are_settled: Vec<bool>,
+}
+
+impl<S> Default for Newton<S> {
+    fn default() -> Self {
+        let jacobian = Jacobian {
+            point: Vec::new(),
+            matrix: None,
+            hessian: Vec::new(),
+            inverse_mass: Vec::new(),
+            lists: std::array::from_fn(|_| Vec::new()),
+            dw: Vec::new(),
+            are_settled: Vec::new(),
+        };
+        Self { jacobian, room: Room::default(), start: Vec::new() }
+    }
+}
+
+/// The equations of all stages. Unknown number `(stage, kind, d)` stands at [`Equations::place`].
+struct Equations<'a, 's, F: Field, S: Scalar, const N: usize> {
+    step: &'a Step<'s, F, S, N>,
+    lists: &'a mut Lists<S, F::Shape, N>,
+    scratch: &'a mut Scratch<F, S, N>,
+    exact: &'a mut ExactOf<F, N>,
+    jacobian: &'a mut Jacobian<S>,
+}
+
+impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
+    /// Unknowns of a matrix that is factored: 50 MB of `f64`.
+    pub(super) const MOST_UNKNOWNS: usize = 1500;
+
+    /// How many there are.
+    pub(super) fn unknowns(&self) -> usize {
+        N * Equations::<F, S, N>::KINDS * self.start[0].len()
+    }
+
+    /// Newton's method from the stages that are there.
+    ///
+    /// # Errors
+    /// Those of [`damped`]; unless `CAREFUL`, where there may be another solution nearer to the start.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn newton<const CAREFUL: bool>(
+        &self,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
+    ) -> Result<Solved<S>, StepFailure> {
+        let LeftOf::<F, S, N> { newton: Newton { jacobian, room, start }, scratch, exact, .. } = left;
+        let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
+        let unknowns = equations.unknowns();
+        if unknowns > Self::MOST_UNKNOWNS {
+            return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
+        }
+        start.resize(unknowns, S::from_f64(0.0));
+        equations.read(start);
+        let effort = damped(&mut equations, room, start)?;
+        if (effort.doubtful || effort.is_reversed) && !CAREFUL {
+            let iterations = effort.iterations;
+            return Err(StepFailure::NotConverged { iterations, correction: f64::INFINITY });
+        }
+        equations.write(room.solution());
+        self.field(lists, scratch, S::Mask::from_bool(false));
+        Ok(Solved { effort, prefers_newton: S::Mask::from_bool(true) })
+    }
+
+    /// The slopes of `F` and their derivatives along one of its arguments, weighted as stage number `stage`, or whole.
+    fn vary<T: Scalar>(
+        &self,
+        jacobian: &mut Jacobian<T>,
+        stage: Option<usize>,
+        arguments: impl Fn(usize, usize) -> f64,
+        along: usize,
+    ) {
+        let degrees = self.start[0].len();
+        let Jacobian { lists: [q, p, by_q, by_p], dw, .. } = jacobian;
+        for list in [&mut *q, p, by_q, by_p] {
+            list.resize(degrees, Dual::from_f64(0.0));
+        }
+        let own = |stages: S::Stages<N>| Dual::from_f64(stages.get(stage.unwrap_or(0)).lane(0));
+        dw.clear();
+        dw.extend(self.dw.iter().map(|&dw| own(dw)));
+        for d in 0..degrees {
+            q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
+            p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
+            if F::IS_CONFORMAL {
+                let inverse = stage.map_or(1.0, |stage| self.prepared.friction().inverse[stage]);
+                p[d] = p[d] * inverse;
+            }
+        }
+        let (c, b) =
+            (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
+        let [t, h] = [self.h * c + self.t, self.h * b].map(Dual::from_f64);
+        Field::step_slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
+        if F::IS_CONFORMAL {
+            let scale = stage.map_or(1.0, |stage| self.prepared.friction().scale[stage]);
+            by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
+        }
+    }
+}
+
+impl<F: Field, S: Scalar, const N: usize> Equations<'_, '_, F, S, N> {
+    /// Unknowns per degree of freedom and stage: in Nyström form the coordinates alone.
+    const KINDS: usize = if F::IS_NYSTROM { 1 } else { 2 };
+
+    fn degrees(&self) -> usize {
+        self.step.start[0].len()
+    }
+
+    fn unknowns(&self) -> usize {
+        self.step.unknowns()
+    }
+
+    fn place(degrees: usize, stage: usize, kind: usize, d: usize) -> usize {
+        (stage * Self::KINDS + kind) * degrees + d
+    }
+
+    /// The stages as unknowns.
+    fn read(&self, x: &mut [S]) {
+        let degrees = self.degrees();
+        for (kind, list) in self.lists.at.iter().take(Self::KINDS).enumerate() {
+            for (d, stages) in list.as_ref().iter().enumerate() {
+                (0..N).for_each(|i| x[Self::place(degrees, i, kind, d)] = stages.get(i));
+            }
+        }
+    }
+
+    /// The unknowns as stages.
+    fn write(&mut self, x: &[S]) {
+        let degrees = self.degrees();
+        for (kind, list) in self.lists.at.iter_mut().take(Self::KINDS).enumerate() {
+            for (d, stages) in list.as_mut().iter_mut().enumerate() {
+                (0..N).for_each(|i| stages.set(i, x[Self::place(degrees, i, kind, d)]));
+            }
+        }
+    }
+
+    /// `h M⁻¹`: the slopes of a quadratic form at the unit momenta.
+    fn invert_mass(&mut self) {
+        let degrees = self.degrees();
+        self.jacobian.inverse_mass.resize(degrees * degrees, 0.0);
+        for column in 0..degrees {
+            let start = |kind: usize, d: usize| if kind == 0 { self.step.start[0][d].lane(0) } else { 0.0 };
+            self.step.vary(self.jacobian, None, start, degrees + column);
+            for row in 0..degrees {
+                self.jacobian.inverse_mass[row * degrees + column] =
+                    self.jacobian.lists[3][row].derivative[0];
+            }
+        }
+    }
+
+    /// The second derivatives of `b_j F` at stage `j`.
+    fn second_derivatives(&mut self, stage: usize) {
+        let degrees = self.degrees();
+        self.jacobian.hessian.resize(4 * degrees * degrees, 0.0);
+        for column in 0..Self::KINDS * degrees {
+            let point = std::mem::take(&mut self.jacobian.point);
+            let at = |kind: usize, d: usize| match kind < Self::KINDS {
+                true => point[Self::place(degrees, stage, kind, d)].lane(0),
+                false => 0.0,
+            };
+            self.step.vary(self.jacobian, Some(stage), at, column);
+            self.jacobian.point = point;
+            let Jacobian { hessian, lists: [_, _, by_q, by_p], .. } = &mut *self.jacobian;
+            for (row, slope) in by_q.iter().chain(&*by_p).enumerate() {
+                hessian[row * 2 * degrees + column] = slope.derivative[0];
+            }
+        }
+    }
+}
+
+impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N> {
+    type Number = S;
+    type Vector = Vec<S>;
+    // What is left of the stages is not random as rounding is.
+    const UNSEEN: f64 = UNSEEN;
+
+    fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {
+        self.jacobian.point.clone_from(x);
+        self.write(x);
+        self.step.field(self.lists, self.scratch, S::Mask::from_bool(false));
+        self.step.follow(self.lists, self.scratch, &mut ());
+        self.read(into);
+        into.iter_mut().zip(x).for_each(|(next, x)| *next = *x - *next);
+    }
+
+    fn factor(&mut self) -> Result<(), StepFailure> {
+        let (degrees, unknowns) = (self.degrees(), self.unknowns());
+        let mut matrix = match self.jacobian.matrix.take() {
+            Some(matrix) => matrix,
+            None => Banded::new(unknowns, unknowns.saturating_sub(1), Vec::new(), usize::MAX)
+                .ok_or(StepFailure::NonFinite)?,
+        };
+        matrix.reset();
+        if F::IS_NYSTROM {
+            self.invert_mass();
+        }
+        for j in 0..N {
+            self.second_derivatives(j);
+            let Jacobian { hessian, inverse_mass, .. } = &*self.jacobian;
+            let second = |row: usize, column: usize| hessian[row * 2 * degrees + column];
+            for (a, b) in (0..degrees).flat_map(|a| (0..degrees).map(move |b| (a, b))) {
+                // `∂(∂F/∂p)` and `∂(∂F/∂q)` of degree of freedom `a` by the unknowns of `b`.
+                let force: f64 = match F::IS_NYSTROM {
+                    true => (0..degrees).map(|k| inverse_mass[a * degrees + k] * second(k, b)).sum(),
+                    false => 0.0,
+                };
+                for i in 0..N {
+                    let mut add = |row: usize, column: usize, value: f64| {
+                        let [row, column] =
+                            [Self::place(degrees, i, row, a), Self::place(degrees, j, column, b)];
+                        matrix.add(row, column, S::from_f64(value));
+                    };
+                    if F::IS_NYSTROM {
+                        add(0, 0, self.step.prepared.table().eta[j][i] * force);
+                    } else {
+                        let weight = self.step.prepared.table().mu[j][i];
+                        for column in 0..2 {
+                            add(0, column, -weight * second(degrees + a, column * degrees + b));
+                            add(1, column, weight * second(a, column * degrees + b));
+                        }
+                    }
+                }
+            }
+        }
+        let factored = matrix.factor();
+        self.jacobian.matrix = Some(matrix);
+        factored
+    }
+
+    fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
+        self.jacobian.matrix.as_mut().ok_or(StepFailure::NonFinite)?.solve(r);
+        Ok(())
+    }
+
+    fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
+        self.write(x);
+        let (degrees, unknowns) = (self.degrees(), self.unknowns());
+        let are_settled = &mut self.jacobian.are_settled;
+        are_settled.clear();
+        are_settled.resize(unknowns, true);
+        self.step.residuals(self.step.source, 0, self.lists, self.exact, |kind, d, i, residual| {
+            are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(1.0);
+        });
+        move |k| are_settled[k]
+    }
+
+    fn is_reversed(&self) -> bool {
+        self.jacobian.matrix.as_ref().is_some_and(Banded::is_reversed)
+    }
+}

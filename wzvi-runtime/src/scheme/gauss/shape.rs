@@ -1,0 +1,67 @@
+//! Lists of one entry per degree of freedom: arrays where their number is known, vectors else.
+
+use std::fmt::Debug;
+
+use crate::algebra::carry::{Carry, Compensation};
+use crate::algebra::scalar::Scalar;
+use crate::scheme::elements::CompensationVec;
+
+/// What lists of a system are.
+pub trait Shape: Debug + Clone + Copy + Default + 'static {
+    /// A list.
+    type Of<T: Copy + Debug>: AsRef<[T]> + AsMut<[T]> + Clone + Debug;
+
+    /// Compensated sums of the increments of a state.
+    type Compensation<S: Scalar>: Carry<S>;
+
+    /// Whether lists are arrays, whose length is known before there is a state.
+    const IS_FIXED: bool;
+
+    /// A list of `length` entries.
+    fn list<T: Copy + Debug>(length: usize, fill: T) -> Self::Of<T>;
+    /// Room for a list of the same length during a step: a new array, which stays in registers, or the vector itself.
+    fn take<T: Copy + Debug>(list: &mut Self::Of<T>, fill: T) -> Self::Of<T>;
+    /// Gives the room back.
+    fn give_back<T: Copy + Debug>(list: &mut Self::Of<T>, room: Self::Of<T>);
+}
+
+/// Arrays.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Fixed<const D: usize>;
+
+impl<const D: usize> Shape for Fixed<D> {
+    type Of<T: Copy + Debug> = [T; D];
+    type Compensation<S: Scalar> = Compensation<S, D>;
+    const IS_FIXED: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn list<T: Copy + Debug>(_: usize, fill: T) -> [T; D] {
+        [fill; D]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<T: Copy + Debug>(_: &mut [T; D], fill: T) -> [T; D] {
+        [fill; D]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn give_back<T: Copy + Debug>(_: &mut [T; D], _: [T; D]) {}
+}
+
+/// Vectors.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Dynamic;
+
+impl Shape for Dynamic {
+    type Of<T: Copy + Debug> = Vec<T>;
+    type Compensation<S: Scalar> = CompensationVec<S>;
+    const IS_FIXED: bool = false;
+
+    fn list<T: Copy + Debug>(length: usize, fill: T) -> Vec<T> {
+        vec![fill; length]
+    }
+    fn take<T: Copy + Debug>(list: &mut Vec<T>, _: T) -> Vec<T> {
+        std::mem::take(list)
+    }
+    fn give_back<T: Copy + Debug>(list: &mut Vec<T>, room: Vec<T>) {
+        *list = room;
+    }
+}

@@ -1,0 +1,136 @@
+//! Slopes at the stages of a step, and room for them.
+
+use super::Field;
+use super::shape::Shape;
+use crate::algebra::scalar::Scalar;
+pub use crate::algebra::stages::Stages;
+
+/// What learns of the stages that [`place`](super::advance::Step::place) replaces. (A trait: a closure that is called in several places
+/// would not be inlined, and so not be compiled for the instructions of its caller.)
+pub(super) trait Observer<T> {
+    /// Half of the phase space, degree of freedom, a part of the old stages and the same of the new ones.
+    fn see(&mut self, half: usize, d: usize, old: T, new: T);
+}
+
+impl<T> Observer<T> for () {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn see(&mut self, _half: usize, _d: usize, _old: T, _new: T) {}
+}
+
+/// What is computed with at once in numbers `S`: all stages of one path in the lanes of a register, or one stage.
+pub(super) type Part<S, const N: usize> = <<S as Scalar>::Stages<N> as Stages<S, N>>::Part;
+
+/// Room for one stage of a path whose stages are not evaluated at once.
+#[derive(Clone, Debug)]
+pub struct One<S> {
+    lists: [Vec<S>; 4],
+    dw: Vec<S>,
+}
+
+impl<S> Default for One<S> {
+    fn default() -> Self {
+        Self { lists: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
+    }
+}
+
+/// The slopes of the step Hamiltonian at the stages of a part.
+#[expect(clippy::too_many_arguments, reason = "as `Field::step_slopes`")]
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn slopes<F: Field, S: Scalar, const N: usize, const BY_Q: bool, const BY_P: bool>(
+    system: &F,
+    t: Part<S, N>,
+    h: Part<S, N>,
+    q: &[Part<S, N>],
+    p: &[Part<S, N>],
+    dw: &[Part<S, N>],
+    by_q: &mut [Part<S, N>],
+    by_p: &mut [Part<S, N>],
+    one: &mut One<S>,
+) {
+    if F::IN_LANES || !<S::Stages<N> as Stages<S, N>>::AT_ONCE {
+        return system.step_slopes::<Part<S, N>, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
+    }
+    let stage = <S::Stages<N> as Stages<S, N>>::of_part;
+    let set = <S::Stages<N> as Stages<S, N>>::set_of_part;
+    let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
+    for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
+        own.resize(q.len(), S::from_f64(0.0));
+    }
+    own_dw.resize(dw.len(), S::from_f64(0.0));
+    for i in 0..N {
+        for (own, all) in own_q.iter_mut().chain(&mut *own_p).zip(q.iter().chain(p)) {
+            *own = stage(all, i);
+        }
+        own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = stage(all, i));
+        let [t, h] = [stage(&t, i), stage(&h, i)];
+        system.step_slopes::<S, BY_Q, BY_P>(t, h, own_q, own_p, own_dw, own_by_q, own_by_p);
+        if BY_Q {
+            by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| set(all, i, *own));
+        }
+        if BY_P {
+            by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| set(all, i, *own));
+        }
+    }
+}
+
+/// Room of a sweep.
+#[derive(Debug)]
+pub(super) struct Scratch<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    pub(super) parts: Parts<S, H, W, N>,
+    pub(super) one: One<S>,
+}
+
+/// Room for a part of the stages of each degree of freedom and noise.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Parts<S: Scalar, H: Shape, W: Shape, const N: usize> {
+    pub(super) q: H::Of<Part<S, N>>,
+    pub(super) p: H::Of<Part<S, N>>,
+    pub(super) by_q: H::Of<Part<S, N>>,
+    pub(super) by_p: H::Of<Part<S, N>>,
+    pub(super) dw: W::Of<Part<S, N>>,
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
+    /// For so many degrees of freedom and noises. Where all stages are one part, it is the lists themselves that are computed with.
+    pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
+        let is_needed = <S::Stages<N> as Stages<S, N>>::PARTS > 1;
+        let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };
+        let zero = Part::<S, N>::from_f64(0.0);
+        let list = || H::list(degrees, zero);
+        let parts = Parts { q: list(), p: list(), by_q: list(), by_p: list(), dw: W::list(noises, zero) };
+        Self { parts, one: One::default() }
+    }
+
+    /// Makes room for steps whose stages are evaluated one by one.
+    pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
+        self.one.lists.iter_mut().for_each(|list| list.reserve(degrees));
+        self.one.dw.reserve(noises);
+    }
+}
+
+impl<S: Scalar, H: Shape, W: Shape, const N: usize> Parts<S, H, W, N> {
+    /// The room, for the duration of a sweep.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn take(&mut self) -> Self {
+        let zero = Part::<S, N>::from_f64(0.0);
+        let Self { q, p, by_q, by_p, dw } = self;
+        Self {
+            q: H::take(q, zero),
+            p: H::take(p, zero),
+            by_q: H::take(by_q, zero),
+            by_p: H::take(by_p, zero),
+            dw: W::take(dw, zero),
+        }
+    }
+
+    /// Takes it back.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn give_back(&mut self, room: Self) {
+        H::give_back(&mut self.q, room.q);
+        H::give_back(&mut self.p, room.p);
+        H::give_back(&mut self.by_q, room.by_q);
+        H::give_back(&mut self.by_p, room.by_p);
+        W::give_back(&mut self.dw, room.dw);
+    }
+}

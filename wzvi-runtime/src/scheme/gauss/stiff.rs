@@ -1,0 +1,192 @@
+//! Sweeps from which the linear part of a stiff force is split off.
+//!
+//! With `V = q · K q / 2 + U(q, t)` and constant `K`, sweeps contract like `h² ρ(A²) |U''|` where the linear force is solved for:
+//!
+//! ```text
+//! Q ← Q + (1 + h² A² ⊗ M⁻¹K)⁻¹ (φ(Q) - Q)
+//! ```
+//!
+//! In the eigenvectors of `M⁻¹K`, which are those of the symmetric `Lᵀ K L` with `M⁻¹ = L Lᵀ`, that is one matrix of the stages
+//! for each eigenvalue, made once for a step size.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::Field;
+use super::stages::Stages;
+use super::table::Table;
+use crate::algebra::scalar::Scalar;
+
+/// Sweeps that leave less of the change than this are left as they are.
+const FAST: f64 = 0.1;
+
+/// The eigenvectors of `M⁻¹K`, and for each eigenvalue `λ` the matrix `(1 + h² λ A²)⁻¹` by columns.
+#[derive(Clone, Debug)]
+pub(super) struct Modes<const N: usize> {
+    filters: Vec<[[f64; N]; N]>,
+    /// The eigenvectors in columns and the inverse of that matrix, both by rows; none where degrees of freedom are not coupled.
+    basis: Option<[Vec<f64>; 2]>,
+}
+
+/// Stages before a sweep, and their changes in the eigenvectors.
+#[derive(Debug)]
+pub(super) struct Modal<T> {
+    before: Vec<T>,
+    changes: Vec<T>,
+}
+
+impl<T> Default for Modal<T> {
+    fn default() -> Self {
+        Self { before: Vec::new(), changes: Vec::new() }
+    }
+}
+
+impl<T: Copy> Modal<T> {
+    pub(super) fn reserve(&mut self, degrees: usize) {
+        self.before.reserve(degrees);
+        self.changes.reserve(degrees);
+    }
+
+    /// Remembers the stages before a sweep.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn remember(&mut self, stages: &[T]) {
+        self.before.clear();
+        self.before.extend_from_slice(stages);
+    }
+
+    /// The stages before the last sweep.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn before(&self) -> &[T] {
+        &self.before
+    }
+}
+
+impl<const N: usize> Modes<N> {
+    /// Those of a system, where it pays to have them.
+    pub(super) fn new<F: Field>(system: &F, table: &Table<N>, h: f64) -> Option<Self> {
+        let degrees = system.degrees();
+        let mut stiffness = vec![0.0; degrees * degrees];
+        if !F::IS_STIFF || !F::IS_NYSTROM || degrees == 0 {
+            return None;
+        }
+        system.stiffness(&mut stiffness);
+        let stiffness = DMatrix::from_row_slice(degrees, degrees, &stiffness);
+        let inverse_mass = inverse_mass(system, degrees);
+        if !stiffness.iter().chain(inverse_mass.iter()).all(|number| number.is_finite()) {
+            return None;
+        }
+        let off_diagonal = |matrix: &DMatrix<f64>| {
+            (0..degrees).any(|i| (0..degrees).any(|j| i != j && matrix[(i, j)] != 0.0))
+        };
+        let is_coupled = off_diagonal(&stiffness) || off_diagonal(&inverse_mass);
+        let (eigenvalues, basis) = if is_coupled {
+            let factor = inverse_mass.cholesky()?.unpack();
+            let eigen = SymmetricEigen::new(factor.transpose() * &stiffness * &factor);
+            let vectors = &factor * &eigen.eigenvectors;
+            let inverse = vectors.clone().try_inverse()?;
+            let rows = |matrix: DMatrix<f64>| matrix.transpose().as_slice().to_vec();
+            (eigen.eigenvalues.as_slice().to_vec(), Some([rows(vectors), rows(inverse)]))
+        } else {
+            ((0..degrees).map(|d| stiffness[(d, d)] * inverse_mass[(d, d)]).collect(), None)
+        };
+        let square = DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j]);
+        let stiffest = eigenvalues.iter().copied().fold(0.0, f64::max);
+        if h * h * stiffest * spectral_radius(&square) < FAST {
+            return None;
+        }
+        let filter = |eigenvalue: f64| -> Option<[[f64; N]; N]> {
+            // What runs away is not stiff.
+            let matrix = DMatrix::identity(N, N) + &square * (h * h * eigenvalue.max(0.0));
+            let inverse = matrix.try_inverse()?;
+            Some(std::array::from_fn(|j| std::array::from_fn(|i| inverse[(i, j)])))
+        };
+        Some(Self { filters: eigenvalues.into_iter().map(filter).collect::<Option<_>>()?, basis })
+    }
+
+    /// Replaces what a sweep changed by what it changes with the linear force solved for.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn filter<S: Scalar>(&self, stages: &mut [S::Stages<N>], modal: &mut Modal<S::Stages<N>>) {
+        let Modal { before, changes } = modal;
+        let Self { filters, basis } = self;
+        let degrees = stages.len();
+        let zero = S::Stages::<N>::splat(S::from_f64(0.0));
+        changes.clear();
+        match basis {
+            None => {
+                let moved = stages.iter().zip(&*before).map(|(after, before)| after.minus(*before));
+                changes.extend(moved.zip(filters).map(|(change, filter)| change.products(filter)));
+                for ((stages, before), change) in stages.iter_mut().zip(&*before).zip(&*changes) {
+                    *stages = before.plus(*change);
+                }
+            }
+            Some([vectors, inverse]) => {
+                for (row, filter) in inverse.chunks_exact(degrees).zip(filters) {
+                    let moved = stages.iter().zip(&*before).map(|(after, before)| after.minus(*before));
+                    let mode = row
+                        .iter()
+                        .zip(moved)
+                        .fold(zero, |sum, (entry, change)| sum.plus(change.times(&[*entry; N])));
+                    changes.push(mode.products(filter));
+                }
+                for ((stages, before), row) in
+                    stages.iter_mut().zip(&*before).zip(vectors.chunks_exact(degrees))
+                {
+                    *stages = row
+                        .iter()
+                        .zip(&*changes)
+                        .fold(*before, |sum, (entry, mode)| sum.plus(mode.times(&[*entry; N])));
+                }
+            }
+        }
+    }
+}
+
+/// `M⁻¹`: the slopes of the kinetic energy at the unit momenta.
+fn inverse_mass<F: Field>(system: &F, degrees: usize) -> DMatrix<f64> {
+    let (q, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
+    let [mut p, mut by_q, mut by_p] = [q.clone(), q.clone(), q.clone()];
+    let mut matrix = DMatrix::zeros(degrees, degrees);
+    for column in 0..degrees {
+        p.fill(0.0);
+        p[column] = 1.0;
+        system.step_slopes::<f64, false, true>(0.0, 1.0, &q, &p, &dw, &mut by_q, &mut by_p);
+        (0..degrees).for_each(|row| matrix[(row, column)] = by_p[row]);
+    }
+    matrix
+}
+
+/// `|B^4096|^(1/4096)`, by squaring: the spectral radius but for a factor of at most `κ^(1/4096)`, `κ` the condition of the
+/// eigenvectors of `B`.
+fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
+    let (mut power, mut logarithm) = (matrix.clone(), 0.0);
+    for doubling in 0..=12 {
+        let norm = power.norm();
+        if norm == 0.0 {
+            return 0.0;
+        }
+        power /= norm;
+        logarithm += norm.ln() / f64::from(1 << doubling);
+        power = &power * &power;
+    }
+    logarithm.exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `ρ(A²)` for 2, 4, 8 and 16 stages.
+    #[test]
+    fn spectral_radii_are_those_of_the_methods() {
+        fn check<const N: usize>(exact: f64) {
+            let table = Table::<N>::get();
+            let square = DMatrix::from_fn(N, N, |i, j| table.eta[j][i] * table.b[j]);
+            let radius = spectral_radius(&square);
+            // The condition of the eigenvectors is at most 2.9e8 (16 stages), and 2.9e8^(1/4096) = 1.0048.
+            assert!((radius / exact - 1.0).abs() < 0.005, "{N}: {radius}");
+        }
+        check::<2>(0.083_333_3);
+        check::<4>(0.027_351_9);
+        check::<8>(0.007_818_1);
+        check::<16>(0.002_086_4);
+    }
+}

@@ -1,0 +1,192 @@
+//! The Hamiltonian whose flow the steps follow: backward error analysis.
+//!
+//! A symplectic step of size `h` of a system without noise and explicit time is, up to terms that are exponentially small in
+//! `1/h`, the flow of a modified Hamiltonian (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, chapter IX)
+//!
+//! ```text
+//! H~ = H + h H_2 + h² H_3 + h³ H_4 + h⁴ H_5 + ...
+//! ```
+//!
+//! which steps keep where they keep `H` within their order only. With one quadrature point `l`,
+//!
+//! ```text
+//! H_2 = -(1/2 - l) H_p · H_q
+//! H_3 = (1/12 - l (1 - l)/2) (H_pp(H_q, H_q) + H_qq(H_p, H_p)) + (1/3 - l (1 - l)) H_pq(H_q, H_p)
+//! ```
+//!
+//! and for [`Verlet`] `H_2 = 0`, `H_3 = H_qq(H_p, H_p)/12 - H_pp(H_q, H_q)/24 + H_pq(H_q, H_p)/12`. Every term is a combination of
+//! contractions of derivatives of `H`, which are trees, and Poisson brackets put them together (`modified/series.rs`): this is
+//! how the terms are found, for compositions, too.
+
+mod contraction;
+mod series;
+mod tree;
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::algebra::state::State;
+use crate::scheme::compose::{Base, Composed, Composes, Half, Verlet};
+use crate::scheme::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected};
+use crate::scheme::gauss::Gauss;
+use crate::scheme::system::{Discretized, Hamiltonian};
+use contraction::Contractions;
+use series::{HIGHEST_ORDER, Series, modified};
+
+/// Systems without noise whose Hamiltonian does not read the time: symplectic steps of them keep a modified energy.
+#[diagnostic::on_unimplemented(
+    message = "steps of `{Self}` keep no modified energy",
+    label = "`{Self}` has noise, or a Hamiltonian that reads the time",
+    note = "without noise and explicit time every symplectic step follows a modified Hamiltonian; with them there is none"
+)]
+pub trait Conservative: Hamiltonian {}
+
+/// Schemes with one quadrature point `l`, in [`embedding`](crate::scheme::embedding).
+pub trait QuadraturePoint {
+    /// Where in the step the coordinates are taken, from 0 to 1.
+    const L: f64;
+}
+
+impl QuadraturePoint for DeltaPlus {
+    const L: f64 = 0.0;
+}
+
+impl QuadraturePoint for Midpoint {
+    const L: f64 = 0.5;
+}
+
+impl QuadraturePoint for DeltaMinus {
+    const L: f64 = 1.0;
+}
+
+impl<const N: u32, const D: u32> QuadraturePoint for Lambda<N, D> {
+    const L: f64 = N as f64 / D as f64;
+}
+
+impl QuadraturePoint for Gauss<1> {
+    const L: f64 = 0.5;
+}
+
+/// Without noise the first is the only one.
+impl<E: QuadraturePoint, Noise> QuadraturePoint for Mixed<E, Noise> {
+    const L: f64 = E::L;
+}
+
+/// Without noise there is nothing to correct.
+impl<E: QuadraturePoint> QuadraturePoint for Corrected<E> {
+    const L: f64 = E::L;
+}
+
+impl<E: QuadraturePoint> QuadraturePoint for Uncorrected<E> {
+    const L: f64 = E::L;
+}
+
+/// Schemes of which the first terms of the modified Hamiltonian are known.
+#[diagnostic::on_unimplemented(
+    message = "no modified energy is known of steps by `{Self}`",
+    note = "it is of `DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Verlet`, and compositions of `Midpoint` and `Verlet` of order up to 6"
+)]
+pub trait ModifiedBy {
+    /// The order of the scheme.
+    const ORDER: u32;
+    /// The quadrature points of the parts of a step, and what fraction of it each is.
+    fn parts() -> Vec<(f64, f64)>;
+}
+
+impl<E: QuadraturePoint> ModifiedBy for E {
+    const ORDER: u32 = if E::L == 0.5 { 2 } else { 1 };
+    fn parts() -> Vec<(f64, f64)> {
+        vec![(E::L, 1.0)]
+    }
+}
+
+impl ModifiedBy for Verlet {
+    const ORDER: u32 = 2;
+    fn parts() -> Vec<(f64, f64)> {
+        vec![(0.0, 0.5), (1.0, 0.5)]
+    }
+}
+
+impl<E: Base, W: Composes<E>> ModifiedBy for Composed<E, W>
+where
+    E::First: QuadraturePoint,
+    E::Second: QuadraturePoint,
+{
+    const ORDER: u32 = W::ORDER;
+    fn parts() -> Vec<(f64, f64)> {
+        let point = |half: Half| match half {
+            Half::First => E::First::L,
+            Half::Second => E::Second::L,
+        };
+        W::substeps().into_iter().map(|(half, weight)| (point(half), weight)).collect()
+    }
+}
+
+/// The Hamiltonian that steps of size `h` by the scheme `E` follow, to its first terms.
+///
+/// ```text
+/// H~ = H + h^r H_(r+1)          r = 2 for schemes of order 2, r for compositions of order r; for order 1 r = 2 and also h H_2
+/// ```
+///
+/// Its error, and the least by which it changes over a run, is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2,
+/// `O(h⁶)` and `O(h⁸)` for compositions of order 4 and 6.
+#[derive(Clone)]
+pub struct ModifiedHamiltonian<E> {
+    series: Series,
+    scheme: PhantomData<fn() -> E>,
+}
+
+impl<E> fmt::Debug for ModifiedHamiltonian<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ModifiedHamiltonian").finish_non_exhaustive()
+    }
+}
+
+impl<E: ModifiedBy> ModifiedHamiltonian<E> {
+    /// Of steps of size `h`, in the time units of the Hamiltonian.
+    pub fn new(h: f64) -> Self {
+        const {
+            assert!(
+                E::ORDER <= HIGHEST_ORDER,
+                "the modified energy is known for compositions of order up to 6: take one of them, or the scheme that is composed"
+            );
+        }
+        let order = E::ORDER as usize;
+        // Terms below the order vanish, and in what is symmetric every other one does.
+        let sizes = order + 1..=order.next_multiple_of(2) + 1;
+        let mut series = modified(&E::parts(), E::ORDER);
+        let terms = series.terms().map(|(coefficient, &(_, size))| {
+            if sizes.contains(&size) { coefficient * h.powi(size as i32 - 1) } else { 0.0 }
+        });
+        series.coefficients = terms.collect();
+        Self { series, scheme: PhantomData }
+    }
+
+    /// The modified energy of a state, in units of energy; NaN where the energy is. Costs a few gradients with derivatives.
+    pub fn energy<H>(&self, system: &H, state: &State<H::Vector>) -> f64
+    where
+        H: Discretized<E> + Conservative,
+    {
+        let energy = system.energy(state);
+        if !energy.is_finite() {
+            return f64::NAN;
+        }
+        // Higher derivatives are compiled only for schemes that need them.
+        if const { E::ORDER > 4 } {
+            energy + self.terms(Contractions::<H, 5>::at(system, state))
+        } else if const { E::ORDER > 2 } {
+            energy + self.terms(Contractions::<H, 3>::at(system, state))
+        } else {
+            energy + self.terms(Contractions::<H, 1>::at(system, state))
+        }
+    }
+
+    /// The terms beside `H`.
+    fn terms<H: Hamiltonian, const DEPTH: usize>(&self, mut contractions: Contractions<'_, H, DEPTH>) -> f64 {
+        let terms = self.series.terms().filter(|(coefficient, _)| *coefficient != 0.0);
+        terms.map(|(coefficient, (tree, _))| coefficient * contractions.value(tree)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+//! The value of a tree at a state: derivatives of `H` in directions, by dual numbers through the gradient that the compiler has
+//! derived, whatever the size of the system and however it is written.
+
+use std::collections::BTreeMap;
+
+use super::tree::{Branch, Half, Tree};
+use crate::algebra::scalar::{Dual, Scalar};
+use crate::algebra::state::{State, Vector};
+use crate::scheme::system::Hamiltonian;
+
+/// A number with as many infinitesimals, `ε_1, ε_2, ...` with `ε_k² = 0`, as it has levels.
+trait Infinitesimals: Scalar {
+    /// `value + Σ_k slopes_k ε_k`
+    fn lift(value: f64, slopes: &[f64]) -> Self;
+    /// The coefficient of the product of all of them.
+    fn product(self) -> f64;
+}
+
+impl Infinitesimals for f64 {
+    fn lift(value: f64, _: &[f64]) -> f64 {
+        value
+    }
+    fn product(self) -> f64 {
+        self
+    }
+}
+
+impl<S: Infinitesimals> Infinitesimals for Dual<1, S> {
+    fn lift(value: f64, slopes: &[f64]) -> Self {
+        let (own, rest) = slopes.split_first().map_or((0.0, slopes), |(own, rest)| (*own, rest));
+        Self { value: S::lift(value, rest), derivative: [S::from_f64(own)] }
+    }
+    fn product(self) -> f64 {
+        self.derivative[0].product()
+    }
+}
+
+type Second = Dual<1, Dual<1>>;
+type Third = Dual<1, Second>;
+type Fourth = Dual<1, Third>;
+type Fifth = Dual<1, Fourth>;
+
+/// `∂_q` and `∂_p` of something.
+type Slopes = [Vec<f64>; 2];
+
+/// Contractions at one state; what is beyond each edge is evaluated once. Derivatives of the gradient are
+/// compiled up to that of order `DEPTH`: trees of three, five and seven vertices need those of order 1, 3 and 5.
+pub(super) struct Contractions<'s, H: Hamiltonian, const DEPTH: usize> {
+    system: &'s H,
+    state: &'s State<H::Vector>,
+    known: BTreeMap<Tree, Slopes>,
+}
+
+impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
+    pub(super) fn at(system: &'s H, state: &'s State<H::Vector>) -> Self {
+        Self { system, state, known: BTreeMap::new() }
+    }
+
+    /// The value of a tree.
+    pub(super) fn value(&mut self, tree: &Tree) -> f64 {
+        let Some((last, rest)) = tree.branches.split_last() else {
+            return self.system.energy(self.state);
+        };
+        let [by_q, by_p] = self.slopes(&Tree { branches: rest.to_vec() });
+        let (half, direction) = self.direction(last);
+        let slopes = match half {
+            Half::Coordinates => by_q,
+            Half::Momenta => by_p,
+        };
+        slopes.iter().zip(&direction).map(|(slope, along)| slope * along).sum()
+    }
+
+    /// Along what a branch differentiates the vertex that it is at.
+    fn direction(&mut self, (half, beyond): &Branch) -> (Half, Vec<f64>) {
+        let [by_q, by_p] = self.slopes(beyond);
+        let direction = match half {
+            Half::Coordinates => by_p,
+            Half::Momenta => by_q,
+        };
+        (*half, direction)
+    }
+
+    /// The gradient of `H` at the root, differentiated along all branches.
+    fn slopes(&mut self, tree: &Tree) -> Slopes {
+        if let Some(known) = self.known.get(tree) {
+            return known.clone();
+        }
+        let directions: Vec<(Half, Vec<f64>)> =
+            tree.branches.iter().map(|branch| self.direction(branch)).collect();
+        let slopes = match directions.len() {
+            0 => self.along::<f64>(&directions),
+            1 => self.along::<Dual<1>>(&directions),
+            // No value: trees that are as deep do not come here.
+            _ if const { DEPTH < 2 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
+            2 => self.along::<Second>(&directions),
+            3 => self.along::<Third>(&directions),
+            _ if const { DEPTH < 4 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
+            4 => self.along::<Fourth>(&directions),
+            _ => self.along::<Fifth>(&directions),
+        };
+        self.known.insert(tree.clone(), slopes.clone());
+        slopes
+    }
+
+    fn along<S: Infinitesimals>(&self, directions: &[(Half, Vec<f64>)]) -> Slopes {
+        let lift = |half: Half, values: &[f64]| -> Vec<S> {
+            let component = |(i, &value): (usize, &f64)| {
+                let slopes: Vec<f64> = directions
+                    .iter()
+                    .map(|(own, direction)| if *own == half { direction[i] } else { 0.0 })
+                    .collect();
+                S::lift(value, &slopes)
+            };
+            values.iter().enumerate().map(component).collect()
+        };
+        let q = lift(Half::Coordinates, self.state.q.components());
+        let p = lift(Half::Momenta, self.state.p.components());
+        let zero = S::from_f64(0.0);
+        let (mut by_q, mut by_p) = (vec![zero; q.len()], vec![zero; p.len()]);
+        self.system.differentiate(0, &q, &p, self.state.t, &mut by_q, &mut by_p);
+        [by_q, by_p].map(|slopes| slopes.into_iter().map(S::product).collect())
+    }
+}

@@ -1,0 +1,170 @@
+//! What the compiler found out about one scheme of one system.
+
+use std::fmt;
+
+/// How the step is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// Every unknown is assigned in order.
+    Explicit,
+    /// The hardest block is affine in its unknowns: one linear solve.
+    Linear,
+    /// The hardest block needs Newton's method, with the exact Jacobian.
+    Newton,
+}
+
+/// How the noise enters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseClass {
+    /// There is none.
+    None,
+    /// As that of a thermostat alone, whose part of a step is exact in law.
+    Thermal,
+    /// Every noise Hamiltonian is affine in (q, p): a constant shift.
+    Additive,
+    /// Every noise Hamiltonian reads q (and t) only.
+    Position,
+    /// Every noise Hamiltonian reads p (and t) only.
+    Momentum,
+    /// Anything else.
+    Multiplicative,
+}
+
+/// What is known of a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knowledge {
+    /// It holds, by exact algebra.
+    Proven,
+    /// It fails at a point that the compiler found.
+    Refuted,
+    /// Neither could be shown.
+    Unknown,
+}
+
+/// What of the energy the steps of a scheme keep of a linear system, to the last digit: [`Properties::kept_energy`](crate::scheme::system::Properties::kept_energy).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KeptEnergy {
+    /// `H`
+    Hamiltonian,
+    /// `H + h (l - 1/2) H_q · H_p`, of steps with the quadrature point `l`.
+    Point(f64),
+    /// `H - h²/8 H_q · H_pp H_q`, of [`Verlet`](crate::scheme::compose::Verlet).
+    KickDriftKick,
+    /// `H`, but for what comes and goes: compositions of `Verlet`, and splittings into other parts.
+    Nearly,
+}
+
+/// Compile-time facts about a system, whatever its scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
+    /// Degrees of freedom; `usize::MAX` where only the state knows them.
+    pub degrees: usize,
+    /// How the noise enters.
+    pub noise: NoiseClass,
+    /// As [`Plan::conserves_energy`].
+    pub conserves_energy: Knowledge,
+    /// As [`Plan::commuting`].
+    pub commuting: Knowledge,
+    /// Whether there is friction or a bath.
+    pub is_damped: bool,
+    /// Whether a condition on several coordinates or momenta decides on what is evaluated: then slopes by one may read another where no second derivative says so.
+    pub has_pieces: bool,
+}
+
+impl Facts {
+    /// The plan of a scheme of this order with such a step.
+    pub const fn plan(self, solver: Solver, unknowns: usize, order: u32, consistent: bool) -> Plan {
+        let Self { noise, conserves_energy, commuting, .. } = self;
+        Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting }
+    }
+
+    /// That of a step of order two that is made of flows.
+    pub const fn explicit(self) -> Plan {
+        self.plan(Solver::Explicit, 0, 2, true)
+    }
+}
+
+/// Compile-time facts about a scheme: what the generated step does and what the system keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// How the hardest block of the step is solved.
+    pub solver: Solver,
+    /// Size of the largest coupled block of unknowns (0 if explicit).
+    pub unknowns: usize,
+    /// Order in `h` where there is no noise.
+    pub order: u32,
+    /// How the noise enters.
+    pub noise: NoiseClass,
+    /// Whether the scheme converges to the Stratonovich system as `h -> 0`.
+    pub consistent: bool,
+    /// Whether the continuous system keeps the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, and no explicit time.
+    pub conserves_energy: Knowledge,
+    /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
+    pub commuting: Knowledge,
+}
+
+/// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.solver, self.unknowns) {
+            (Solver::Explicit, _) => f.write_str("explicit step")?,
+            (Solver::Linear, 1) => f.write_str("linear step (one unknown)")?,
+            (Solver::Linear, unknowns) => write!(f, "linear step ({unknowns} unknowns)")?,
+            (Solver::Newton, 1) => f.write_str("step by Newton's method (one unknown)")?,
+            (Solver::Newton, unknowns) => write!(f, "step by Newton's method ({unknowns} unknowns)")?,
+        }
+        write!(f, " of order {}", self.order)?;
+        let noise = match self.noise {
+            NoiseClass::None => None,
+            NoiseClass::Thermal => Some("noise of a bath"),
+            NoiseClass::Additive => Some("additive noise"),
+            NoiseClass::Position => Some("noise of positions"),
+            NoiseClass::Momentum => Some("noise of momenta"),
+            NoiseClass::Multiplicative => Some("multiplicative noise"),
+        };
+        match (noise, self.strong_order(), self.weak_order()) {
+            (None, ..) => {}
+            (Some(noise), Some(strong), Some(weak)) => {
+                write!(f, "; {noise}: strong order {strong}, weak order {weak}")?;
+            }
+            (Some(noise), ..) => write!(f, "; {noise}: does not converge to the Stratonovich system")?,
+        }
+        f.write_str(match self.conserves_energy {
+            Knowledge::Proven => "; the system keeps its energy",
+            Knowledge::Refuted => "; the energy of the system changes",
+            Knowledge::Unknown => "; whether the system keeps its energy is not known",
+        })
+    }
+}
+
+impl Plan {
+    /// The order in `h` of the root mean square error of paths that are driven by the same increments; `None` if the scheme does
+    /// not converge to the Stratonovich system. One needs noises whose brackets are known to be constant, else it is
+    /// one half: increments alone say no more of the path.
+    pub const fn strong_order(&self) -> Option<f64> {
+        match (self.noise, self.consistent, self.commuting) {
+            (NoiseClass::None, ..) => Some(self.order as f64),
+            (_, false, _) => None,
+            (NoiseClass::Thermal, true, _) => Some(1.0),
+            (_, true, Knowledge::Proven) => Some(1.0),
+            (_, true, _) => Some(0.5),
+        }
+    }
+
+    /// The order in `h` of the error of expectations; `None` as for [`Plan::strong_order`].
+    pub const fn weak_order(&self) -> Option<f64> {
+        match (self.noise, self.consistent) {
+            (NoiseClass::None, _) => Some(self.order as f64),
+            (_, false) => None,
+            (NoiseClass::Thermal, true) => Some(self.order as f64),
+            (_, true) => Some(1.0),
+        }
+    }
+
+    /// Whether the increments of random paths are truncated unless asked otherwise: the step is implicit and noise
+    /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
+    pub const fn truncates_increments(&self) -> bool {
+        !matches!(self.solver, Solver::Explicit)
+            && !matches!(self.noise, NoiseClass::None | NoiseClass::Thermal | NoiseClass::Additive)
+    }
+}

@@ -1,0 +1,436 @@
+//! The traits that `#[hamiltonian]` implements.
+
+pub(crate) mod anew;
+mod apart;
+pub(crate) mod by_dual_numbers;
+mod own;
+mod scheme;
+mod solution;
+mod straight;
+
+use std::fmt::Debug;
+use std::ops::AddAssign;
+
+use nalgebra::SVector;
+
+use crate::algebra::memory::StepMemory;
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::algebra::state::{State, Vector};
+use crate::error::{ConfigError, StepFailure};
+use crate::ground::variables::Variables;
+use crate::scheme::plan::Plan;
+
+pub use apart::Apart;
+pub use own::{OneStep, Own, Scratch, StepField};
+pub use scheme::{At, CarryOf, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
+pub use solution::{Solution, array_mut, covector, gradient, increments};
+pub use straight::{Straight, StraightLine};
+
+/// A partial derivative with respect to the coordinates and one with respect to the momenta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gradient<V> {
+    /// `∂/∂q`
+    pub q: V,
+    /// `∂/∂p`
+    pub p: V,
+}
+
+/// A state of the system `H`: `fn energies(states: &[SystemState<Kubo>])` names the type without its vectors.
+pub type SystemState<H> = State<<H as Hamiltonian>::Vector>;
+
+/// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with `X_0 = t`, `X_k = W_k` and forces `f_m`: the
+/// noises with a Hamiltonian come first, then those with a force.
+pub trait Hamiltonian {
+    /// The type of `q` and of `p`.
+    type Vector: Vector;
+
+    /// Number of degrees of freedom; 0 where only the state knows it (`q: &[f64]`).
+    fn degrees(&self) -> usize;
+
+    /// Whether a state with this many degrees of freedom belongs to the system.
+    fn fits(&self, degrees: usize) -> bool {
+        matches!(self.degrees(), 0 if degrees > 0) || degrees == self.degrees()
+    }
+
+    /// Whether a state with this many degrees of freedom can be evaluated, or why not.
+    ///
+    /// # Errors
+    /// [`StepFailure::Dimension`] unless it [fits](Hamiltonian::fits); [`StepFailure::Index`] if an integer of the system
+    /// is out of range.
+    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
+        let (expected, got) = (self.degrees(), degrees);
+        if self.fits(got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
+    }
+
+    /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
+    const IS_CONFORMAL: bool = false;
+
+    /// Whether there is a force beside the drift: [`Hamiltonian::force`].
+    const IS_FORCED: bool = false;
+
+    /// Whether the drift reads the time.
+    const READS_TIME: bool = false;
+
+    /// That rate, in 1/time.
+    fn friction_rate(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether friction, where there is some, makes sense.
+    ///
+    /// # Errors
+    /// [`ConfigError::Bath`] if a rate is negative or no number, a matrix of damping not symmetric, or a mass with friction not positive.
+    fn validate(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
+    /// The force beside the drift into `into`, one component per degree of freedom; NaN where [`Hamiltonian::evaluate`] would be. Friction other than that of
+    /// [`Hamiltonian::friction_rate`] and of thermostats is in it.
+    fn force<S: Scalar>(&self, q: &[S], p: &[S], t: f64, into: &mut [S]) {
+        let _ = (p, t);
+        let fits = self.fits(q.len()) && into.len() == q.len();
+        into.fill(S::from_f64(if fits { 0.0 } else { f64::NAN }));
+    }
+
+    /// Number of noises: of noise Hamiltonians and of noise forces.
+    fn noises(&self) -> usize {
+        0
+    }
+
+    /// Number of first integrals that the compiler has proven.
+    fn invariants(&self) -> usize {
+        0
+    }
+
+    /// The names of the first integrals, `invariant = [name = |q, p| ...]`; empty for those without, and no list where none has one.
+    fn invariant_names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// What tables and plots call a first integral: by its name, or `invariant_0`.
+    fn invariant_label(&self, index: usize) -> String {
+        match self.invariant_names().get(index) {
+            Some(name) if !name.is_empty() => (*name).to_owned(),
+            _ => format!("invariant_{index}"),
+        }
+    }
+
+    /// What the closure of the drift calls coordinates, momenta and time: for tables and plots.
+    fn variables(&self) -> Variables {
+        Variables::unnamed(self.degrees())
+    }
+
+    /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
+    /// on. For people, who are told by it which parameter of a run differs.
+    fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+        let _ = index;
+        None
+    }
+
+    /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise, zero for a noise force; NaN for a term that does not exist.
+    ///
+    /// `q` and `p` have [`Hamiltonian::degrees`] elements, else the answer is NaN.
+    fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S;
+
+    /// The gradient of `H_term` into `dq`, `dp`, for a noise force `f` the pair `-f`, 0; NaN where [`Hamiltonian::evaluate`] would be.
+    fn differentiate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64, dq: &mut [S], dp: &mut [S]);
+
+    /// The value of first integral `index`, in the order of the attribute; NaN for one that does not exist.
+    fn invariant(&self, index: usize, state: &State<Self::Vector>) -> f64 {
+        let _ = (index, state);
+        f64::NAN
+    }
+
+    /// `{H_k, H_0}` with `{f, g} = f_p · g_q - f_q · g_p`: the energy gained per unit of noise `k`,
+    /// `dH_0 = Σ_k {H_k, H_0} ∘ dW_k`, for a noise force the power `f_k · ∂H_0/∂p`. Noises count from 0.
+    fn energy_rate(&self, k: usize, state: &State<Self::Vector>) -> f64 {
+        if k >= self.noises() || state.q.components().len() != state.p.components().len() {
+            return f64::NAN;
+        }
+        let (noise, drift) = (self.noise_gradient(k, state), self.energy_gradient(state));
+        let dot = |a: &Self::Vector, b: &Self::Vector| -> f64 {
+            a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
+        };
+        dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
+    }
+
+    /// The drift Hamiltonian `H_0`.
+    fn energy(&self, state: &State<Self::Vector>) -> f64 {
+        self.evaluate(0, state.q.components(), state.p.components(), state.t)
+    }
+
+    /// The noise Hamiltonian `H_k`; noises count from 0.
+    fn noise_energy(&self, k: usize, state: &State<Self::Vector>) -> f64 {
+        self.evaluate(k.saturating_add(1), state.q.components(), state.p.components(), state.t)
+    }
+
+    /// The gradient of the drift Hamiltonian.
+    fn energy_gradient(&self, state: &State<Self::Vector>) -> Gradient<Self::Vector> {
+        term_gradient(self, 0, state)
+    }
+
+    /// The gradient of noise Hamiltonian `k`, or `-f_k`, 0 for a noise force; noises count from 0.
+    fn noise_gradient(&self, k: usize, state: &State<Self::Vector>) -> Gradient<Self::Vector> {
+        term_gradient(self, k.saturating_add(1), state)
+    }
+
+    /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN unless `dw` has one increment per
+    /// noise. Loops go over their noises once, where [`Hamiltonian::noise_gradient`] of each would take as long as there are noises times
+    /// degrees of freedom.
+    fn differentiate_noises(
+        &self,
+        dw: &[f64],
+        state: &State<Self::Vector>,
+        into: &mut Gradient<Self::Vector>,
+    ) {
+        let Gradient { q, p } = into;
+        let start = if dw.len() == self.noises() { 0.0 } else { f64::NAN };
+        [&mut *q, &mut *p].into_iter().for_each(|list| list.components_mut().fill(start));
+        for (k, dw) in dw.iter().enumerate() {
+            let of_one = self.noise_gradient(k, state);
+            for (sum, slope) in [(&mut *q, of_one.q), (&mut *p, of_one.p)] {
+                let pairs = sum.components_mut().iter_mut().zip(slope.components());
+                pairs.for_each(|(sum, slope)| *sum += dw * slope);
+            }
+        }
+    }
+}
+
+fn term_gradient<H: Hamiltonian + ?Sized>(
+    system: &H,
+    term: usize,
+    state: &State<H::Vector>,
+) -> Gradient<H::Vector> {
+    let d = state.q.components().len();
+    let mut gradient = Gradient { q: H::Vector::zeros(d), p: H::Vector::zeros(d) };
+    system.differentiate(
+        term,
+        state.q.components(),
+        state.p.components(),
+        state.t,
+        gradient.q.components_mut(),
+        gradient.p.components_mut(),
+    );
+    gradient
+}
+
+/// One step of a discrete path: its two nodes, its momentum `P` and its interval `[t, t + h]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment<V> {
+    /// `q_i`
+    pub q0: V,
+    /// `q_{i+1}`
+    pub q1: V,
+    /// `P`, the momentum of the step.
+    pub p: V,
+    /// `t_i`
+    pub t: f64,
+    /// Step size.
+    pub h: f64,
+}
+
+/// The partial derivatives of the discrete Lagrangian of one [`Segment`]; where forces act, with their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
+/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), and with friction of a rate `γ` times what it
+/// leaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagrangianGradient<V> {
+    /// `D_1 L_d + f⁻ = -p_i`, `D_1 L_d = ∂L_d/∂q_i`
+    pub q0: V,
+    /// `e^{-γ h} (D_2 L_d + f⁺) = p_{i+1}`, `D_2 L_d = ∂L_d/∂q_{i+1}`
+    pub q1: V,
+    /// `∂L_d/∂P`, zero on a solution.
+    pub p: V,
+}
+
+#[doc(hidden)]
+impl<const D: usize> LagrangianGradient<SVector<f64, D>> {
+    /// Of the three derivatives by component.
+    pub fn from_components(q0: [f64; D], q1: [f64; D], p: [f64; D]) -> Self {
+        Self { q0: q0.into(), q1: q1.into(), p: p.into() }
+    }
+
+    /// The answer where there is none.
+    pub fn not_a_number() -> Self {
+        let nan = [f64::NAN; D];
+        Self::from_components(nan, nan, nan)
+    }
+}
+
+/// What is left of the discrete Euler-Lagrange equations at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EulerLagrangeResidual<V> {
+    /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the two momenta of the node disagree by this.
+    pub node: V,
+    /// `∂L_d(next)/∂P`
+    pub momentum: V,
+}
+
+/// Energy that a system took from outside, in units of energy: what left it counts negative.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Exchange {
+    /// By forces, by noises where a system has forces, friction or a bath, and by explicit time there: a quadrature along the steps.
+    pub work: f64,
+    /// By friction and bath.
+    pub heat: f64,
+}
+
+impl AddAssign for Exchange {
+    fn add_assign(&mut self, other: Self) {
+        self.work += other.work;
+        self.heat += other.heat;
+    }
+}
+
+/// # Errors
+/// [`ConfigError::Parameter`] if a parameter is not a number.
+pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
+    let mut parameters = (0..).map_while(|index| system.parameter(index));
+    if parameters.any(|(_, value)| value.is_nan()) { Err(ConfigError::Parameter) } else { Ok(()) }
+}
+
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. What user code is bound by; every system that
+/// [lists](Listed) `E` has it.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no discretisation by `{E}`",
+    label = "this scheme was not generated for `{Self}`",
+    note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
+)]
+pub trait Discretized<E>: Listed<E> {
+    /// What the compiler found out.
+    const PLAN: Plan;
+
+    /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
+    const EQUATIONS: &'static str;
+
+    /// Everything that depends on the system and the step size only.
+    type Prepared: Clone + Debug + Send + Sync;
+
+    /// What one step leaves for the starting value of the next.
+    type Memory<S: Scalar>: StepMemory;
+
+    /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
+    /// the standard normals of a bath.
+    fn increments(&self, degrees: usize) -> usize;
+
+    /// The memory of a new stepper: all that its steps will need, where the system knows its size.
+    fn memory(&self) -> Self::Memory<f64>;
+
+    /// Computes what does not change from step to step.
+    ///
+    /// # Errors
+    /// Where a parameter makes no sense, or a matrix that is factored here is singular.
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
+
+    /// One step from `(q, p)` at `t` in place, by any numbers, with plain sums: the short way, and from zero with a line search where that
+    /// fails. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`] elements.
+    ///
+    /// # Errors
+    /// Where the step has no solution that could be found, or sizes do not fit; `q`, `p` and `memory` are then as they were.
+    #[expect(clippy::too_many_arguments, reason = "each is one thing that a step reads")]
+    fn advance<S: Scalar>(
+        &self,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+    ) -> Result<Effort, StepFailure>;
+
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A counter-term that is the same everywhere, which no
+    /// equation sees, is left out.
+    fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;
+
+    /// The gradient of [`Discretized::discrete_lagrangian`].
+    fn discrete_lagrangian_gradient(
+        &self,
+        segment: &Segment<Self::Vector>,
+        dw: &[f64],
+    ) -> LagrangianGradient<Self::Vector>;
+
+    /// The residual of the discrete Euler-Lagrange equations at the node between two steps with increments
+    /// `previous_dw` and `next_dw`.
+    fn euler_lagrange_residual(
+        &self,
+        previous: &Segment<Self::Vector>,
+        next: &Segment<Self::Vector>,
+        previous_dw: &[f64],
+        next_dw: &[f64],
+    ) -> EulerLagrangeResidual<Self::Vector> {
+        let before = self.discrete_lagrangian_gradient(previous, previous_dw);
+        let after = self.discrete_lagrangian_gradient(next, next_dw);
+        let mut node = before.q1;
+        for (sum, other) in node.components_mut().iter_mut().zip(after.q0.components()) {
+            *sum += other;
+        }
+        EulerLagrangeResidual { node, momentum: after.p }
+    }
+
+    /// The momentum `P` of the step from `before` to `after`. The generated step does not keep it: it follows from
+    /// the equation of the node momentum, given both ends.
+    fn step_momentum(
+        &self,
+        before: &State<Self::Vector>,
+        after: &State<Self::Vector>,
+        h: f64,
+        dw: &[f64],
+    ) -> Self::Vector;
+}
+
+impl<H: Listed<E>, E> Discretized<E> for H {
+    const PLAN: Plan = <H::Scheme as Scheme<H>>::PLAN;
+    const EQUATIONS: &'static str = H::TEXT;
+    type Prepared = PreparedOf<H, E>;
+    type Memory<S: Scalar> = MemoryOf<H, E, S>;
+
+    fn increments(&self, degrees: usize) -> usize {
+        H::Scheme::increments(self, degrees)
+    }
+
+    fn memory(&self) -> Self::Memory<f64> {
+        H::Scheme::memory(self)
+    }
+
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
+        H::Scheme::prepare(self, h)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar>(
+        &self,
+        prepared: &Self::Prepared,
+        t: f64,
+        h: f64,
+        q: &mut [S],
+        p: &mut [S],
+        dw: &[S],
+        memory: &mut Self::Memory<S>,
+    ) -> Result<Effort, StepFailure> {
+        anew::advance::<H, H::Scheme, S>(self, prepared, At { t, h, q, p, dw }, memory)
+    }
+
+    fn discrete_lagrangian(&self, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
+        H::Scheme::discrete_lagrangian(self, segment, dw)
+    }
+
+    fn discrete_lagrangian_gradient(
+        &self,
+        segment: &Segment<H::Vector>,
+        dw: &[f64],
+    ) -> LagrangianGradient<H::Vector> {
+        H::Scheme::discrete_lagrangian_gradient(self, segment, dw)
+    }
+
+    fn step_momentum(
+        &self,
+        before: &State<H::Vector>,
+        after: &State<H::Vector>,
+        h: f64,
+        dw: &[f64],
+    ) -> H::Vector {
+        H::Scheme::step_momentum(self, before, after, h, dw)
+    }
+}

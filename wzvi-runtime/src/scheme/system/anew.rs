@@ -1,0 +1,92 @@
+//! A bare step: the short way, and from zero with care where that fails.
+
+use super::{At, Hamiltonian, Scheme};
+use crate::algebra::carry::Plain;
+use crate::algebra::few::Few;
+use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
+use crate::error::StepFailure;
+use crate::scheme::plan::Solver;
+
+/// [`Scheme::advance`] with plain sums, and with care where the short way fails.
+///
+/// # Errors
+/// Those of [`Scheme::advance`]; the state and `memory` are then as they were.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+    system: &H,
+    prepared: &T::Prepared,
+    at: At<'_, S>,
+    memory: &mut T::Memory<S>,
+) -> Result<Effort, StepFailure> {
+    let At { t, h, q, p, dw } = at;
+    // Paths beside each other all take the step, or none of them.
+    let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
+    let short = At { t, h, q: &mut *q, p: &mut *p, dw };
+    match T::advance::<S, Plain, false>(system, prepared, short, memory, &mut Plain) {
+        Ok(effort) => Ok(effort),
+        // What is not iterated fails with care, too.
+        Err(cause) if !matches!(T::PLAN.solver, Solver::Newton) => Err(cause),
+        Err(_) => {
+            if let Some((start_q, start_p, known)) = before {
+                q.copy_from_slice(&start_q);
+                p.copy_from_slice(&start_p);
+                *memory = known;
+            }
+            with_care::<H, T, S>(system, prepared, At { t, h, q, p, dw }, memory)
+        }
+    }
+}
+
+/// From a memory that knows nothing: seldom, and out of line.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+    system: &H,
+    prepared: &T::Prepared,
+    at: At<'_, S>,
+    memory: &mut T::Memory<S>,
+) -> Result<Effort, StepFailure> {
+    let At { t, h, q, p, dw } = at;
+    let (effort, fresh) = match (Few::of(q), Few::of(p), Few::of(dw)) {
+        (Some(few_q), Some(few_p), Some(dw)) => {
+            let (effort, fresh, few_q, few_p) =
+                of_few::<H, T, S>(system, prepared.clone(), [t, h], few_q, few_p, dw)?;
+            q.copy_from_slice(&few_q);
+            p.copy_from_slice(&few_p);
+            (effort, fresh)
+        }
+        _ => careful::<H, T, S>(system, prepared, At { t, h, q, p, dw })?,
+    };
+    *memory = fresh;
+    Ok(effort)
+}
+
+type Taken<S, M> = (Effort, M, Few<S>, Few<S>);
+
+/// By value.
+#[cold]
+#[inline(never)]
+fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+    system: &H,
+    prepared: T::Prepared,
+    [t, h]: [f64; 2],
+    mut q: Few<S>,
+    mut p: Few<S>,
+    dw: Few<S>,
+) -> Result<Taken<S, T::Memory<S>>, StepFailure> {
+    let at = At { t, h, q: &mut q, p: &mut p, dw: &dw };
+    let (effort, fresh) = careful::<H, T, S>(system, &prepared, at)?;
+    Ok((effort, fresh, q, p))
+}
+
+#[cold]
+#[inline(never)]
+fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+    system: &H,
+    prepared: &T::Prepared,
+    at: At<'_, S>,
+) -> Result<(Effort, T::Memory<S>), StepFailure> {
+    let mut fresh = Default::default();
+    let effort = T::advance::<S, Plain, true>(system, prepared, at, &mut fresh, &mut Plain)?;
+    Ok((effort, fresh))
+}

@@ -1,0 +1,216 @@
+//! One-step schemes of one's own.
+
+use std::marker::PhantomData;
+
+use super::{At, Listed, Properties, Scheme};
+use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::memory::StepMemory;
+use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::solve::Effort;
+use crate::error::{ConfigError, StepFailure};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::scheme::elements::{self, Elements};
+use crate::scheme::plan::{Plan, Solver};
+
+/// A one-step scheme of one's own, for all systems: [`Own<Self>`](Own) is its name in `simulate`, `stepper` and `ensemble`.
+///
+/// It takes steps of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, with the forces of the system, and reads nothing else of the system.
+/// Numbers are any [`Scalar`]: one path, paths beside each other in vector registers, dual numbers.
+///
+/// ```ignore
+/// use wzvi::embedding::{OneStep, Own};
+/// use wzvi::error::StepFailure;
+/// use wzvi::prelude::*;
+/// use wzvi::scalar::Scalar;
+/// use wzvi::system::{Scratch, StepField};
+///
+/// /// The explicit mid-point rule.
+/// struct Runge;
+///
+/// impl OneStep for Runge {
+///     const ORDER: u32 = 2;
+///     const IS_CONSISTENT: bool = true;
+///
+///     fn step<S: Scalar>(
+///         field: &impl StepField<S>,
+///         [q, p]: [&mut [S]; 2],
+///         scratch: &mut Scratch<S>,
+///     ) -> Result<(), StepFailure> {
+///         let [dq, dp, mid_q, mid_p] = scratch.lists(q.len());
+///         field.at(0.0, [q, p], [dq, dp]);
+///         for i in 0..q.len() {
+///             mid_q[i] = q[i] + dq[i] * 0.5;
+///             mid_p[i] = p[i] + dp[i] * 0.5;
+///         }
+///         field.at(0.5, [mid_q, mid_p], [dq, dp]);
+///         for i in 0..q.len() {
+///             q[i] = q[i] + dq[i];
+///             p[i] = p[i] + dp[i];
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// #[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), embedding = Midpoint)]
+/// struct Pendulum;
+///
+/// let start = State::new([0.5], [0.0]);
+/// let path = Pendulum.simulate::<Own<Runge>>(0.01).start(start).until(10.0).run()?;
+/// let many = Pendulum.ensemble::<Own<Runge>>(0.01).start(start).paths(100).until(10.0).observe("q", |s| s.q[0]).run()?;
+/// assert!((path.last().q[0] - many.mean("q")?).abs() < 1e-12);
+/// # Ok::<(), wzvi::Error>(())
+/// ```
+pub trait OneStep {
+    /// The order in `h` without noise.
+    const ORDER: u32;
+
+    /// Whether steps converge to the Stratonovich system as `h` goes to zero, for every noise.
+    const IS_CONSISTENT: bool;
+
+    /// What `EQUATIONS` say of it.
+    const TEXT: &'static str = "a scheme of the program";
+
+    /// One step of the state in place. A state that is not finite afterwards is refused, and the one before it stays.
+    ///
+    /// # Errors
+    /// Where it finds no solution.
+    fn step<S: Scalar>(
+        field: &impl StepField<S>,
+        state: [&mut [S]; 2],
+        scratch: &mut Scratch<S>,
+    ) -> Result<(), StepFailure>;
+}
+
+/// The vector field of the step Hamiltonian of one step.
+pub trait StepField<S> {
+    /// `Δq = ∂F/∂p` and `Δp = -∂F/∂q + forces`, with `F` at the time `t + c h`.
+    fn at(&self, c: f64, state: [&[S]; 2], increments: [&mut [S]; 2]);
+}
+
+/// Lists that a step needs, allocated once.
+#[derive(Clone, Debug)]
+pub struct Scratch<S> {
+    numbers: Vec<S>,
+    /// The state before the step.
+    before: [Vec<S>; 2],
+}
+
+impl<S> Default for Scratch<S> {
+    fn default() -> Self {
+        Self { numbers: Vec::new(), before: [Vec::new(), Vec::new()] }
+    }
+}
+
+impl<S: Scalar> Scratch<S> {
+    /// `N` lists of this length, with any numbers.
+    pub fn lists<const N: usize>(&mut self, length: usize) -> [&mut [S]; N] {
+        self.numbers.resize(self.numbers.len().max(N * length), S::from_f64(0.0));
+        let mut rest = &mut self.numbers[..];
+        std::array::from_fn(|_| {
+            let (list, others) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = others;
+            list
+        })
+    }
+
+    fn save(&mut self, state: [&[S]; 2]) {
+        for (before, now) in self.before.iter_mut().zip(state) {
+            before.clear();
+            before.extend_from_slice(now);
+        }
+    }
+
+    /// Puts back what was before the step, but where `taken` says that it was.
+    fn restore(&self, taken: S::Mask, state: [&mut [S]; 2]) {
+        for (now, before) in state.into_iter().zip(&self.before) {
+            now.iter_mut().zip(before).for_each(|(now, before)| *now = S::select(taken, *now, *before));
+        }
+    }
+}
+
+impl<S: Scalar> Numbers for Scratch<S> {
+    fn pass(&mut self, _: &mut Tape) {}
+}
+
+impl<S: Scalar> StepMemory for Scratch<S> {
+    fn forget(&mut self) {}
+    fn adopt(&mut self, _: Self) {}
+}
+
+/// Steps of a [scheme of one's own](OneStep).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Own<T>(PhantomData<T>);
+
+/// What a step reads of the system.
+struct Field<'a, H, S> {
+    system: &'a H,
+    t: f64,
+    h: f64,
+    dw: &'a [S],
+}
+
+impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at(&self, c: f64, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
+        let Self { system, t, h, dw } = *self;
+        let (t, h) = (S::from_f64(t + c * h), S::from_f64(h));
+        elements::field::<_, S, true, true>(system, t, h, q, p, dw, dp, dq);
+        dp.iter_mut().for_each(|slope| *slope = -*slope);
+    }
+}
+
+impl<H: Elements, T: OneStep> Listed<Own<T>> for H {
+    type Scheme = Own<T>;
+    const TEXT: &'static str = T::TEXT;
+}
+
+impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
+    const PLAN: Plan = H::FACTS.plan(Solver::Explicit, 0, T::ORDER, T::IS_CONSISTENT);
+    const PROPERTIES: Properties =
+        Properties { is_variational: false, ..Properties::of(&<Self as Scheme<H>>::PLAN, 0) };
+    type Prepared = ();
+    type Memory<S: Scalar> = Scratch<S>;
+    type Compensated<S: Scalar> = Plain;
+    type Carry<S: Scalar> = Plain;
+
+    fn prepare(system: &H, _: f64) -> Result<(), ConfigError> {
+        if H::FACTS.is_damped {
+            let wrong =
+                "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise";
+            return Err(ConfigError::Setting(wrong.into()));
+        }
+        elements::prepare(system)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+        system: &H,
+        (): &(),
+        At { t, h, q, p, dw }: At<'_, S>,
+        scratch: &mut Scratch<S>,
+        _: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        if scratch.before[0].len() != q.len() || !system.fits(q.len()) {
+            system.check(q.len())?;
+        }
+        if p.len() != q.len() {
+            return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
+        }
+        if dw.len() != system.noises() {
+            return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
+        }
+        scratch.save([q, p]);
+        if let Err(failure) = T::step(&Field { system, t, h, dw }, [&mut *q, &mut *p], scratch) {
+            scratch.restore(S::Mask::from_bool(false), [q, p]);
+            return Err(failure);
+        }
+        let are_finite = q.iter().chain(&*p).fold(S::Mask::from_bool(true), |all, x| all & x.is_finite());
+        if are_finite.all() {
+            return Ok(Effort::fast(0));
+        }
+        scratch.restore(are_finite, [q, p]);
+        Err(StepFailure::but_of::<S>(are_finite))
+    }
+
+    crate::__apart!(H);
+}

@@ -1,0 +1,148 @@
+//! Steps of systems of fixed size: what one is when it is solved, and the lists that generated code takes and fills.
+
+use crate::algebra::carry::Carry;
+use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::solve::Effort;
+use crate::error::StepFailure;
+
+/// One solved step of a system with `D` degrees of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<S, const D: usize> {
+    /// `q_{i+1}`, and what its rounding took.
+    pub q: [(S, S); D],
+    /// `p_{i+1}`, and what its rounding took.
+    pub p: [(S, S); D],
+    /// What Newton's method took, over all blocks.
+    pub effort: Effort,
+}
+
+impl<S: Scalar, const D: usize> Solution<S, D> {
+    /// Where a solution goes. Not a result of the function that finds it: numbers that share their memory with a [`StepFailure`] are not kept
+    /// in vector registers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn nowhere() -> Self {
+        let nan = S::from_f64(f64::NAN);
+        Self { q: [(nan, nan); D], p: [(nan, nan); D], effort: Effort::fast(0) }
+    }
+
+    /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn new<C: Carry<S>>(carry: &C, [q, p]: [[S; D]; 2], [dq, dp]: [[S; D]; 2], effort: Effort) -> Self {
+        // Plain loops: closures would be compiled without the vector instructions of the caller.
+        let zero = S::from_f64(0.0);
+        let (mut next_q, mut next_p) = ([(zero, zero); D], [(zero, zero); D]);
+        for i in 0..D {
+            next_q[i] = C::add(q[i], dq[i], carry.of_coordinate(i));
+            next_p[i] = C::add(p[i], dp[i], carry.of_momentum(i));
+        }
+        Self { q: next_q, p: next_p, effort }
+    }
+
+    /// Whether every component is finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn is_finite(&self) -> bool {
+        S::are_finite([self.q, self.p]).all()
+    }
+
+    /// The paths beside each other of which every component is finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn are_finite(&self) -> S::Mask {
+        S::are_finite([self.q, self.p])
+    }
+
+    /// Why a step has no finite end: paths beside each other whose end is finite have taken it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn failure(&self) -> StepFailure {
+        StepFailure::but_of::<S>(self.are_finite())
+    }
+
+    /// [`Solution::store`] of a step that was solved; of paths beside each other, those that have solved it move where others have not.
+    ///
+    /// # Errors
+    /// What the solution says.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn arrive<C: Carry<S>>(
+        self,
+        solved: Result<(), StepFailure>,
+        q: &mut [S; D],
+        p: &mut [S; D],
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        match solved {
+            Ok(()) => Ok(self.store(q, p, carry)),
+            Err(cause) => {
+                if S::GOES_IN_PART {
+                    self.store_in_part(q, p, carry);
+                }
+                Err(cause)
+            }
+        }
+    }
+
+    /// Written out where it is called: the solution has no address, and stays in registers where all is well.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store_in_part<C: Carry<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
+        let are_finite = self.are_finite();
+        let mut lost = [[S::from_f64(0.0); D]; 2];
+        for i in 0..D {
+            q[i] = S::select(are_finite, self.q[i].0, q[i]);
+            p[i] = S::select(are_finite, self.p[i].0, p[i]);
+            lost[0][i] = S::select(are_finite, self.q[i].1, carry.of_coordinate(i));
+            lost[1][i] = S::select(are_finite, self.p[i].1, carry.of_momentum(i));
+        }
+        carry.keep(&lost[0], &lost[1]);
+    }
+
+    /// Moves the state.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
+        let mut lost = [[S::from_f64(0.0); D]; 2];
+        for i in 0..D {
+            (q[i], lost[0][i]) = self.q[i];
+            (p[i], lost[1][i]) = self.p[i];
+        }
+        carry.keep(&lost[0], &lost[1]);
+        self.effort
+    }
+}
+
+/// `slice` as an array of the degrees of freedom.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if its length is another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], StepFailure> {
+    let got = slice.len();
+    slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
+}
+
+/// Fills `by_q` and `by_p` with a gradient; NaN where they have another length.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q: [S; D], of_p: [S; D]) {
+    if by_q.len() == D && by_p.len() == D {
+        by_q.copy_from_slice(&of_q);
+        by_p.copy_from_slice(&of_p);
+    } else {
+        by_q.fill(S::from_f64(f64::NAN));
+        by_p.fill(S::from_f64(f64::NAN));
+    }
+}
+
+/// Fills `into` with a covector; NaN where it has another length.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
+    if into.len() == D {
+        into.copy_from_slice(&components);
+    } else {
+        into.fill(S::from_f64(f64::NAN));
+    }
+}
+
+/// `dw` as an array of one increment per noise.
+///
+/// # Errors
+/// [`StepFailure::Increments`] if its length is another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
+    dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
+}

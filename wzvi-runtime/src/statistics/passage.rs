@@ -1,0 +1,272 @@
+//! The first time at which something happens.
+
+use super::histogram::Histogram;
+use super::moments::Welford;
+use super::quantiles::Quantiles;
+#[cfg(feature = "serde")]
+use crate::ground::numbers::Tape;
+
+/// When paths first crossed a zero of a function of the state.
+///
+/// A path passes between the first two nodes at which the function has different signs, or is zero at the second, and the time is
+/// interpolated linearly; one that starts at zero passes at the start. A path that has not passed at the end is censored
+/// there, one that fails before is lost at its last node.
+///
+/// A path that crosses and comes back within a step is not seen. For a quantity that diffuses, mean times are therefore too
+/// long by a relative error of order `√h`; not so for one that the noise reaches through a derivative, such as
+/// a position that noise in the momentum moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passages {
+    name: String,
+    times: Welford,
+    quantiles: Quantiles,
+    histogram: Histogram,
+    censored: u64,
+    lost: u64,
+    /// The time at which all start.
+    start: f64,
+    /// Time that the others spent on the way.
+    waits: Welford,
+    /// Time that all paths together spent on the way.
+    exposure: f64,
+    /// Path by path, if paths are kept.
+    kept: Option<Vec<Passage>>,
+}
+
+/// What became of one path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passage {
+    /// It passed at this time.
+    At(f64),
+    /// It reached the end.
+    Censored,
+    /// It failed at this time.
+    Lost(f64),
+}
+
+#[cfg(feature = "serde")]
+impl Passage {
+    fn pass(&mut self, tape: &mut Tape) {
+        let (mut outcome, mut time) = match *self {
+            Self::At(time) => (0, time),
+            Self::Censored => (1, 0.0),
+            Self::Lost(time) => (2, time),
+        };
+        tape.word(&mut outcome);
+        tape.number(&mut time);
+        *self = match outcome {
+            0 => Self::At(time),
+            1 => Self::Censored,
+            2 => Self::Lost(time),
+            _ => return tape.refuse(),
+        };
+    }
+}
+
+/// What all paths have in common.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    pub(crate) name: String,
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    /// Over the whole time.
+    pub(crate) histogram: Histogram,
+}
+
+impl Passages {
+    pub(crate) fn new(watch: &Watch, keeps_paths: bool) -> Self {
+        Self {
+            name: watch.name.clone(),
+            times: Welford::default(),
+            quantiles: Quantiles::default(),
+            histogram: watch.histogram.clone(),
+            censored: 0,
+            lost: 0,
+            start: watch.start,
+            waits: Welford::default(),
+            exposure: 0.0,
+            kept: keeps_paths.then(Vec::new),
+        }
+    }
+
+    pub(crate) fn push(&mut self, passage: Passage, watch: &Watch) {
+        if let Some(kept) = &mut self.kept {
+            kept.push(passage);
+        }
+        let until = match passage {
+            Passage::At(time) => {
+                self.times.push(time);
+                self.quantiles.push(time);
+                self.histogram.push(time);
+                time
+            }
+            Passage::Censored => {
+                self.censored += 1;
+                watch.end
+            }
+            Passage::Lost(time) => {
+                self.lost += 1;
+                time
+            }
+        };
+        let wait = (until - watch.start).abs();
+        self.exposure += wait;
+        if !matches!(passage, Passage::At(_)) {
+            self.waits.push(wait);
+        }
+    }
+
+    /// The paths of both. The order matters to the last bit.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.times.merge(&other.times);
+        self.quantiles.merge(&other.quantiles);
+        self.histogram.merge(&other.histogram);
+        self.censored += other.censored;
+        self.lost += other.lost;
+        self.waits.merge(&other.waits);
+        self.exposure += other.exposure;
+        if let (Some(ours), Some(theirs)) = (&mut self.kept, &other.kept) {
+            ours.extend(theirs);
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+        self.times.pass(tape);
+        self.quantiles.pass(tape);
+        self.histogram.pass(tape);
+        tape.words([&mut self.censored, &mut self.lost]);
+        self.waits.pass(tape);
+        tape.number(&mut self.exposure);
+        let Some(kept) = &mut self.kept else { return };
+        let length = tape.length(kept.len());
+        kept.resize(length, Passage::Censored);
+        kept.iter_mut().for_each(|passage| passage.pass(tape));
+    }
+
+    /// The name of the event.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of paths that passed.
+    pub fn passed(&self) -> u64 {
+        self.times.count()
+    }
+
+    /// Number of paths that reached the end without.
+    pub fn censored(&self) -> u64 {
+        self.censored
+    }
+
+    /// Number of paths that failed before.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// What became of each path, by its number, if paths are kept ([`Ensemble::keep_paths`](crate::ensemble::Ensemble::keep_paths)).
+    pub fn by_path(&self) -> Option<&[Passage]> {
+        self.kept.as_deref()
+    }
+
+    /// The mean time of those that passed; too short for the others where some are censored.
+    pub fn mean(&self) -> f64 {
+        self.times.mean()
+    }
+
+    /// The variance of these times.
+    pub fn variance(&self) -> f64 {
+        self.times.variance()
+    }
+
+    /// The standard error of [`Passages::mean`].
+    pub fn standard_error(&self) -> f64 {
+        self.times.standard_error()
+    }
+
+    /// The quantiles of these times.
+    pub fn quantiles(&self) -> &Quantiles {
+        &self.quantiles
+    }
+
+    /// These times in equal bins from the start to the end.
+    pub fn histogram(&self) -> &Histogram {
+        &self.histogram
+    }
+
+    /// Passages per unit of time that a path spent on the way: the rate that makes what was seen most likely, if the rate
+    /// is constant, with censored and lost paths taken into account. NaN if no time was spent.
+    pub fn rate(&self) -> f64 {
+        if self.exposure > 0.0 { self.passed() as f64 / self.exposure } else { f64::NAN }
+    }
+
+    /// The standard error of [`Passages::rate`] as a ratio of two means over paths, `√(Σ (d - rate T)²) / Σ T` with `d = 1` for a path that passed, 0 for
+    /// others, and its time `T` on the way: for any law of the times. NaN if none passed: the rate is then below three passages in the time that all
+    /// paths spent, with 95 % confidence.
+    pub fn rate_error(&self) -> f64 {
+        if self.passed() == 0 {
+            return f64::NAN;
+        }
+        let (rate, passed) = (self.rate(), self.passed() as f64);
+        // By the spread of the times of both kinds: sums of what is positive.
+        let missed = 1.0 - rate * (self.times.mean() - self.start).abs();
+        let waited =
+            self.waits.squares() + self.waits.sum() * (self.waits.sum() / self.waits.count().max(1) as f64);
+        (passed * missed * missed + rate * rate * (self.times.squares() + waited)).sqrt() / self.exposure
+    }
+}
+
+/// The time between two nodes at which a function that is `before` and `after` there crosses zero, if it does.
+pub(crate) fn crossing([start, end]: [f64; 2], [before, after]: [f64; 2]) -> Option<f64> {
+    // All false for NaN.
+    let crosses = before < 0.0 && after >= 0.0 || before > 0.0 && after <= 0.0;
+    if !crosses {
+        return None;
+    }
+    // By halves, so that the difference does not overflow.
+    let fraction = 0.5 * before / (0.5 * before - 0.5 * after);
+    let time = start + (end - start) * fraction;
+    // An infinite value says no more than which side it is on.
+    Some(if fraction.is_nan() { end } else { time })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossings_are_interpolated() {
+        let between = |before, after| crossing([1.0, 2.0], [before, after]);
+        assert_eq!(between(-1.0, 3.0), Some(1.25));
+        assert_eq!(between(3.0, -1.0), Some(1.75));
+        assert_eq!(between(0.5, 0.0), Some(2.0));
+        assert_eq!(between(-f64::MAX, f64::MAX), Some(1.5));
+        for (before, after) in [(1.0, 2.0), (-1.0, -0.1), (0.0, 1.0), (f64::NAN, 1.0), (-1.0, f64::NAN)] {
+            assert_eq!(between(before, after), None);
+        }
+        assert_eq!(between(-1.0, f64::INFINITY), Some(1.0));
+        assert_eq!(between(f64::NEG_INFINITY, 1.0), Some(2.0));
+    }
+
+    /// Exponential times with rate 1.5, censored at 1: the rate comes out right, the mean does not.
+    #[test]
+    fn censored_times_count_for_the_rate() {
+        let watch = Watch {
+            name: "decay".into(),
+            start: 0.0,
+            end: 1.0,
+            histogram: Histogram::new(0.0, 1.0, 10).unwrap(),
+        };
+        let mut passages = Passages::new(&watch, false);
+        let n = 200_000;
+        for i in 0..n {
+            let time = -((f64::from(i) + 0.5) / f64::from(n)).ln() / 1.5;
+            passages.push(if time < 1.0 { Passage::At(time) } else { Passage::Censored }, &watch);
+        }
+        // Stratified samples: the only error is that of the middle rule, below 1/n of the largest time.
+        assert!((passages.rate() - 1.5).abs() < 1e-4, "{}", passages.rate());
+        assert!((passages.censored() as f64 / f64::from(n) - (-1.5f64).exp()).abs() < 1e-5);
+        assert!(passages.mean() < 0.5);
+        assert_eq!(passages.histogram().total() + passages.censored(), 200_000);
+    }
+}

@@ -1,0 +1,239 @@
+//! Quantiles in memory that does not grow with the number of samples, to a known relative error.
+//!
+//! Samples are counted in bins between neighbouring numbers of nine binary digits behind the leading one, and a quantile is the
+//! middle of the bin that the exact one is in. Counts of the same bins add up in any order to the same numbers, so that
+//! merging loses nothing (C. Masson, J. E. Rim, H. K. Lee, "DDSketch: a fast and fully-mergeable quantile sketch with
+//! relative-error guarantees", Proc. VLDB Endow. 12, 2019, with the bins of binary numbers in place of a logarithm).
+
+use std::collections::BTreeMap;
+
+#[cfg(feature = "serde")]
+use crate::ground::numbers::Tape;
+
+/// Bits of the mantissa that a bin ignores.
+const IGNORED: u32 = 52 - 9;
+
+/// The distribution of samples, for their quantiles.
+///
+/// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: for numbers far
+/// from zero that differ little, subtract what they have in common. Memory is about 50 bytes for each bin that a sample fell
+/// into: 512 per factor of two.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Quantiles {
+    bins: BTreeMap<i64, u64>,
+    count: u64,
+    undefined: u64,
+    extremes: Option<[f64; 2]>,
+}
+
+impl Quantiles {
+    /// Half a bin: `2^-10`.
+    pub const RELATIVE_ERROR: f64 = 1.0 / 1024.0;
+
+    /// One more sample.
+    pub fn push(&mut self, sample: f64) {
+        if sample.is_nan() {
+            self.undefined += 1;
+            return;
+        }
+        self.count += 1;
+        *self.bins.entry(bin(sample)).or_default() += 1;
+        self.extend([sample, sample]);
+    }
+
+    /// The samples of both.
+    pub fn merge(&mut self, other: &Self) {
+        for (&bin, count) in &other.bins {
+            *self.bins.entry(bin).or_default() += count;
+        }
+        self.count += other.count;
+        self.undefined += other.undefined;
+        if let Some(extremes) = other.extremes {
+            self.extend(extremes);
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    pub(crate) fn pass(&mut self, tape: &mut Tape) {
+        tape.words([&mut self.count, &mut self.undefined]);
+        let mut is_any = u64::from(self.extremes.is_some());
+        tape.word(&mut is_any);
+        let mut extremes = self.extremes.unwrap_or_default();
+        tape.numbers(&mut extremes);
+        self.extremes = (is_any != 0).then_some(extremes);
+        let length = tape.length(self.bins.len());
+        if tape.is_reading() {
+            self.bins.clear();
+            for _ in 0..length {
+                let (mut bin, mut count) = (0, 0);
+                tape.words([&mut bin, &mut count]);
+                self.bins.insert(bin.cast_signed(), count);
+            }
+        } else {
+            for (bin, count) in &mut self.bins {
+                tape.words([&mut bin.cast_unsigned(), count]);
+            }
+        }
+    }
+
+    fn extend(&mut self, [least, greatest]: [f64; 2]) {
+        let [a, b] = self.extremes.unwrap_or([least, greatest]);
+        // Zeros of both signs count as one, or the order of merging would show.
+        self.extremes = Some([a.min(least) + 0.0, b.max(greatest) + 0.0]);
+    }
+
+    /// Number of samples, without those that are not numbers.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Samples that were NaN.
+    pub fn undefined(&self) -> u64 {
+        self.undefined
+    }
+
+    /// The least sample, exactly; NaN without any.
+    pub fn minimum(&self) -> f64 {
+        self.extremes.map_or(f64::NAN, |[least, _]| least)
+    }
+
+    /// The greatest sample, exactly; NaN without any.
+    pub fn maximum(&self) -> f64 {
+        self.extremes.map_or(f64::NAN, |[_, greatest]| greatest)
+    }
+
+    /// The least sample that at least this fraction of all samples does not exceed, to a relative error of
+    /// [`Quantiles::RELATIVE_ERROR`]; exactly for 0 and 1. NaN for other fractions than 0 to 1, without samples, and if any
+    /// was NaN.
+    pub fn at(&self, fraction: f64) -> f64 {
+        if !(0.0..=1.0).contains(&fraction) || self.undefined > 0 {
+            return f64::NAN;
+        }
+        let Some([least, greatest]) = self.extremes else { return f64::NAN };
+        let rank = rank(fraction, self.count);
+        if rank <= 1 {
+            return least;
+        }
+        if rank >= self.count {
+            return greatest;
+        }
+        let mut seen = 0;
+        let found = self.bins.iter().find(|&(_, count)| {
+            seen += count;
+            seen >= rank
+        });
+        found.map_or(greatest, |(&bin, _)| middle(bin).clamp(least, greatest))
+    }
+}
+
+/// The least `k` for which `k / n` is not below the fraction. The quotient decides, not the product: 0.07 is the number next to 7/100, but
+/// 0.07 · 100 is above 7.
+fn rank(fraction: f64, n: u64) -> u64 {
+    let is_enough = |k: u64| k as f64 / n as f64 >= fraction;
+    let near = ((fraction * n as f64).ceil() as u64).min(n);
+    match near {
+        1.. if is_enough(near - 1) => near - 1,
+        _ if is_enough(near) => near,
+        _ => near + 1,
+    }
+}
+
+/// The bin of a number; the order of bins is that of the numbers in them.
+fn bin(x: f64) -> i64 {
+    // Below 2^21.
+    let size = (x.abs().to_bits() >> IGNORED).cast_signed();
+    if x < 0.0 { -1 - size } else { size }
+}
+
+fn middle(bin: i64) -> f64 {
+    let size = if bin < 0 { -1 - bin } else { bin }.cast_unsigned();
+    let lower = f64::from_bits(size << IGNORED);
+    let middle = if lower.is_finite() { f64::from_bits((2 * size + 1) << (IGNORED - 1)) } else { lower };
+    if bin < 0 { -middle } else { middle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples() -> Vec<f64> {
+        let unit = |n: u64| (n.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / 2f64.powi(53);
+        // Sizes from 1e-30 to 1e30 and both signs, many small integers, zeros.
+        let wide = (1..5000).map(|n| (unit(n) - 0.5).signum() * 10f64.powf(60.0 * unit(7 * n) - 30.0));
+        wide.chain((0..2000).map(|n| f64::from(n % 13) - 6.0)).chain([0.0, -0.0, 1e-310]).collect()
+    }
+
+    /// Against the sorted samples, at every rank.
+    #[test]
+    fn every_quantile_is_within_the_error_it_states() {
+        let mut sorted = samples();
+        let mut sketch = Quantiles::default();
+        sorted.iter().for_each(|&x| sketch.push(x));
+        sorted.sort_by(f64::total_cmp);
+        let n = sorted.len();
+        for rank in 1..=n {
+            // In the middle between two ranks: no rounding decides.
+            let (got, exact) = (sketch.at((rank as f64 - 0.5) / n as f64), sorted[rank - 1]);
+            let allowed = Quantiles::RELATIVE_ERROR * exact.abs() + f64::MIN_POSITIVE * 2f64.powi(-9);
+            assert!((got - exact).abs() <= allowed, "rank {rank}: {got}, exactly {exact}");
+        }
+        assert_eq!([sketch.at(0.0), sketch.at(1.0)], [sorted[0], sorted[n - 1]]);
+        assert!(sketch.at(-0.1).is_nan() && sketch.at(f64::NAN).is_nan());
+    }
+
+    /// Every decimal fraction of a number of samples that it divides has the rank of that part.
+    #[test]
+    fn ranks_of_decimal_fractions_are_exact() {
+        for (digits, n) in [(100_u32, 100_u64), (100, 300), (1000, 1000), (1000, 7000)] {
+            for part in 0..=digits {
+                let fraction: f64 = format!("{}e-{}", part, digits.ilog10()).parse().unwrap();
+                assert_eq!(
+                    rank(fraction, n),
+                    u64::from(part) * n / u64::from(digits),
+                    "{part}/{digits} of {n}"
+                );
+            }
+        }
+        let mut sketch = Quantiles::default();
+        (1..=100).for_each(|i| sketch.push(f64::from(i)));
+        assert_eq!(sketch.at(0.07), middle(bin(7.0)));
+    }
+
+    #[test]
+    fn merging_in_any_order_is_the_same() {
+        let all = samples();
+        let mut whole = Quantiles::default();
+        all.iter().for_each(|&x| whole.push(x));
+        let mut parts: Vec<Quantiles> = all
+            .chunks(97)
+            .map(|chunk| {
+                let mut part = Quantiles::default();
+                chunk.iter().for_each(|&x| part.push(x));
+                part
+            })
+            .collect();
+        for _ in 0..2 {
+            let mut merged = Quantiles::default();
+            parts.iter().for_each(|part| merged.merge(part));
+            assert_eq!(merged, whole);
+            assert_eq!(merged.minimum().to_bits(), whole.minimum().to_bits());
+            parts.reverse();
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_number_shows() {
+        let mut sketch = Quantiles::default();
+        assert!(sketch.at(0.5).is_nan() && sketch.minimum().is_nan());
+        for x in [1.0, f64::INFINITY, 3.0, f64::NEG_INFINITY] {
+            sketch.push(x);
+        }
+        assert_eq!(
+            (sketch.at(0.0), sketch.at(0.5), sketch.at(1.0)),
+            (f64::NEG_INFINITY, middle(bin(1.0)), f64::INFINITY)
+        );
+        sketch.push(f64::NAN);
+        assert!(sketch.at(0.5).is_nan());
+        assert_eq!((sketch.count(), sketch.undefined()), (4, 1));
+    }
+}
