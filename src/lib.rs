@@ -242,7 +242,8 @@ pub mod __private {
     pub use wzvi_runtime::scheme::modified::Conservative;
     pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{
-        Apart, Gradient, Hamiltonian, Listed, Scheme, Solution, Straight, StraightLine, covector, gradient,
+        Apart, Gradient, Hamiltonian, Kind, Listed, Scheme, Solution, Straight, StraightLine, covector,
+        gradient,
     };
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a

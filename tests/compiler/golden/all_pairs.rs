@@ -90,6 +90,7 @@ const _: () = {
                     inner: &[2],
                 },
                 t: "t",
+                invariants: &[],
             }
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {

@@ -79,9 +79,9 @@ pub struct Perturbed {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Constant, Facts, Hamiltonian, Knowledge, Lanes, Listed, NoiseClass,
-        Number, Option, Over, Result, SVector, Scalar, Scheme, Sized, Some, StepFailure,
-        bool, f64, str, usize,
+        self as wzvi, Constant, Facts, Hamiltonian, Kind, Knowledge, Lanes, Listed,
+        NoiseClass, Number, Option, Over, Result, SVector, Scalar, Scheme, Sized, Some,
+        StepFailure, bool, f64, str, usize,
         compose::{
             Composes, Equations, Flows, Form, Nystrom, One, Parted, Parts, ROOM,
             Structure,
@@ -93,7 +93,10 @@ const _: () = {
     #[automatically_derived]
     impl Hamiltonian for Perturbed {
         type Vector = SVector<f64, 1>;
-        const READS_TIME: bool = true;
+        const KIND: Kind = Kind {
+            reads_time: true,
+            ..Kind::AUTONOMOUS
+        };
         fn degrees(&self) -> usize {
             1
         }

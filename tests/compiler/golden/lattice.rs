@@ -86,6 +86,7 @@ const _: () = {
                     inner: &[2],
                 },
                 t: "t",
+                invariants: &[],
             }
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {

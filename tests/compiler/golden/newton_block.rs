@@ -76,6 +76,7 @@ const _: () = {
                 q: Labels::Each(&["x", "y"]),
                 p: Labels::Each(&["px", "py"]),
                 t: "t",
+                invariants: &[],
             }
         }
         fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {

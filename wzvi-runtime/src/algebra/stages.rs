@@ -12,8 +12,6 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     type Part: Scalar;
     /// How many of them there are.
     const PARTS: usize;
-    /// Whether a part is several stages.
-    const AT_ONCE: bool;
 
     /// The same for each stage.
     fn splat(number: S) -> Self;
@@ -26,10 +24,6 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     /// Replaces a part of them.
     fn set_part(&mut self, part: usize, numbers: Self::Part);
 
-    /// Stage `i` of a part, if that is several.
-    fn of_part(part: &Self::Part, i: usize) -> S;
-    /// Replaces it.
-    fn set_of_part(part: &mut Self::Part, i: usize, number: S);
     /// The same for each stage of a part.
     fn same(number: S) -> Self::Part;
     /// A constant for each stage of a part.
@@ -134,7 +128,6 @@ fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: u
 impl<const N: usize> Stages<f64, N> for Lanes<N> {
     type Part = Self;
     const PARTS: usize = 1;
-    const AT_ONCE: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(number: f64) -> Self {
@@ -155,14 +148,6 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_part(&mut self, _part: usize, numbers: Self) {
         *self = numbers;
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_part(part: &Self, i: usize) -> f64 {
-        part[i]
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn set_of_part(part: &mut Self, i: usize, number: f64) {
-        Lanes::set(part, i, number);
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn same(number: f64) -> Self {
@@ -204,7 +189,6 @@ impl<const N: usize> Stages<f64, N> for Lanes<N> {
 impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
     type Part = S;
     const PARTS: usize = N;
-    const AT_ONCE: bool = false;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(number: S) -> Self {
@@ -225,14 +209,6 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_part(&mut self, part: usize, numbers: S) {
         self[part] = numbers;
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_part(part: &S, _i: usize) -> S {
-        *part
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn set_of_part(part: &mut S, _i: usize, number: S) {
-        *part = number;
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn same(number: S) -> S {

@@ -174,7 +174,7 @@ const WORK: [&str; 3] = ["work", "shadow work", "heat"];
 
 /// Whether there is work to observe, in a run that may take steps of another size than its own or look between its nodes.
 fn check_work<H: Discretized<E>, E>(is_uneven: bool) -> Result<(), ConfigError> {
-    let wrong = if !(H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges) {
+    let wrong = if !(H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges) {
         "work of paths that have no bath, force or friction: observe the energy"
     } else if is_uneven {
         "work of paths whose steps are halved, whose last step is shorter, or that are recorded between nodes: leave `retry`, `exactly` and \

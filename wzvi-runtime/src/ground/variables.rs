@@ -11,6 +11,8 @@ pub struct Variables {
     pub p: Labels,
     /// Of time.
     pub t: &'static str,
+    /// Of the first integrals that `invariant` lists, in its order; empty for those without a name, and none where no one has one.
+    pub invariants: &'static [&'static str],
 }
 
 /// The names of the components of a vector.
@@ -31,12 +33,21 @@ impl Variables {
     /// `q`, `p` and `t`: the names of a system that says nothing of its own.
     pub const fn unnamed(degrees: usize) -> Self {
         match degrees {
-            1 => Self { q: Labels::Each(&["q"]), p: Labels::Each(&["p"]), t: "t" },
+            1 => Self { q: Labels::Each(&["q"]), p: Labels::Each(&["p"]), t: "t", invariants: &[] },
             _ => Self {
                 q: Labels::Array { name: "q", inner: &[] },
                 p: Labels::Array { name: "p", inner: &[] },
                 t: "t",
+                invariants: &[],
             },
+        }
+    }
+
+    /// The name of a first integral, and `invariant_0` and so on for those without one.
+    pub fn invariant(&self, index: usize) -> String {
+        match self.invariants.get(index) {
+            Some(name) if !name.is_empty() => (*name).to_owned(),
+            _ => format!("invariant_{index}"),
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::digits::Brief;
-use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::scheme::system::{Discretized, Hamiltonian, fits};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
 pub(crate) const MOST_STEPS: u64 = 1 << 53;
@@ -137,7 +137,7 @@ const TIME: &str = "a time to end at exactly: `.until(time).exactly()`; a number
 pub(crate) fn sized<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> Result<(), ConfigError> {
     let [q, p] = [&state.q, &state.p].map(|vector| vector.components().len());
     // Where only the state knows the size, the momenta have to match the coordinates.
-    let expected = if system.fits(q) { q } else { system.degrees() };
+    let expected = if fits(system, q) { q } else { system.degrees() };
     match [q, p].into_iter().find(|got| *got != expected) {
         Some(got) => Err(ConfigError::Start(StepFailure::Dimension { expected, got })),
         None => Ok(()),

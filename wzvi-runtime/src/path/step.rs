@@ -312,7 +312,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     }
 
     /// Whether forces or friction may be at work in steps.
-    pub(crate) const MAY_EXCHANGE: bool = H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges;
+    pub(crate) const MAY_EXCHANGE: bool =
+        H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges;
 
     /// Keeps where a step begins.
     fn begin(&mut self, state: &State<H::Vector>) {

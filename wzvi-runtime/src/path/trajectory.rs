@@ -18,7 +18,7 @@ use crate::path::section::Crossing;
 #[cfg(doc)]
 use crate::path::step::StepInfo;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
-use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment};
+use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
 #[cfg(feature = "serde")]
 pub(crate) use recorder::Kept;
 pub(crate) use recorder::Recorder;
@@ -182,9 +182,9 @@ impl<V: Vector, E> Trajectory<V, E> {
         start: &State<V>,
         exchanged: Exchange,
     ) -> Self {
-        let is_accounted = H::IS_FORCED || H::IS_CONFORMAL || H::PROPERTIES.exchanges;
-        let gained =
-            (is_accounted || H::READS_TIME).then(|| system.energy(&self.path.last) - system.energy(start));
+        let is_accounted = H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges;
+        let gained = (is_accounted || H::KIND.reads_time)
+            .then(|| system.energy(&self.path.last) - system.energy(start));
         let path = &mut self.path;
         (path.exchanged, path.is_accounted, path.gained) = (exchanged, is_accounted, gained);
         self
@@ -426,7 +426,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         }
         let path = (self.last().q.components().len(), self.processes());
         let asked = (system.degrees(), system.increments(path.0));
-        if system.fits(path.0) && path.1 == asked.1 {
+        if fits(system, path.0) && path.1 == asked.1 {
             Ok(())
         } else {
             Err(PathError::System { path, system: asked })

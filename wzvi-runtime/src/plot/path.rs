@@ -75,7 +75,7 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         figure = figure.line("H₀", Colour::BLUE, self.since_start(energy));
         for index in 0..system.invariants() {
             let value = |state: &State<V>| system.invariant(index, state);
-            figure = figure.line(system.invariant_label(index), 1 + index, self.since_start(value));
+            figure = figure.line(system.variables().invariant(index), 1 + index, self.since_start(value));
         }
         figure
     }

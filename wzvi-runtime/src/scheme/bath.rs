@@ -115,7 +115,7 @@ pub struct Isolated<E>(PhantomData<E>);
 #[doc(hidden)]
 pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
     let degrees = system.degrees();
-    if T::IS_CONFORMAL {
+    if T::KIND.is_conformal {
         let rate = system.friction_rate();
         let is_rate = rate.is_finite() && rate >= 0.0;
         return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };

@@ -39,6 +39,28 @@ pub struct Gradient<V> {
 /// A state of the system `H`: `fn energies(states: &[SystemState<Kubo>])` names the type without its vectors.
 pub type SystemState<H> = State<<H as Hamiltonian>::Vector>;
 
+/// What acts on a system besides the flow of Hamiltonians that are constant in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
+    pub is_conformal: bool,
+    /// Whether there is a force beside the drift: [`Hamiltonian::force`].
+    pub is_forced: bool,
+    /// Whether the drift reads the time.
+    pub reads_time: bool,
+}
+
+impl Kind {
+    /// Nothing.
+    pub const AUTONOMOUS: Self = Self { is_conformal: false, is_forced: false, reads_time: false };
+}
+
+/// Whether a state with this many degrees of freedom is one of the system.
+#[must_use]
+pub fn fits<H: Hamiltonian + ?Sized>(system: &H, degrees: usize) -> bool {
+    matches!(system.degrees(), 0 if degrees > 0) || degrees == system.degrees()
+}
+
 /// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with `X_0 = t`, `X_k = W_k` and forces `f_m`: the
 /// noises with a Hamiltonian come first, then those with a force.
 pub trait Hamiltonian {
@@ -48,31 +70,20 @@ pub trait Hamiltonian {
     /// Number of degrees of freedom; 0 where only the state knows it (`q: &[f64]`).
     fn degrees(&self) -> usize;
 
-    /// Whether a state with this many degrees of freedom belongs to the system.
-    fn fits(&self, degrees: usize) -> bool {
-        matches!(self.degrees(), 0 if degrees > 0) || degrees == self.degrees()
-    }
-
     /// Whether a state with this many degrees of freedom can be evaluated, or why not.
     ///
     /// # Errors
-    /// [`StepFailure::Dimension`] unless it [fits](Hamiltonian::fits); [`StepFailure::Index`] if an integer of the system
+    /// [`StepFailure::Dimension`] if it has another number of them; [`StepFailure::Index`] if an integer of the system
     /// is out of range.
     fn check(&self, degrees: usize) -> Result<(), StepFailure> {
         let (expected, got) = (self.degrees(), degrees);
-        if self.fits(got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
+        if fits(self, got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
     }
 
-    /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
-    const IS_CONFORMAL: bool = false;
+    /// What acts on the system besides its Hamiltonians.
+    const KIND: Kind = Kind::AUTONOMOUS;
 
-    /// Whether there is a force beside the drift: [`Hamiltonian::force`].
-    const IS_FORCED: bool = false;
-
-    /// Whether the drift reads the time.
-    const READS_TIME: bool = false;
-
-    /// That rate, in 1/time.
+    /// The rate of the friction of a [conformal](Kind::is_conformal) system, in 1/time.
     fn friction_rate(&self) -> f64 {
         0.0
     }
@@ -89,7 +100,7 @@ pub trait Hamiltonian {
     /// [`Hamiltonian::friction_rate`] and of thermostats is in it.
     fn force<S: Scalar>(&self, q: &[S], p: &[S], t: f64, into: &mut [S]) {
         let _ = (p, t);
-        let fits = self.fits(q.len()) && into.len() == q.len();
+        let fits = fits(self, q.len()) && into.len() == q.len();
         into.fill(S::from_f64(if fits { 0.0 } else { f64::NAN }));
     }
 
@@ -101,19 +112,6 @@ pub trait Hamiltonian {
     /// Number of first integrals that the compiler has proven.
     fn invariants(&self) -> usize {
         0
-    }
-
-    /// The names of the first integrals, `invariant = [name = |q, p| ...]`; empty for those without, and no list where none has one.
-    fn invariant_names(&self) -> &'static [&'static str] {
-        &[]
-    }
-
-    /// What tables and plots call a first integral: by its name, or `invariant_0`.
-    fn invariant_label(&self, index: usize) -> String {
-        match self.invariant_names().get(index) {
-            Some(name) if !name.is_empty() => (*name).to_owned(),
-            _ => format!("invariant_{index}"),
-        }
     }
 
     /// What the closure of the drift calls coordinates, momenta and time: for tables and plots.

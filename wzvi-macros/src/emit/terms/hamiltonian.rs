@@ -17,7 +17,8 @@ pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStr
     let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
     let model = &*model;
     let vector = vector_type(model);
-    let reads_time = split::reads_time(&model.graph, &model.drift, model.t).then(reads_time);
+    let reads_time = split::reads_time(&model.graph, &model.drift, model.t);
+    let kind = kind([friction.is_some(), model.force.is_some(), reads_time]);
     let degrees = degrees(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
     let (usize, f64) = (quote!(__wzvi::usize), f64_type());
@@ -35,8 +36,6 @@ pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStr
     let validate = validate(&model.embeddings, model.friction.is_some());
     let force = model.force.is_some().then(|| {
         quote! {
-            const IS_FORCED: __wzvi::bool = true;
-
             fn force<__S: __wzvi::Scalar>(&self, __q: &[__S], __p: &[__S], __t: #f64, __into: &mut [__S]) {
                 __wzvi::elements::force(self, __q, __p, __t, __into);
             }
@@ -54,13 +53,13 @@ pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStr
             }
         }
     });
-    let variables = variables(&model.labels, model.graph.symbol_name(model.t));
+    let variables = variables(&model.labels, model.graph.symbol_name(model.t), &model.invariant_names);
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
             type Vector = #vector;
 
-            #reads_time
+            #kind
 
             #friction
 
@@ -108,11 +107,14 @@ pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStr
     }
 }
 
-/// What a system says of itself whose drift reads the time.
-fn reads_time() -> TokenStream {
-    quote!(
-        const READS_TIME: __wzvi::bool = true;
-    )
+/// What acts on the system besides its Hamiltonians; the default of the trait if nothing does.
+fn kind(acting: [bool; 3]) -> Option<TokenStream> {
+    let fields = ["is_conformal", "is_forced", "reads_time"].map(|field| format_ident!("{field}"));
+    let fields = fields.iter().zip(acting).filter_map(|(field, acts)| acts.then_some(field));
+    let kind = quote!(__wzvi::Kind);
+    acting
+        .contains(&true)
+        .then(|| quote!(const KIND: #kind = #kind { #(#fields: true,)* ..#kind::AUTONOMOUS };))
 }
 
 /// `Hamiltonian::validate` of a system whose steps have friction and no bath; with a bath that is done where its steps are prepared.
@@ -137,8 +139,6 @@ fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> Tok
         evaluation((graph, parameters), &letters, &Inputs::default(), &f64, &[rate]);
     let rate = quote!(#statements #(#values)*);
     quote! {
-        const IS_CONFORMAL: __wzvi::bool = true;
-
         fn friction_rate(&self) -> #f64 {
             #rate
         }
@@ -171,29 +171,21 @@ fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
     })
 }
 
-/// How many first integrals there are, and their names; the defaults of the trait if there are none.
+/// How many first integrals there are; the default of the trait if there are none.
 fn invariants(names: &[String]) -> Option<TokenStream> {
     let number = count(names.len());
-    let number = (!names.is_empty()).then(|| number_of("invariants", &quote!(#number)))?;
-    let str = quote!(&'static __wzvi::str);
-    let names = names.iter().any(|name| !name.is_empty()).then(|| {
-        quote! {
-            fn invariant_names(&self) -> &'static [#str] {
-                &[#(#names),*]
-            }
-        }
-    });
-    Some(quote!(#number #names))
+    (!names.is_empty()).then(|| number_of("invariants", &quote!(#number)))
 }
 
 /// What people are told that the variables are called; the default of the trait if that is the same.
-fn variables(labels: &[Labels; 2], t: &str) -> Option<TokenStream> {
+fn variables(labels: &[Labels; 2], t: &str, invariants: &[String]) -> Option<TokenStream> {
     let is_default = |labels: &Labels, name: &str| match labels {
         Labels::Each(names) => *names == [name],
         Labels::Array(array, inner) => array == name && inner.is_empty(),
     };
     let [q, p] = labels;
-    if t == "t" && is_default(q, "q") && is_default(p, "p") {
+    let has_names = invariants.iter().any(|name| !name.is_empty());
+    if t == "t" && is_default(q, "q") && is_default(p, "p") && !has_names {
         return None;
     }
     let [q, p] = labels.each_ref().map(|labels| match labels {
@@ -203,9 +195,10 @@ fn variables(labels: &[Labels; 2], t: &str) -> Option<TokenStream> {
             quote!(__wzvi::Labels::Array { name: #name, inner: &[#(#inner),*] })
         }
     });
+    let invariants = invariants.iter().filter(|_| has_names);
     Some(quote! {
         fn variables(&self) -> __wzvi::Variables {
-            __wzvi::Variables { q: #q, p: #p, t: #t }
+            __wzvi::Variables { q: #q, p: #p, t: #t, invariants: &[#(#invariants),*] }
         }
     })
 }

@@ -133,7 +133,7 @@ pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> St
     }
     let force = gradient.q.components_mut();
     system.force(q, p, state.t, force);
-    if force.iter().any(|force| *force != 0.0) || H::IS_CONFORMAL {
+    if force.iter().any(|force| *force != 0.0) || H::KIND.is_conformal {
         force.iter().chain([&system.friction_rate()]).for_each(&mut add);
     }
     format!("{checksum:?}")

@@ -30,7 +30,9 @@ pub(super) struct Ledger<V> {
 
 /// Whether steps of a system exchange energy by more than what their scheme accounts for.
 pub(super) fn is_wanted<H: Discretized<E>, E>(system: &H) -> bool {
-    H::IS_FORCED || H::IS_CONFORMAL || (H::PROPERTIES.exchanges && (system.noises() > 0 || H::READS_TIME))
+    H::KIND.is_forced
+        || H::KIND.is_conformal
+        || (H::PROPERTIES.exchanges && (system.noises() > 0 || H::KIND.reads_time))
 }
 
 impl<V: Vector> Ledger<V> {
@@ -68,7 +70,8 @@ impl<V: Vector> Ledger<V> {
         let Self { at, force, drift: Gradient { p: velocity, .. }, .. } = self;
         system.force(at.q.components(), at.p.components(), at.t, force.components_mut());
         let work = h * dot(force, velocity) + by_time(system, at, h) + by_noise;
-        let heat = if H::IS_CONFORMAL { -h * system.friction_rate() * dot(&at.p, velocity) } else { 0.0 };
+        let heat =
+            if H::KIND.is_conformal { -h * system.friction_rate() * dot(&at.p, velocity) } else { 0.0 };
         Exchange { work: weight * work, heat: weight * heat }
     }
 
@@ -93,7 +96,7 @@ impl<V: Vector> Ledger<V> {
             after.q.components().iter().zip(before.q.components()).map(|(after, before)| after - before);
         let by_force: f64 = moved.zip(force.components()).map(|(moved, force)| moved * force).sum();
         let (q, p) = (at.q.components(), at.p.components());
-        let by_time = match H::READS_TIME {
+        let by_time = match H::KIND.reads_time {
             true => system.evaluate(0, q, p, after.t) - system.evaluate(0, q, p, before.t),
             false => 0.0,
         };

@@ -55,7 +55,7 @@ impl<V: Vector, E> PathTable<'_, V, E> {
     pub fn energies<H: Hamiltonian<Vector = V>>(mut self, system: &H) -> Self {
         self.push("energy", |state| system.energy(state));
         for index in 0..system.invariants() {
-            self.push(&system.invariant_label(index), |state| system.invariant(index, state));
+            self.push(&system.variables().invariant(index), |state| system.invariant(index, state));
         }
         self
     }

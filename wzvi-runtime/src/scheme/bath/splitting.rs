@@ -31,7 +31,7 @@ use crate::scheme::compose::windowed::{self, Givens, least_alone, takes_windows}
 use crate::scheme::elements::Taken;
 use crate::scheme::gauss::{Field, Shape};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
-use crate::scheme::system::{At, Exchange, Properties, Scheme};
+use crate::scheme::system::{At, Exchange, Properties, Scheme, fits};
 
 /// A word of kicks, drifts and O parts, and how these are taken.
 pub trait Letters {
@@ -177,7 +177,7 @@ where
     ) -> Result<Effort, StepFailure> {
         let Memory { flows: memory, bath } = memory;
         let (degrees, noises) = (q.len(), system.noises());
-        if !system.fits(degrees) {
+        if !fits(system, degrees) {
             system.check(degrees)?;
         }
         if const { F::IN_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }

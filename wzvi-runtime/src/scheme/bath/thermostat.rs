@@ -20,7 +20,7 @@ use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::kept;
 use crate::scheme::elements::are_finite;
 use crate::scheme::plan::Plan;
-use crate::scheme::system::{At, Exchange, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
+use crate::scheme::system::{At, Exchange, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits};
 
 /// O parts in front of and behind a step.
 const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
@@ -153,7 +153,7 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let (degrees, got) = (q.len(), p.len());
-        if !system.fits(degrees) {
+        if !fits(system, degrees) {
             system.check(degrees)?;
         }
         if got != degrees {

@@ -14,7 +14,7 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Hamiltonian, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
+    At, Hamiltonian, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew, fits,
 };
 
 /// Steps `W` of `A` and of `B`, which may be one.
@@ -173,7 +173,7 @@ where
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let [expected, got] = [at.q.len(), at.p.len()];
-        if !system.fits(expected) || got != expected {
+        if !fits(system, expected) || got != expected {
             return Err(StepFailure::Dimension { expected: system.degrees().max(expected), got });
         }
         prepared.advance(

@@ -13,7 +13,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::are_finite;
 use crate::scheme::gauss::Shape;
-use crate::scheme::system::{At, Hamiltonian, Segment};
+use crate::scheme::system::{At, Hamiltonian, Segment, fits};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
@@ -245,7 +245,7 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
 
 /// What says which states a step can be taken of.
 pub(crate) trait Fits {
-    /// As [`Hamiltonian::fits`].
+    /// As [`fits`].
     fn fits(&self, degrees: usize) -> bool;
     /// As [`Hamiltonian::check`].
     fn check(&self, degrees: usize) -> Result<(), StepFailure>;
@@ -256,7 +256,7 @@ pub(crate) trait Fits {
 impl<F: Hamiltonian> Fits for F {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fits(&self, degrees: usize) -> bool {
-        Hamiltonian::fits(self, degrees)
+        fits(self, degrees)
     }
     fn check(&self, degrees: usize) -> Result<(), StepFailure> {
         Hamiltonian::check(self, degrees)

@@ -6,6 +6,7 @@ use super::substeps::Half;
 use crate::algebra::memory::Threads;
 use crate::error::StepFailure;
 use crate::scheme::elements::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word};
+use crate::scheme::system::fits;
 
 /// Degrees of freedom from which paths of an ensemble go one after the other, window by window. A step of a word in windows takes some 150 ns
 /// besides what each site takes, and 16 paths beside each other leave the first cache (each of some ten lists has 128 bytes for a degree of
@@ -72,7 +73,7 @@ impl Memory {
     ) -> Result<(Taken<'m>, W), StepFailure> {
         let Givens { t, h, q, p, dw } = givens;
         let degrees = q.len();
-        if self.plan.degrees() != Some(degrees) || !system.fits(degrees) {
+        if self.plan.degrees() != Some(degrees) || !fits(system, degrees) {
             system.check(degrees)?;
         }
         if p.len() != degrees {

@@ -178,7 +178,7 @@ fn rate<H: Hamiltonian>(
     let force = gradient.q.components_mut();
     system.force(q, p, at.t, force);
     of_p.iter_mut().zip(&*force).for_each(|(rate, force)| *rate += h * force);
-    if H::IS_CONFORMAL {
+    if H::KIND.is_conformal {
         let gamma = system.friction_rate();
         of_p.iter_mut().zip(p).for_each(|(rate, p)| *rate -= h * gamma * p);
     }

@@ -86,7 +86,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
         }
         let step = Step { system, scheme, t, h, q, p, dw, increment: None };
         let mut lists = memory.work.lists(scheme, step.degrees());
-        if !C::CARRIES && !H::IS_CONFORMAL && scheme.update == MomentumUpdate::Multiple(1.0) {
+        if !C::CARRIES && !H::KIND.is_conformal && scheme.update == MomentumUpdate::Multiple(1.0) {
             // `P` is the new momentum.
             if !step.go_on(&mut lists) {
                 return Err(StepFailure::NonFinite);

@@ -93,7 +93,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
             by_momentum[i] -= velocity[i];
         }
     });
-    if H::IS_CONFORMAL {
+    if H::KIND.is_conformal {
         let decay = decay(system, segment.h);
         by_end.iter_mut().for_each(|end| *end += decay * *end);
     }
@@ -123,7 +123,7 @@ fn momentum_between<H: Hamiltonian>(
     after: &State<H::Vector>,
     h: f64,
 ) -> H::Vector {
-    let decay = if H::IS_CONFORMAL { decay(system, h) } else { 0.0 };
+    let decay = if H::KIND.is_conformal { decay(system, h) } else { 0.0 };
     let (mut momentum, end) = (before.p.clone(), after.p.components());
     if end.len() != momentum.components().len() {
         momentum.components_mut().fill(f64::NAN);

@@ -28,7 +28,7 @@ pub(super) struct Step<'a, H, S> {
 /// `e^{γ τ}` with the rate of friction that steps take in, `τ` after the start of the step.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
-    if H::IS_CONFORMAL { (system.friction_rate() * tau).exp() } else { 1.0 }
+    if H::KIND.is_conformal { (system.friction_rate() * tau).exp() } else { 1.0 }
 }
 
 /// `e^{-γ h} - 1`
@@ -247,7 +247,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 }
             }
         }
-        if H::IS_CONFORMAL {
+        if H::KIND.is_conformal {
             let decay = decay(self.system, self.h);
             dp.iter_mut().zip(self.p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
         }

@@ -13,7 +13,7 @@ use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, no_nan};
+use crate::scheme::system::{At, fits, no_nan};
 
 /// What is made once for a step size.
 #[derive(Clone, Debug)]
@@ -90,7 +90,7 @@ pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CA
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
-    if !memory.fits(degrees, dw.len()) || !system.fits(degrees) {
+    if !memory.fits(degrees, dw.len()) || !fits(system, degrees) {
         system.check(degrees)?;
         if dw.len() == system.noises() {
             memory.fit(degrees, dw.len());

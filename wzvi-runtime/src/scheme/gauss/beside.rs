@@ -91,7 +91,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
     fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
         if CAREFUL && left.is_held {
             lists.slopes.clone_from(&left.past);
-            if F::IS_CONFORMAL {
+            if F::KIND.is_conformal {
                 // They were left in the momentum of the step after.
                 let back = [(1.0 + self.prepared.friction().decay).recip(); N];
                 lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
@@ -117,7 +117,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// With friction, slopes are left in the momentum of the step that follows.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momentum(&self, lists: &mut Lists<S, <Y::Field as Field>::Shape, N>) {
-        if Y::Field::IS_CONFORMAL {
+        if Y::Field::KIND.is_conformal {
             let left = [1.0 + self.prepared.friction().decay; N];
             lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&left));
         }

@@ -202,7 +202,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             } else {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
                 let one = &mut room.one;
-                if Y::Field::IS_CONFORMAL {
+                if Y::Field::KIND.is_conformal {
                     let friction = self.prepared.friction();
                     let own = S::Stages::parts_mut(spare.as_mut(), rooms.p.as_mut());
                     for (own, p) in own.iter_mut().zip(p) {
@@ -256,7 +256,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         for d in 0..q.len() {
             (next_q[d], lost_q[d]) = C::add(q[d], next_q[d], carry.of_coordinate(d));
             let mut change = zero - by_q[d].total();
-            if Y::Field::IS_CONFORMAL {
+            if Y::Field::KIND.is_conformal {
                 change = change + (self.start[1][d] + change) * self.prepared.friction().decay;
             }
             (next_p[d], lost_p[d]) = C::add(p[d], change, carry.of_momentum(d));

@@ -118,7 +118,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         for d in 0..degrees {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
-            if F::IS_CONFORMAL {
+            if F::KIND.is_conformal {
                 let inverse = stage.map_or(1.0, |stage| self.prepared.friction().inverse[stage]);
                 p[d] = p[d] * inverse;
             }
@@ -127,7 +127,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
         let [t, h] = [self.h * c + self.t, self.h * b].map(Dual::from_f64);
         Field::step_slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
-        if F::IS_CONFORMAL {
+        if F::KIND.is_conformal {
             let scale = stage.map_or(1.0, |stage| self.prepared.friction().scale[stage]);
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
         }

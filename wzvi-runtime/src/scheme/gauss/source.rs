@@ -95,7 +95,7 @@ pub(super) fn beside<F: Field, const L: usize, const N: usize>(
     systems: [&F; L],
     prepared: [&Prepared<N>; L],
 ) -> Option<Systems<F, L, N>> {
-    if F::IS_CONFORMAL || prepared.iter().any(|prepared| prepared.modes().is_some()) {
+    if F::KIND.is_conformal || prepared.iter().any(|prepared| prepared.modes().is_some()) {
         return None;
     }
     let (system, prepared) = (systems.first()?, (*prepared.first()?).clone());

@@ -47,11 +47,21 @@ pub(super) fn slopes<F: Field, S: Scalar, const N: usize, const BY_Q: bool, cons
     by_p: &mut [Part<S, N>],
     one: &mut One<S>,
 ) {
-    if F::IN_LANES || !<S::Stages<N> as Stages<S, N>>::AT_ONCE {
+    if F::IN_LANES || <S::Stages<N> as Stages<S, N>>::PARTS > 1 {
         return system.step_slopes::<Part<S, N>, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
     }
-    let stage = <S::Stages<N> as Stages<S, N>>::of_part;
-    let set = <S::Stages<N> as Stages<S, N>>::set_of_part;
+    // All stages are one part.
+    let all_of = |part: &Part<S, N>| {
+        let mut all = S::Stages::<N>::splat(S::from_f64(0.0));
+        all.set_part(0, *part);
+        all
+    };
+    let stage = |part: &Part<S, N>, i: usize| all_of(part).get(i);
+    let set = |part: &mut Part<S, N>, i: usize, number: S| {
+        let mut all = all_of(part);
+        all.set(i, number);
+        *part = all.part(0);
+    };
     let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
     for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
         own.resize(q.len(), S::from_f64(0.0));

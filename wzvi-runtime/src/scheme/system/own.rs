@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::{At, Listed, Properties, Scheme};
+use super::{At, Listed, Properties, Scheme, fits};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Mask, Scalar};
@@ -190,7 +190,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if scratch.before[0].len() != q.len() || !system.fits(q.len()) {
+        if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
             system.check(q.len())?;
         }
         if p.len() != q.len() {

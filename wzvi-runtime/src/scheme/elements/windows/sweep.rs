@@ -224,7 +224,10 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
         let is_known =
             |sweeps: &mut Box<Sweeps>| std::mem::replace(&mut sweeps.is_ready, false) && sweeps.is_finite;
-        H::HAS_WINDOWS && !H::IS_CONFORMAL && is_a_multiple && scratch.sweeps.as_mut().is_some_and(is_known)
+        H::HAS_WINDOWS
+            && !H::KIND.is_conformal
+            && is_a_multiple
+            && scratch.sweeps.as_mut().is_some_and(is_known)
     }
 }
 
