@@ -446,6 +446,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Index(_)
         | StepFailure::Bath(_)
         | StepFailure::Lanes(_)
+        | StepFailure::OtherSolution { .. }
         | StepFailure::NonFiniteInput => false,
     }
 }
