@@ -194,7 +194,7 @@ impl<V: Vector> Watch<V> {
         // A stiff direction that alternates may excite every other node only.
         let energy = room.kept_energy::<H, E>(system, state, h);
         let off = self.off.min(self.distance::<H, E>(energy));
-        let judged = self.judge::<H, E>(system, [&room.before, state], h, off);
+        let judged = self.judge::<H, E>(system, [&room.before, state], h, step, off);
         if judged.is_err() {
             copy_state(state, &room.before);
         }
@@ -223,6 +223,7 @@ impl<V: Vector> Watch<V> {
         system: &H,
         ends: [&State<V>; 2],
         h: f64,
+        step: u64,
         error: f64,
     ) -> Result<(), StepFailure> {
         if let Some(place) = self.recent.get_mut((self.motion.steps % SPAN as u64) as usize) {
@@ -231,7 +232,7 @@ impl<V: Vector> Watch<V> {
         self.motion.add(h, ends);
         let (looks, scale) = (self.motion.steps, self.motion.mean().unwrap_or(f64::NAN));
         let harmful = HARMFUL * scale;
-        let is_off = error > harmful && error > harmful + 2.0 * rounding_of_energy(system, ends[1]);
+        let is_off = error > harmful && error > harmful + rounding::<H, E>(system, ends[1], step, scale);
         let is_learning = matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && looks < SPAN as u64;
         self.next = self.after(self.next, is_off || is_learning);
         if !is_off {
@@ -309,12 +310,18 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// What rounding does to the energy at all states that round to this one.
+/// What rounding may have done to the energy up to this state, `n r max(1, s (s + 1) √(R/A))`: `r` is the difference of the energies of all states that round to
+/// this one, in each of `n` steps, of which stiff ones err to one side, and at the start. A step that is long for a linear motion rounds by more: the
+/// increments are what is left of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy, and of `s` stages, of order
+/// `2s`, `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity.
 #[cold]
-fn rounding_of_energy<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
+fn rounding<H: Discretized<E>, E>(system: &H, state: &State<H::Vector>, step: u64, motion: f64) -> f64 {
     let lift =
         |of: &H::Vector| -> Vec<Rounded> { of.components().iter().copied().map(Rounded::nearest).collect() };
-    system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error
+    let error = system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error;
+    let stages = 0.5 * f64::from(H::PLAN.order);
+    let longer = (stages * (stages + 1.0) * (error / f64::EPSILON / motion).sqrt()).max(1.0);
+    (step + 2) as f64 * error * longer
 }
 
 /// How much energy depends on which of two ends of the same step is right, `Σ_i |H_q δq| + |H_p δp|`, and the energy that moves in the step,
