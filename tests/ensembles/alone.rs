@@ -153,3 +153,39 @@ fn stable_motions_are_not_refused() {
         }
     }
 }
+
+/// Steps of orbits that have to be divided are divided as those of a single run are, and have the same bits.
+#[test]
+fn steps_are_divided_as_those_of_a_single_path() {
+    // From the apocentre past the pericentre.
+    let starts: Vec<State<SVector<f64, 2>>> = (0..12)
+        .map(|path| {
+            let e = 0.984 + 0.001 * f64::from(path);
+            State::new([1.0 + e, 0.0], [0.0, ((1.0 - e) / (1.0 + e)).sqrt()])
+        })
+        .collect();
+    let retry = Retry::halving(12);
+    let (mut divided, mut finest) = (0, 0);
+    for (h, steps) in [(5e-3, 680), (1e-2, 340)] {
+        let ensemble = || {
+            let all = Kepler.ensemble::<Midpoint>(h).starts_from(starts.clone()).steps(steps).record_every(1);
+            all.retry(retry).allow_losses(1.0)
+        };
+        assert!(ensemble().run_in::<1>().unwrap() == ensemble().run_in::<4>().unwrap());
+        for (path, start) in starts.iter().enumerate() {
+            let (single, theirs) =
+                Kepler.simulate::<Midpoint>(h).start(*start).steps(steps).retry(retry).run_partial().unwrap();
+            let (replayed, ours) = ensemble().replay(path as u64).unwrap();
+            assert_eq!(ours, theirs, "path {path}");
+            let pairs = replayed.states().iter().zip(single.states());
+            let other =
+                pairs.enumerate().find(|(_, (ours, theirs))| (ours.q, ours.p) != (theirs.q, theirs.p));
+            assert!(other.is_none() && replayed.len() == single.len(), "path {path}: {other:?}");
+            let [ours, theirs] = [&replayed, &single].map(|path| path.iterations());
+            assert_eq!((ours.halved, ours.halvings), (theirs.halved, theirs.halvings), "path {path}");
+            (divided, finest) = (divided + ours.halved, finest.max(ours.halvings));
+        }
+    }
+    println!("{divided} steps divided, {finest} times");
+    assert!(divided > 40 && finest == 12, "{divided} {finest}");
+}

@@ -383,14 +383,16 @@ fn components<const D: usize>(state: &State<wzvi::nalgebra::SVector<f64, D>>) ->
     state.q.iter().chain(state.p.iter()).copied().collect()
 }
 
-/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 cargo test --release --test laws branches -- --nocapture` is 10^4 steps.
+/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 SEED=7 cargo test --release --test laws branches -- --nocapture` is 10^4 steps.
 #[test]
 fn random_steps_continue_their_state() {
-    let steps: u32 = std::env::var("STEPS").map_or(20, |steps| steps.parse().unwrap());
+    let number =
+        |name: &str, else_is: u64| std::env::var(name).map_or(else_is, |number| number.parse().unwrap());
+    let (steps, seed) = (number("STEPS", 20) as u32, number("SEED", 7));
     let mut all = Counts::default();
     macro_rules! of {
         ($system:expr, $name:expr, $($scheme:ty, $stages:expr);+) => {$(
-            let counts = compare::<_, $scheme, _>($system, $stages, steps, 7 + $stages);
+            let counts = compare::<_, $scheme, _>($system, $stages, steps, seed + $stages);
             println!("{} {}: {counts:?}", $name, stringify!($scheme));
             all.add(counts);
         )+};

@@ -208,3 +208,52 @@ fn rounding_is_no_alarm() {
         Kepler.simulate::<Midpoint>(1e-2).start(State::new([1.0, 0.0], [0.0, 1.0])).steps(100_000).run();
     assert_eq!(path.unwrap().iterations().suspected, 0);
 }
+
+/// A mid-point of a linear motion.
+#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [Midpoint, Gauss<8>])]
+struct Oscillator {
+    omega: f64,
+}
+
+/// Two minima at `±scale`.
+#[hamiltonian(
+    drift = |q, p| {
+        let x = q / scale;
+        0.5 * p * p + 0.25 * scale * scale * (x * x - 1.0) * (x * x - 1.0)
+    },
+    embedding = Midpoint,
+)]
+struct ScaledWell {
+    scale: f64,
+}
+
+/// What rounding does to the energy is no alarm, be it as large as the motion: nearly at rest, and where a step turns by nearly half a turn, its stages are next to nothing.
+#[test]
+fn rounding_is_no_alarm() {
+    let start = State::new([1.0], [0.0]);
+    for exponent in [4, 6, 8] {
+        let (omega, steps) = (10.0_f64.powi(exponent), 10_000);
+        let oscillator = Oscillator { omega };
+        let runs = [
+            oscillator.simulate::<Midpoint>(1.0).start(start).steps(steps).run().map(|path| *path.last()),
+            oscillator.simulate::<Gauss<8>>(1.0).start(start).steps(steps).run().map(|path| *path.last()),
+        ];
+        for end in runs {
+            let end = end.unwrap_or_else(|error| panic!("ωh = 1e{exponent}: {error}"));
+            let radius = end.q[0].hypot(end.p[0]);
+            println!("ωh = 1e{exponent}: {:e}", radius - 1.0);
+            // What the slopes of eight stages round to in each step, if all err to one side.
+            let rounding = 8.0 * steps as f64 * omega * f64::EPSILON;
+            assert!((radius - 1.0).abs() < rounding, "ωh = 1e{exponent}: {radius}");
+        }
+    }
+    for scale in [1e-6, 1.0, 1e6] {
+        let well = ScaledWell { scale };
+        for speed in [1e-12, 1e-11, 1e-10] {
+            let start = State::new([scale], [speed * scale]);
+            let path = well.simulate::<Midpoint>(0.1).start(start).steps(100_000).run();
+            let path = path.unwrap_or_else(|error| panic!("{scale} {speed}: {error}"));
+            assert!((path.last().q[0] / scale - 1.0).abs() < speed);
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! One-step schemes of the program: order, noise, lanes, refusals.
 
+use allocation_counter::measure;
 use fixtures::bath::Oscillator;
 use fixtures::small::{DoubleWell, HenonHeiles, Kubo};
 use wzvi::embedding::{OneStep, Own};
@@ -83,6 +84,21 @@ fn increments_move_the_step_hamiltonian() {
         assert!((ours - exact).abs() < 20.0 * f64::EPSILON, "{ours} {exact}");
     }
     assert_eq!(<Kubo as Discretized<Rk4>>::PLAN.strong_order(), Some(1.0));
+}
+
+/// After the first two, which make room for a state, for its lists and for what forces exchange.
+#[test]
+fn steps_allocate_nothing() {
+    fn check<H: Discretized<Rk4>>(system: &H, mut state: State<H::Vector>) {
+        let dw = vec![0.02; system.noises()];
+        let mut stepper = system.stepper::<Rk4>(0.01).unwrap();
+        let mut steps = |n: u32| (0..n).for_each(|_| assert!(stepper.step(&mut state, &dw).is_ok()));
+        steps(2);
+        assert_eq!(measure(|| steps(100)).count_total, 0);
+    }
+    check(&Kubo { a: 0.7, sigma: 0.9 }, State::new([0.3], [0.8]));
+    check(&HenonHeiles, State::new([0.12, 0.25], [0.3, -0.2]));
+    check(&Pushed, State::new(vec![0.1; 40], vec![0.2; 40]));
 }
 
 #[test]

@@ -2,8 +2,6 @@
 
 use std::collections::HashMap;
 
-use proc_macro2::TokenStream;
-
 use crate::describe::{Split, Texts, derived};
 use crate::diagnostics::{Located, internal};
 use crate::discretise::describe::{describe, hamiltonians, properties};
@@ -14,12 +12,12 @@ use crate::discretise::gauss::{self, StepSlopes};
 use crate::elements;
 use crate::elements::plan::Step;
 use crate::embedding::Embedding;
-use crate::emit::emit;
+use crate::emit::{Expansion, emit};
 use crate::model::{StraightLine, System};
 use crate::passes::unroll::written_out;
 
 /// The struct with everything that the compiler gives it: terms and steps as straight lines, or in loops.
-pub(crate) fn generate(system: &mut System, facts: &Facts) -> TokenStream {
+pub(crate) fn generate(system: &mut System, facts: &Facts) -> Expansion {
     let line = written_out(system);
     let line = line.as_ref();
     let listed = values(&system.embeddings);

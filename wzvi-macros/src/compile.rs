@@ -1,11 +1,13 @@
 //! The whole compiler on one page.
 
 use proc_macro2::TokenStream;
+use quote::quote;
 
 use crate::backend::generate;
 use crate::check::check;
 use crate::diagnostics::{Diagnostics, internal};
 use crate::discretise::facts::Facts;
+use crate::emit::Expansion;
 use crate::emit::stubs::Stubs;
 use crate::functions;
 use crate::input::{self, Library};
@@ -17,35 +19,47 @@ use crate::passes::unroll::unroll;
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.
 pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    match functions::questions(&attribute, &item) {
-        // Mistakes are reported first: `rustc` would show nothing but a macro that it cannot find.
-        Some(questions) if !has_errors(attribute.clone(), item.clone()) => questions,
-        _ => expand_with(attribute, item, Library::default()),
+    if let Some(question) = functions::questions(&attribute, &item) {
+        // Mistakes that the functions do not change are reported first.
+        let library = Library { is_pending: true, ..Library::default() };
+        let mut diagnostics = Diagnostics::new();
+        let mut stubs = Stubs::unrecognised(TokenStream::new());
+        compile(attribute.clone(), item.clone(), library, &mut stubs, &mut diagnostics);
+        if diagnostics.finish().is_ok() {
+            return question.beside_struct(stubs.with_errors(&TokenStream::new()));
+        }
     }
+    let stubs = Stubs::unrecognised(item.clone());
+    let declared = |Expansion { doc, item, implementations }| quote! { #doc #item #implementations };
+    expand_with(attribute, item, Library::default(), stubs, declared)
 }
 
-/// The same where the functions that the Hamiltonians call are known.
-pub(crate) fn expand_with(attribute: TokenStream, item: TokenStream, library: Library) -> TokenStream {
+/// The same where the functions that the Hamiltonians call are known, beside the struct.
+pub(crate) fn expand_beside(attribute: TokenStream, item: TokenStream, library: Library) -> TokenStream {
+    let beside = |Expansion { doc, item, implementations }: Expansion| {
+        let (name, (parameters, arguments, condition)) = (&item.ident, item.generics.split_for_impl());
+        quote! { #doc impl #parameters #name #arguments #condition {} #implementations }
+    };
+    expand_with(attribute, item, library, Stubs::unrecognised(TokenStream::new()), beside)
+}
+
+fn expand_with(
+    attribute: TokenStream,
+    item: TokenStream,
+    library: Library,
+    mut stubs: Stubs,
+    together: impl FnOnce(Expansion) -> TokenStream,
+) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
-    let mut stubs = Stubs::unrecognised(item.clone());
     let expansion = compile(attribute, item, library, &mut stubs, &mut diagnostics);
     if expansion.is_none() && !diagnostics.has_errors() {
         internal::broken("what is not expanded has an error");
     }
     internal::error().into_iter().for_each(|error| diagnostics.report(error));
     match diagnostics.finish() {
-        Ok(()) => expansion.unwrap_or_default(),
+        Ok(()) => expansion.map(together).unwrap_or_default(),
         Err(errors) => stubs.with_errors(&errors),
     }
-}
-
-/// Whether the expansion would report errors whatever the shared functions are.
-fn has_errors(attribute: TokenStream, item: TokenStream) -> bool {
-    let library = Library { is_pending: true, ..Library::default() };
-    let mut diagnostics = Diagnostics::new();
-    let mut stubs = Stubs::unrecognised(TokenStream::new());
-    compile(attribute, item, library, &mut stubs, &mut diagnostics);
-    diagnostics.finish().is_err()
 }
 
 /// Every pass, in order. `None` only after an error was reported.
@@ -55,7 +69,7 @@ fn compile(
     library: Library,
     stubs: &mut Stubs,
     diagnostics: &mut Diagnostics,
-) -> Option<TokenStream> {
+) -> Option<Expansion> {
     // read
     let container = input::read_struct(item, diagnostics);
     let mut declaration = input::read_attribute(attribute, diagnostics)?;

@@ -15,18 +15,20 @@ use quote::{ToTokens, format_ident, quote};
 use syn::parse::{Parse, ParseStream, Parser};
 use syn::{ImplItem, Item, ItemFn, ItemImpl, Path, braced};
 
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostics, messages};
 use crate::input::{self, Function, Library};
 use crate::lower::key;
 
 pub(crate) use define::define;
 
-/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {asked paths} {answers}`.
-pub(super) struct Question {
+/// An expansion that waits for definitions: `{kind} {crate path} {attribute} {item} {stand-ins} {asked paths} {answers}`.
+pub(crate) struct Question {
     pub(super) kind: Ident,
     pub(super) crate_path: Path,
     pub(super) attribute: TokenStream,
     pub(super) item: TokenStream,
+    /// What a struct has in place of its integrators where a definition does not come.
+    pub(super) stand_ins: TokenStream,
     pub(super) asked: Vec<Path>,
     pub(super) answers: Vec<TokenStream>,
 }
@@ -34,29 +36,48 @@ pub(super) struct Question {
 impl Question {
     /// The next definition that is missing, asked for.
     pub(super) fn ask(&self) -> TokenStream {
-        let Some(path) = self.asked.get(self.answers.len()) else { return TokenStream::new() };
-        let Self { kind, crate_path, attribute, item, asked, answers } = self;
+        let position = self.answers.len();
+        let Some(path) = self.asked.get(position) else { return TokenStream::new() };
+        let Some(name) = path.segments.last().map(|last| &last.ident) else { return TokenStream::new() };
+        let Self { kind, crate_path, attribute, item, stand_ins, asked, answers } = self;
         let state = quote! {
-            { { #kind } { #crate_path } { #attribute } { #item } { #( { #asked } )* } { #( { #answers } )* } }
+            {
+                { #kind } { #crate_path } { #attribute } { #item } { #stand_ins } { #( { #asked } )* }
+                { #( { #answers } )* }
+            }
         };
         let callback = quote! { { #crate_path::__private::__continue } };
-        let (Some(last), false) = (path.segments.last(), is_owner(path)) else {
+        let is_of_function = is_function(kind);
+        if is_of_function && is_owner(path) {
             return quote! { #path! { #callback #state } };
-        };
-        // `rustc` can only say that there is no such macro: its name tells what is missing.
-        let (name, position) = (&last.ident, answers.len());
+        }
         let asker = asker(item).map_or_else(String::new, |asker| format!("_to_be_called_by_{asker}"));
-        let alias = match position {
-            0 => format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}", span = name.span()),
-            _ => format_ident!(
-                "{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}",
-                span = name.span()
-            ),
-        };
+        let alias =
+            format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}", span = name.span());
+        if is_of_function {
+            // What it leaves has to stand where the function does, and `rustc` can only say that there is no such macro: its name tells what is missing.
+            return quote! {
+                #[allow(unused_imports)]
+                use #path as #alias;
+                #alias! { #callback #state }
+            };
+        }
+        // A macro of the same name farther out is found where that of the function is not. Neither import may stand beside the call, which may define
+        // any name for all that `rustc` knows.
+        let missing = format_ident!("__wzvi_missing_{position}");
+        let error = (!is_owner(path)).then(|| messages::unmarked_function(name).to_compile_error());
         quote! {
-            #[allow(unused_imports)]
-            use #path as #alias;
-            #alias! { #callback #state }
+            const _: () = {
+                #[allow(unused_macros)]
+                macro_rules! #missing { ($($state:tt)*) => { #error #stand_ins } }
+                #[allow(unused_imports)]
+                use #missing as #alias;
+                const _: () = {
+                    #[allow(unused_imports)]
+                    use #path as #alias;
+                    const _: () = { #alias! { #callback #state } };
+                };
+            };
         }
     }
 }
@@ -65,13 +86,13 @@ impl Parse for Question {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let kind = syn::parse2(group(input)?)?;
         let crate_path = path(group(input)?)?;
-        let (attribute, item) = (group(input)?, group(input)?);
+        let (attribute, item, stand_ins) = (group(input)?, group(input)?, group(input)?);
         let asked = paths(group(input)?)?;
         let mut answers: Vec<TokenStream> = groups(group(input)?).collect();
         if !input.is_empty() {
             answers.push(group(input)?);
         }
-        Ok(Self { kind, crate_path, attribute, item, asked, answers })
+        Ok(Self { kind, crate_path, attribute, item, stand_ins, asked, answers })
     }
 }
 
@@ -192,8 +213,12 @@ fn is_owner(path: &Path) -> bool {
     path.get_ident().is_some_and(|name| name.to_string().ends_with(OWNER))
 }
 
+fn is_function(kind: &Ident) -> bool {
+    kind == "function"
+}
+
 /// The questions of `#[hamiltonian(attribute)] item`, if it calls shared functions and what is read so far has no mistakes.
-pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<TokenStream> {
+pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Question> {
     let mut diagnostics = Diagnostics::new();
     let system = input::read_struct(item.clone(), &mut diagnostics);
     let declaration = input::read_attribute(attribute.clone(), &mut diagnostics);
@@ -203,8 +228,18 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<T
     let asked = calls::of_closures(closures, &system.item.ident);
     let kind = syn::parse_quote!(hamiltonian);
     let (attribute, item, crate_path) = (attribute.clone(), item.clone(), declaration.crate_path);
-    let question = Question { kind, crate_path, attribute, item, asked, answers: Vec::new() };
-    (!question.asked.is_empty()).then(|| question.ask())
+    let stand_ins = TokenStream::new();
+    let question = Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() };
+    (!question.asked.is_empty()).then_some(question)
+}
+
+impl Question {
+    /// The first one, beside the struct: what comes of the answers is in a scope of its own.
+    pub(crate) fn beside_struct(self, stand_ins: TokenStream) -> TokenStream {
+        let question = Self { stand_ins, ..self };
+        let (item, asked) = (&question.item, question.ask());
+        quote! { #item #asked }
+    }
 }
 
 /// One answer has come: the next question, or what the system is expanded to.
@@ -219,7 +254,7 @@ pub(crate) fn proceed(
     if question.answers.len() < question.asked.len() {
         return question.ask();
     }
-    if question.kind == "function" {
+    if is_function(&question.kind) {
         return define::carrier(&question);
     }
     match library(&question.asked, &question.answers, &question.item) {

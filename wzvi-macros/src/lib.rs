@@ -86,5 +86,5 @@ pub fn hamiltonian_fn(
 #[doc(hidden)]
 #[proc_macro]
 pub fn __continue(tokens: proc_macro::TokenStream) -> proc_macro::TokenStream {
-    functions::proceed(tokens.into(), compile::expand_with).into()
+    functions::proceed(tokens.into(), compile::expand_beside).into()
 }

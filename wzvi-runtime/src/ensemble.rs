@@ -84,7 +84,7 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 /// earlier one. `N` is the type of the noise, `R` whether steps may be halved, and `P` whether each path has a system of its own: what makes no
 /// sense together does not compile.
 #[must_use = "nothing happens before `run`"]
-pub struct Ensemble<'a, H: Discretized<E>, E, N = StepNormals, R = Whole, P = OneSystem> {
+pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSystem> {
     setup: Setup<'a, H>,
     types: Types<E, N, R, P>,
 }
@@ -169,7 +169,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
+impl<'a, H: Hamiltonian, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
     /// Whether the increments of a seed are truncated; if this is not called, with `k = 4` where
     /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments). Another noise truncates by itself, as in
     /// `Wiener::seed(7).truncated(4)`.
@@ -187,7 +187,7 @@ impl<'a, H: Discretized<E>, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
+impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     options!(start, end, exact, record, observe, temperatures, section, watch, execution, instructions);
 
     /// Observes a function of the system of each path, too.

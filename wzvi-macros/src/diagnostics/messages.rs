@@ -53,6 +53,8 @@ messages! {
     methods_of_trait(path) = "`#[hamiltonian_fn]` goes on an `impl` of the struct itself, not of a trait";
     generic_function(parameter) = "a function of Hamiltonians takes numbers, arrays and slices: it has no \
         generic parameters; the length of a slice is `x.len()`";
+    unmarked_function(name) = "`{name}` has no attribute `#[hamiltonian_fn]`, which a function needs to be called by \
+        a Hamiltonian";
     special_function(found) = "a function of Hamiltonians is a plain function of its arguments, or takes \
         `&self`";
     relative_constant(path) = "the body of this function is compiled where it is called, and this name may \

@@ -28,6 +28,13 @@ pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::{Body, Inputs, Letters, count, evaluation, parameter_names};
 
+/// What a struct is expanded to.
+pub(crate) struct Expansion {
+    pub(crate) doc: TokenStream,
+    pub(crate) item: syn::ItemStruct,
+    pub(crate) implementations: TokenStream,
+}
+
 /// The struct as it was written, documented, and in a scope of its own everything that `#[hamiltonian]` stands for: the terms, what is
 /// made of them, and the steps.
 pub(crate) fn emit(
@@ -36,7 +43,7 @@ pub(crate) fn emit(
     facts: &Facts,
     steps: &[Step],
     texts: &Texts,
-) -> TokenStream {
+) -> Expansion {
     let parameters = line.map(|line| line.parameters.as_slice());
     let mut generated = terms::terms(system, parameters, facts, steps, texts);
     let is_taken =
@@ -69,16 +76,15 @@ pub(crate) fn emit(
             generics: &system.item.generics,
         },
     );
-    let (doc, item, type_checks) = (documentation(texts), &system.item, &system.type_checks);
-    quote! {
-        #doc
-        #item
+    let type_checks = &system.type_checks;
+    let implementations = quote! {
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo)]
         const _: () = {
             #generated
         };
         #type_checks
-    }
+    };
+    Expansion { doc: documentation(texts), item: system.item.clone(), implementations }
 }
 
 /// `impl Conservative`, which says that there is a modified energy.

@@ -44,7 +44,8 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
         }
     };
     let kind = syn::parse_quote!(function);
-    Some(Question { kind, crate_path, attribute, item: item.clone(), asked, answers: Vec::new() })
+    let (item, stand_ins) = (item.clone(), TokenStream::new());
+    Some(Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() })
 }
 
 fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {

@@ -7,6 +7,7 @@ mod watched;
 use std::marker::PhantomData;
 
 use alone::checks_anew;
+use watched::Motions;
 
 use super::increments::LaneIncrements;
 use super::job::Job;
@@ -77,6 +78,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     next_look: u64,
     /// Of lanes that are looked at in this step.
     looked: Vec<(usize, Box<Room<H::Vector>>)>,
+    /// What the parts of a divided step are compared with.
+    motions: Motions<H::Vector>,
     /// Whether anything is looked for between nodes.
     looks_between: bool,
     /// Whether the last step, which is shorter, has been taken: by steppers.
@@ -114,6 +117,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             watches: Vec::new(),
             next_look: u64::MAX,
             looked: Vec::new(),
+            motions: Motions::default(),
             looks_between: job.looks_between(),
             is_over: false,
             systems: PhantomData,
@@ -268,9 +272,16 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         if const { checks_anew::<H, E>() } && is_anew {
             self.keep_starts(step);
         }
+        let is_measured = const { keeps_energy::<H, E>() } && step == self.motions.next;
+        if is_measured {
+            self.begin_motion();
+        }
         self.take_step(step)?;
         if const { checks_anew::<H, E>() } && is_anew {
             self.check_starts(step)?;
+        }
+        if is_measured {
+            self.end_motion(step);
         }
         if const { keeps_energy::<H, E>() } && !self.looked.is_empty() {
             self.end_look(step);
@@ -417,6 +428,12 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             }
         }
         &self.alone
+    }
+
+    /// How often the last step of a lane was halved, if it is this one.
+    pub(super) fn halvings_of(&self, lane: usize, step: u64) -> u32 {
+        let (halved, halvings) = self.halved[lane];
+        if halved == step { halvings } else { 0 }
     }
 
     /// The number of the path of a lane.

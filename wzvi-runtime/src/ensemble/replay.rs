@@ -87,7 +87,8 @@ impl<'g, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g,
             return Err(failure.error.into());
         }
         let Self { lane, recorder, reached, looks, dense, .. } = self;
-        recorder.step(group.increments_of(*lane, node - 1), &StepInfo::default());
+        let halvings = group.halvings_of(*lane, node - 1);
+        recorder.step(group.increments_of(*lane, node - 1), &StepInfo { halvings, ..StepInfo::default() });
         if let Some(looks) = looks.as_mut().filter(|looks| looks.wants(node, recorder.next_inside())) {
             let mut later = group.increments_of(*lane, node - 1).to_vec();
             group.look_inside(*lane, node, reached, dense, |dense, dw, is_last| {

@@ -34,6 +34,12 @@ pub enum StepFailure {
         /// The mean of `|p · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
     },
+    /// Of a [derivative by the start](crate::path::simulate::Simulation::tangent): dual numbers, which solve each step anew and do not follow its solution, end at
+    /// another one than the step.
+    OtherSolution {
+        /// By how much the two differ, relative to the way of the step, largest component.
+        apart: f64,
+    },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
     /// The number of increments is not the number of those that drive a step.
@@ -92,6 +98,11 @@ impl fmt::Display for StepFailure {
                 "the step is too long for the motion: the energy is off by {energy_error:.1e}, and not in passing, where the \
                  mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or look at the \
                  energy yourself with `.unwatched()`"
+            ),
+            Self::OtherSolution { apart } => write!(
+                f,
+                "the equations of the step have several solutions: dual numbers end at another one than the step, {apart:.1e} of its \
+                 way apart, so that its derivative is not known; take a smaller step"
             ),
             Self::NonFinite => {
                 write!(f, "the new state is not finite; take a smaller step or check the domain of H")

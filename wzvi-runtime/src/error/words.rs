@@ -6,8 +6,9 @@ use crate::ground::numbers::Tape;
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Lanes, behind all of them.
+/// Lanes, behind all of them, and another solution.
 const LANES: u64 = u64::MAX;
+const OTHER: u64 = LANES - 1;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -33,6 +34,7 @@ impl StepFailure {
             Self::Lanes(FailedLanes(lanes)) => [LANES, lanes, 0],
             // Runs find it before their first step; here the name is lost.
             Self::Index(error) => [8, error.value() as u64, 0],
+            Self::OtherSolution { apart } => [OTHER, apart.to_bits(), 0],
             Self::Bath(error) => {
                 let [which, a, b] = error.words();
                 [BATH + which, a, b]
@@ -57,6 +59,7 @@ impl StepFailure {
                 (a as i64).into(),
                 IndexLimit::Integers,
             )),
+            OTHER => Self::OtherSolution { apart: x },
             _ => Self::Bath(BathError::from_words([which.checked_sub(BATH)?, a, b])?),
         })
     }
@@ -73,6 +76,7 @@ mod tests {
             StepFailure::Singular { pivot: -0.0, scale: f64::INFINITY },
             StepFailure::NoSolution { reached: 0.3 },
             StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0 },
+            StepFailure::OtherSolution { apart: 0.4 },
             StepFailure::NonFinite,
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },

@@ -179,7 +179,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         take_steps(&mut path, parts, &mut EachPart { before: before.clone(), see })
     }
 
-    /// The step in `2^from` parts, or as many more as it takes.
+    /// The step in `2^from` parts, or as many more as it takes; `motion` is the mean of `p · dq/dt` along the path so far.
     #[cold]
     pub(crate) fn subdivide<N: Noise>(
         &mut self,
@@ -188,6 +188,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         noise: &mut Option<N>,
         dw: &mut [f64],
         from: u32,
+        motion: Option<f64>,
     ) -> Result<StepInfo, Error> {
         let mut level = from;
         let mut coarse: Option<State<H::Vector>> = None;
@@ -205,17 +206,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
                 outcome
             };
             let error = match outcome {
-                Ok(iterations) => match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end]) {
-                    Some(cause) if !is_own => {
-                        coarse = Some(end);
-                        StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
+                Ok(iterations) => {
+                    match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end], motion) {
+                        Some(cause) if !is_own => {
+                            coarse = Some(end);
+                            StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
+                        }
+                        _ => {
+                            end.t = interval.end();
+                            *state = end;
+                            return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
+                        }
                     }
-                    _ => {
-                        end.t = interval.end();
-                        *state = end;
-                        return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
-                    }
-                },
+                }
                 Err(Error::Step(error)) if is_curable(error.cause) => {
                     coarse = None;
                     StepError { step: interval.step, ..error }
@@ -232,12 +235,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     }
 
     /// Why the second of two ends of a step that begins there is not to be taken: they disagree by more than what they may.
-    fn unsettled(&self, start: &State<H::Vector>, ends: [&State<H::Vector>; 2]) -> Option<StepFailure> {
+    fn unsettled(
+        &self,
+        start: &State<H::Vector>,
+        ends: [&State<H::Vector>; 2],
+        motion: Option<f64>,
+    ) -> Option<StepFailure> {
         if !matches!(H::PLAN.noise, NoiseClass::None) {
             return None;
         }
         let (energy_error, of_step) = disagreement(self.system, start, ends);
-        let scale = self.watch.mean_motion().unwrap_or(of_step);
+        let scale = motion.unwrap_or(of_step);
         // Also where one of them is no number.
         let is_settled = energy_error <= AGREEMENT * scale;
         (!is_settled).then_some(StepFailure::Unresolved { energy_error, scale })
@@ -385,7 +393,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Subdivision<'_, H, E, C> {
             Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
                 Err(StepError { step: interval.step, ..error }.into())
             }
-            Err(_) => self.subdivide(state, interval, noise, dw, 1),
+            Err(_) => self.subdivide(state, interval, noise, dw, 1, self.watch.mean_motion()),
         }
     }
 
@@ -417,7 +425,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_
         match self.way {
             Way::Whole if self.watch.looks_at(interval.step) => self.watched(state, interval, noise, dw),
             Way::Whole => self.whole(state, interval, noise, dw),
-            Way::Halved(halvings) => self.subdivide(state, interval, noise, dw, halvings),
+            Way::Halved(halvings) => {
+                self.subdivide(state, interval, noise, dw, halvings, self.watch.mean_motion())
+            }
             Way::Last => self.last(state, interval, noise, dw),
         }
     }
@@ -447,6 +457,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Index(_)
         | StepFailure::Bath(_)
         | StepFailure::Lanes(_)
+        | StepFailure::OtherSolution { .. }
         | StepFailure::NonFiniteInput => false,
     }
 }

@@ -80,7 +80,7 @@ pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 /// A start and an end are needed, and a noise if the system has any. A later setting replaces an earlier one.
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `run`"]
-pub struct Simulation<'a, H: Discretized<E>, E, N = NoNoise, O = Unobserved, R = Whole> {
+pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Whole> {
     setup: Setup<'a, H>,
     noise: Option<N>,
     observer: O,
@@ -124,7 +124,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
     }
 }
 
-impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
+impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     options!(start, end, exact, record, observe, temperatures, section, watch);
 
     /// Observes a function of the system, too.

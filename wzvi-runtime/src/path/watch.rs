@@ -50,6 +50,35 @@ pub(crate) const fn keeps_energy<H: Discretized<E>, E>() -> bool {
         && H::PROPERTIES.is_variational
 }
 
+/// The size of the motion so far, in units of energy: `|(p_i + p_{i+1})/2 · Δq/h|` over some steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Motion {
+    steps: u64,
+    sum: f64,
+}
+
+impl Motion {
+    /// Adds the step of size `h` between these states.
+    pub(crate) fn add<V: Vector>(&mut self, h: f64, [before, after]: [&State<V>; 2]) {
+        let ends = before.q.components().iter().zip(after.q.components());
+        let momenta = before.p.components().iter().zip(after.p.components());
+        let moved: f64 = momenta.zip(ends).map(|((p0, p1), (q0, q1))| (q1 - q0) * (p1 + p0)).sum();
+        self.steps += 1;
+        self.sum += (0.5 / h * moved).abs();
+    }
+
+    /// Its mean, if there is one.
+    pub(crate) fn mean(self) -> Option<f64> {
+        (self.steps > 0).then(|| self.sum / self.steps as f64)
+    }
+}
+
+/// The step that a single path looks at after this one.
+pub(crate) fn next_look(step: u64) -> u64 {
+    let group = step / STRIDE + 1;
+    STRIDE * group + 5 * group % STRIDE
+}
+
 /// The energy of a run so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch<V> {
@@ -58,12 +87,11 @@ pub(crate) struct Watch<V> {
     /// The steps of a path of an ensemble, which is looked at rarely as long as its energy is right.
     steps: Option<u64>,
     is_refusing: bool,
-    looks: u64,
     suspected: u64,
     /// `E_h` at the start: the least and the largest of the first looks where a scheme keeps it nearly.
     band: [f64; 2],
-    /// The sum of `|p · Δq/h|` over all looks.
-    motion: f64,
+    /// That of all looks.
+    motion: Motion,
     /// By how much the energy is off before the step that is looked at, and, the less of both its ends, was at the last looks.
     off: f64,
     recent: [f64; SPAN],
@@ -83,9 +111,9 @@ impl<V> Default for Watch<V> {
     /// Of nothing.
     fn default() -> Self {
         let recent = [0.0; SPAN];
-        let (band, motion, room) = ([0.0; 2], 0.0, None);
-        let (next, steps, is_refusing, looks, suspected, off) = (u64::MAX, None, false, 0, 0, 0.0);
-        Self { next, steps, is_refusing, looks, suspected, band, motion, off, recent, room }
+        let (band, motion, room) = ([0.0; 2], Motion::default(), None);
+        let (next, steps, is_refusing, suspected, off) = (u64::MAX, None, false, 0, 0.0);
+        Self { next, steps, is_refusing, suspected, band, motion, off, recent, room }
     }
 }
 
@@ -129,7 +157,7 @@ impl<V: Vector> Watch<V> {
 
     /// The mean of `|p · Δq/h|`, if there is one.
     pub(crate) fn mean_motion(&self) -> Option<f64> {
-        (self.looks > 0).then(|| self.motion / self.looks as f64)
+        self.motion.mean()
     }
 
     /// Before a step of size `h` that is looked at: what [`Watch::end`] takes after it.
@@ -143,7 +171,7 @@ impl<V: Vector> Watch<V> {
         let mut room = self.room.take().unwrap_or_else(|| Box::new(Room::of(state)));
         copy_state(&mut room.before, state);
         let energy = room.kept_energy::<H, E>(system, state, h);
-        if self.looks == 0 {
+        if self.motion.steps == 0 {
             self.band = [energy; 2];
         }
         self.off = self.distance::<H, E>(energy);
@@ -163,11 +191,10 @@ impl<V: Vector> Watch<V> {
         state: &mut State<V>,
         step: u64,
     ) -> Result<(), StepError> {
-        let motion = (0.5 / h * moved(&room.before, state)).abs();
         // A stiff direction that alternates may excite every other node only.
         let energy = room.kept_energy::<H, E>(system, state, h);
         let off = self.off.min(self.distance::<H, E>(energy));
-        let judged = self.judge::<H, E>(system, state, off, motion);
+        let judged = self.judge::<H, E>(system, [&room.before, state], h, step, off);
         if judged.is_err() {
             copy_state(state, &room.before);
         }
@@ -178,7 +205,7 @@ impl<V: Vector> Watch<V> {
     /// By how much this energy is off.
     fn distance<H: Discretized<E>, E>(&mut self, energy: f64) -> f64 {
         let [least, largest] = &mut self.band;
-        if matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.looks < SPAN as u64 {
+        if matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.motion.steps < SPAN as u64 {
             (*least, *largest) = (least.min(energy), largest.max(energy));
         }
         // NaN stays.
@@ -194,27 +221,26 @@ impl<V: Vector> Watch<V> {
     fn judge<H: Discretized<E, Vector = V>, E>(
         &mut self,
         system: &H,
-        state: &State<V>,
+        ends: [&State<V>; 2],
+        h: f64,
+        step: u64,
         error: f64,
-        motion: f64,
     ) -> Result<(), StepFailure> {
-        if let Some(place) = self.recent.get_mut((self.looks % SPAN as u64) as usize) {
+        if let Some(place) = self.recent.get_mut((self.motion.steps % SPAN as u64) as usize) {
             *place = error;
         }
-        self.looks += 1;
-        self.motion += motion;
-        let scale = self.motion / self.looks as f64;
+        self.motion.add(h, ends);
+        let (looks, scale) = (self.motion.steps, self.motion.mean().unwrap_or(f64::NAN));
         let harmful = HARMFUL * scale;
-        // Both energies have terms of the same size.
-        let is_off = error > harmful && error > harmful + 2.0 * rounding_of_energy(system, state);
-        let is_learning = matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && self.looks < SPAN as u64;
+        let is_off = error > harmful && error > harmful + rounding::<H, E>(system, ends[1], step, scale);
+        let is_learning = matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && looks < SPAN as u64;
         self.next = self.after(self.next, is_off || is_learning);
         if !is_off {
             return Ok(());
         }
         self.suspected += 1;
         let least = self.recent.iter().fold(f64::INFINITY, |least, error| least.min(*error));
-        if self.is_refusing && self.looks >= SPAN as u64 && least > harmful {
+        if self.is_refusing && looks >= SPAN as u64 && least > harmful {
             return Err(StepFailure::Unresolved { energy_error: least, scale });
         }
         Ok(())
@@ -222,22 +248,19 @@ impl<V: Vector> Watch<V> {
 
     /// The step to look at after this one.
     fn after(&self, step: u64, is_soon: bool) -> u64 {
-        let group = step / STRIDE + 1;
-        let soon = STRIDE * group + 5 * group % STRIDE;
         match self.steps.map(|steps| steps.saturating_sub(TAIL)) {
             Some(last) if !is_soon && step < last => last.min(TAIL.max(step.saturating_mul(8))),
             Some(_) if !is_soon => u64::MAX,
-            _ => soon,
+            _ => next_look(step),
         }
     }
 
     /// What a checkpoint keeps.
     #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
-        let Self { next, steps: _, is_refusing: _, looks, suspected, band, motion, off: _, recent, room: _ } =
-            self;
-        [next, looks, suspected].into_iter().for_each(|word| tape.word(word));
-        tape.number(motion);
+        let Self { next, steps: _, is_refusing: _, suspected, band, motion, off: _, recent, room: _ } = self;
+        [next, &mut motion.steps, suspected].into_iter().for_each(|word| tape.word(word));
+        tape.number(&mut motion.sum);
         tape.numbers(band);
         tape.numbers(recent);
     }
@@ -287,19 +310,18 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// `(p_0 + p_1) · (q_1 - q_0)`
-fn moved<V: Vector>(before: &State<V>, after: &State<V>) -> f64 {
-    let moved = after.q.components().iter().zip(before.q.components()).map(|(q1, q0)| q1 - q0);
-    let momenta = after.p.components().iter().zip(before.p.components()).map(|(p1, p0)| p1 + p0);
-    moved.zip(momenta).map(|(q, p)| q * p).sum()
-}
-
-/// What rounding does to the energy at all states that round to this one.
+/// What rounding may have done to the energy up to this state, `n r max(1, s (s + 1) √(R/A))`: `r` is the difference of the energies of all states that round to
+/// this one, in each of `n` steps, of which stiff ones err to one side, and at the start. A step that is long for a linear motion rounds by more: the
+/// increments are what is left of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy, and of `s` stages, of order
+/// `2s`, `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity.
 #[cold]
-fn rounding_of_energy<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> f64 {
+fn rounding<H: Discretized<E>, E>(system: &H, state: &State<H::Vector>, step: u64, motion: f64) -> f64 {
     let lift =
         |of: &H::Vector| -> Vec<Rounded> { of.components().iter().copied().map(Rounded::nearest).collect() };
-    system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error
+    let error = system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error;
+    let stages = 0.5 * f64::from(H::PLAN.order);
+    let longer = (stages * (stages + 1.0) * (error / f64::EPSILON / motion).sqrt()).max(1.0);
+    (step + 2) as f64 * error * longer
 }
 
 /// How much energy depends on which of two ends of the same step is right, `Σ_i |H_q δq| + |H_p δp|`, and the energy that moves in the step,

@@ -101,11 +101,12 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     fn halve(&mut self, lane: usize, step: u64, error: StepError) -> Result<State<H::Vector>, Error> {
         let job = self.job;
         let mut state = self.state_of(lane, error.t);
+        let motion = self.motions.of(lane);
         let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
         let interval = Interval { start: job.start.t, h: job.h, step };
         let noise = &mut noise.as_deref_mut();
-        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1)?;
+        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1, motion)?;
         self.halved[lane] = (step, info.halvings);
         self.anew = step + 1;
         Ok(state)

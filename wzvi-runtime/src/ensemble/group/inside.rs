@@ -59,9 +59,8 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         self.state_at(lane, node);
         self.increments_of(lane, step);
         let nodes = [before, &self.states[if self.is_stepped() { lane } else { 0 }]];
-        if let (halved, halvings) = self.halved[lane]
-            && halved == step
-        {
+        let halvings = self.halvings_of(lane, step);
+        if halvings > 0 {
             let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
             let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
             let interval = Interval { start: job.start.t, h: job.h, step };

@@ -1,19 +1,77 @@
 //! The energy of paths beside each other: each is watched as if it were alone.
 
 use super::{Group, Systems};
-use crate::path::watch::{Watch, keeps_energy};
+use crate::algebra::state::State;
+use crate::path::watch::{Motion, Watch, keeps_energy, next_look};
+use crate::scheme::dense::copy_state;
 use crate::scheme::system::Discretized;
+
+/// The size of the motion of each path, from the steps that a single path looks at: so both divide a step alike.
+pub(super) struct Motions<V> {
+    /// The next of these steps; the largest number if no step is divided.
+    pub(super) next: u64,
+    /// By lane, where that step began.
+    before: Vec<State<V>>,
+    so_far: Vec<Motion>,
+}
+
+impl<V> Motions<V> {
+    /// Its mean along the path of a lane.
+    pub(super) fn of(&self, lane: usize) -> Option<f64> {
+        self.so_far.get(lane)?.mean()
+    }
+}
+
+impl<V> Default for Motions<V> {
+    fn default() -> Self {
+        Self { next: u64::MAX, before: Vec::new(), so_far: Vec::new() }
+    }
+}
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
     /// Of all paths, from their starts.
     pub(super) fn watch_from_start(&mut self) {
-        if !const { keeps_energy::<H, E>() } || !self.job.is_watched {
+        if !const { keeps_energy::<H, E>() } {
+            return;
+        }
+        if self.job.retry.most() > 0 {
+            self.motions.next = 0;
+            self.motions.so_far.clear();
+            self.motions.so_far.resize(L, Motion::default());
+        }
+        if !self.job.is_watched {
             return;
         }
         self.watches.resize_with(L, Watch::default);
         let steps = self.job.grid.whole();
         self.watches.iter_mut().for_each(|watch| watch.restart::<H, E>(steps));
         self.find_next_look();
+    }
+
+    /// Before a step whose motion counts.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn begin_motion(&mut self) {
+        let mut before = std::mem::take(&mut self.motions.before);
+        if before.is_empty() {
+            before.resize(L, self.job.start.clone());
+        }
+        for (lane, before) in before.iter_mut().enumerate() {
+            copy_state(before, self.look(lane));
+        }
+        self.motions.before = before;
+    }
+
+    /// After it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn end_motion(&mut self, step: u64) {
+        let (h, mut motions) = (self.job.h, std::mem::take(&mut self.motions));
+        for (lane, (motion, before)) in motions.so_far.iter_mut().zip(&motions.before).enumerate() {
+            motion.add(h, [before, self.look(lane)]);
+        }
+        motions.next = next_look(step);
+        self.motions = motions;
     }
 
     /// Before a step that is looked at.

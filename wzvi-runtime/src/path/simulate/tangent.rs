@@ -51,7 +51,7 @@ where
     ///
     /// # Errors
     /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for what it has no meaning for: observables, sections, recorded nodes, a checkpoint, an exact end.
-    /// [`StepFailure::NotConverged`] where a step was found by following it, which dual numbers do not.
+    /// [`StepFailure::OtherSolution`] where a step was found by following it, which dual numbers do not, and they end elsewhere.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, keeping, .. } = setup;
@@ -156,7 +156,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
                 end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
                 if !is_near(before, [after, end]) {
-                    return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
+                    return Err(StepFailure::OtherSolution { apart: apart(before, [after, end]) });
                 }
             }
         }
@@ -170,6 +170,12 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             number.derivative[column % BESIDE]
         })
     }
+}
+
+/// How far two ends of a step are from each other, relative to the way to the first.
+fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
+    let ends = a.components().iter().zip(b.components()).zip(start.components());
+    ends.map(|((a, b), start)| ((a - b) / (a - start)).abs()).fold(0.0, f64::max)
 }
 
 impl<H: Discretized<E>, E> TakeStep<H::Vector> for Varied<'_, H, E> {
