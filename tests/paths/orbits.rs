@@ -229,7 +229,7 @@ struct ScaledWell {
 
 /// What rounding does to the energy is no alarm, be it as large as the motion: nearly at rest, and where a step turns by nearly half a turn, its stages are next to nothing.
 #[test]
-fn rounding_is_no_alarm() {
+fn rounding_as_large_as_the_motion_is_no_alarm() {
     let start = State::new([1.0], [0.0]);
     for exponent in [4, 6, 8] {
         let (omega, steps) = (10.0_f64.powi(exponent), 10_000);
