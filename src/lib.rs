@@ -45,7 +45,7 @@
 //! }
 //! ```
 //!
-//! Without noise, order 8 and 16 are as easy to have as order 2:
+//! Without noise, orders 8 and 16 take no more than another name:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -66,7 +66,7 @@
 //! }
 //! ```
 //!
-//! What is not Hamiltonian stands beside it. Friction and a temperature make a heat bath, whose part of the step is exact:
+//! Non-Hamiltonian terms stand beside it. Friction and a temperature make a heat bath, whose part of the step is exact:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -97,18 +97,18 @@
 //! * **System.** With drift `H_0` and noises `H_k`, in the sense of Stratonovich,
 //!   `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`. The struct implements
 //!   [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
-//! * **Shared functions.** Hamiltonians see through calls of functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn), and of
-//!   methods of an `impl` that carries it: potentials can live in modules and crates of their own, and facts and
-//!   derivatives are those of the inlined expression.
-//! * **Schemes** are types, the [embeddings](embedding): where the discrete antiderivative reads `q`. For each one
-//!   listed the struct implements [`Discretized`](system::Discretized); its [`PLAN`](plan::Plan) says what the compiler
-//!   found out (how the step is solved, whether the scheme is consistent, whether the energy is kept) and its
-//!   `EQUATIONS` print what was derived.
+//! * **Shared functions.** Hamiltonians may call functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn), and methods of
+//!   an `impl` that carries it. Potentials can live in modules and crates of their own; facts and derivatives are those of
+//!   the inlined expression.
+//! * **Schemes** are types, the [embeddings](embedding): the points at which the discrete antiderivative evaluates `q`. For
+//!   each one listed the struct implements [`Discretized`](system::Discretized). Its [`PLAN`](plan::Plan) states the facts:
+//!   how the step is solved, whether the scheme is consistent, whether the energy is conserved. Its `EQUATIONS` print the
+//!   derivation.
 //! * **One step at a time**: `kubo.stepper::<Midpoint>(h)?` is a [`Stepper`](step::Stepper);
-//!   `stepper.step(&mut state, &[dw])?` allocates nothing and on an error leaves the state bit for bit as it was.
+//!   `stepper.step(&mut state, &[dw])?` allocates nothing, and on an error leaves the state unchanged, bit for bit.
 //! * **One path**: `kubo.simulate::<Midpoint>(h)` builds a [`Simulation`](simulate::Simulation), and running it gives a
-//!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, what is left of the
-//!   discrete Euler-Lagrange equations. Given numbers serve as noise, too:
+//!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, the residual of the
+//!   discrete Euler-Lagrange equations. Given numbers may drive it, too:
 //!   [`Increments::from`](increments::Increments).
 //! * **Many paths**: `kubo.ensemble::<Midpoint>(h)` builds an [`Ensemble`](ensemble::Ensemble), and running it gives [`Statistics`](ensemble::Statistics), the
 //!   same bits however the work is split.
@@ -116,14 +116,18 @@
 //! * **Results**: [`path.table()`](trajectory::Trajectory::table) has columns with the names of the closure, as CSV, JSON and (feature `columnar`) Parquet; with the
 //!   feature `plot`, `path.plot()` draws.
 //! * **Between the nodes**: [dense] output of every scheme, recorded times and exact ends, and the crossings of [sections](section).
-//! * **The discrete calculus** behind it, time scales and the operators on them, is [`calculus`];
-//!   [`Trajectory::observable`](trajectory::Trajectory::observable) takes a path there.
-//! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps keep, to its first terms;
-//!   how far it drifts in a run says whether the theory behind them applies.
+//! * **The discrete calculus**, time scales and the operators on them, is [`calculus`];
+//!   [`Trajectory::observable`](trajectory::Trajectory::observable) turns a path into a function on a time scale.
+//! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps conserve, to its first terms;
+//!   its drift in a run tells whether that theory applies.
 //! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
-//! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a run that was stopped go on, bit for bit.
-//! * **Errors** are values that say where, why and what to do; [`Error`] is the sum of them all.
+//! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a stopped run resume, bit for bit.
+//! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start;
+//!   [`scalar::Dual`] is the number type behind it.
+//! * **Averages along one path**, with errors that include correlations, are [`series`]; with the feature `correlation` it has
+//!   correlation functions.
+//! * **Errors** are values that say where, why and what to do; [`Error`] unites them.
 //!
 //! # Features
 //!
@@ -135,6 +139,7 @@
 //! | `report` | | error against run time: tables, plots, one HTML page |
 //! | `serde` | | checkpoints; states and paths that serialise |
 //! | `columnar` | | Parquet files |
+//! | `correlation` | | correlation functions and times along a path, mean square displacements |
 //! | `interrupt` | | Ctrl-C during a long ensemble keeps what is done |
 //! | `mpi` | | ensembles on many machines (needs an MPI library) |
 
@@ -178,7 +183,7 @@ pub mod absent;
 #[doc(hidden)]
 pub mod checks;
 
-/// Everything that a scene needs: `use wzvi::prelude::*`.
+/// Everything that a program needs: `use wzvi::prelude::*`.
 pub mod prelude {
     #[cfg(not(feature = "serde"))]
     #[doc(hidden)]
@@ -251,7 +256,7 @@ pub mod __private {
     pub fn binding() {}
 }
 
-/// What the documents say compiles and runs.
+/// The programs of the documents, as tests.
 #[cfg(doctest)]
 mod documents {
     macro_rules! pages {
@@ -262,29 +267,39 @@ mod documents {
 
     pages! {
         Readme: "README.md",
-        Benchmarks: "docs/benchmarks.md",
-        Elements: "docs/elements.md",
-        Ensembles: "docs/ensembles.md",
-        Forces: "docs/forces.md",
-        Order: "docs/order.md",
-        Output: "docs/output.md",
-        Stability: "docs/stability.md",
+        Benchmarks: "docs/guide/benchmarks.md",
         Choosing: "docs/guide/choosing.md",
         Contributors: "docs/guide/contributors.md",
+        Cookbook: "docs/guide/cookbook.md",
+        CookbookDynamics: "docs/guide/cookbook-dynamics.md",
+        CookbookFiles: "docs/guide/cookbook-files.md",
+        CookbookNoise: "docs/guide/cookbook-noise.md",
+        Elements: "docs/guide/elements.md",
+        Ensembles: "docs/guide/ensembles.md",
         Errors: "docs/guide/errors.md",
         Facts: "docs/guide/facts.md",
         First: "docs/guide/first.md",
-        Baths: "docs/guide/forces.md",
+        Forces: "docs/guide/forces.md",
+        FromDiffrax: "docs/guide/from-diffrax.md",
+        FromHeyoka: "docs/guide/from-heyoka.md",
+        FromOpenmm: "docs/guide/from-openmm.md",
+        FromRebound: "docs/guide/from-rebound.md",
+        FromSciml: "docs/guide/from-sciml.md",
+        Glossary: "docs/guide/glossary.md",
         Introduction: "docs/guide/introduction.md",
         Language: "docs/guide/language.md",
         Long: "docs/guide/long.md",
         Noise: "docs/guide/noise.md",
+        Order: "docs/guide/order.md",
+        Output: "docs/guide/output.md",
         Results: "docs/guide/results.md",
+        Routes: "docs/guide/routes.md",
+        Stability: "docs/guide/stability.md",
         Theory: "docs/guide/theory.md",
     }
 
     #[cfg(feature = "mpi")]
     pages! {
-        Cluster: "docs/cluster.md",
+        Cluster: "docs/guide/cluster.md",
     }
 }

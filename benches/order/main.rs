@@ -10,6 +10,7 @@
     reason = "a benchmark talks, and stops at the first error"
 )]
 
+mod planets;
 mod scenes;
 
 use std::path::Path;

@@ -1,7 +1,8 @@
-//! The eight pictures of the README, into `docs/pictures` or the folder that is given.
+//! The pictures of the README and of the guide, into `docs/pictures` or the folder that is given.
 //!
 //! Run with `cargo run --release --example gallery`; `-- target/pictures` draws them somewhere else.
 
+mod guide;
 mod systems;
 
 use std::error::Error;
@@ -25,7 +26,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     save(&folder, "eight", eight()?)?;
     save(&folder, "chain", chain()?)?;
     save(&folder, "wells", wells()?)?;
-    save(&folder, "order", order()?)
+    save(&folder, "order", order()?)?;
+    for (name, figure) in guide::figures()? {
+        save(&folder, name, figure)?;
+    }
+    Ok(())
 }
 
 fn save(folder: &Path, name: &str, figure: Figure) -> Result<(), Box<dyn Error>> {

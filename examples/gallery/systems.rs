@@ -6,14 +6,14 @@ use wzvi::prelude::*;
 #[hamiltonian(
     drift = |q, p| 0.5 * a * (q * q + p * p),
     noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
-    embedding = [Uncorrected<DeltaPlus>, Midpoint],
+    embedding = [Uncorrected<DeltaPlus>, Corrected<DeltaPlus>, Mixed<DeltaPlus, Midpoint>, Midpoint],
 )]
 pub(crate) struct Kubo {
     pub(crate) a: f64,
     pub(crate) sigma: f64,
 }
 
-#[hamiltonian(drift = |angle, momentum| 0.5 * momentum * momentum - angle.cos(), embedding = Midpoint)]
+#[hamiltonian(drift = |angle, momentum| 0.5 * momentum * momentum - angle.cos(), embedding = [Midpoint, Verlet])]
 pub(crate) struct Pendulum;
 
 /// A star in a galaxy (M. Hénon, C. Heiles, 1964).
@@ -69,4 +69,36 @@ pub(crate) struct Chain {
 )]
 pub(crate) struct DoubleWell {
     pub(crate) s: f64,
+}
+
+/// Simpson's rule as an embedding.
+pub(crate) struct Simpson;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q),
+    embedding = [Verlet, Midpoint, Simpson = [(0, 1/6), (1/2, 2/3), (1, 1/6)]],
+)]
+pub(crate) struct Oscillator;
+
+/// The same wells in a heat bath.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0) * (q * q - 1.0),
+    friction = gamma,
+    temperature = kt,
+    embedding = Baoab,
+)]
+pub(crate) struct WarmWells {
+    pub(crate) gamma: f64,
+    pub(crate) kt: f64,
+}
+
+/// A damped pendulum, driven with the angular frequency 2/3.
+#[hamiltonian(
+    drift = |angle, p| 0.5 * p * p - angle.cos(),
+    force = |angle, p, t| amplitude * (t / 1.5).sin(),
+    friction = 0.5,
+    embedding = Verlet,
+)]
+pub(crate) struct Driven {
+    pub(crate) amplitude: f64,
 }

@@ -2,7 +2,7 @@
 //!
 //! Run with `cargo run --release --example stability`; the table is also written to `target/wzvi/stability/table.csv`
 //! and, as a page, to `target/wzvi/stability/index.html`.
-//! `docs/stability.md` explains each way to fail, and what to do.
+//! `docs/guide/stability.md` explains each way to fail, and what to do.
 
 mod cases;
 mod systems;
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut page = Document::new("Where the schemes hold and where they stop")
         .text(
             "Stiff and extreme cases, each run once by the scheme that stands beside it. A case survives if every step has a solution that \
-             continues its state; what does not is a typed error, which leaves the state as it was. docs/stability.md explains each way to \
+             continues its state; what does not is a typed error, which leaves the state as it was. docs/guide/stability.md explains each way to \
              fail, and what to do.",
         )
         .list([

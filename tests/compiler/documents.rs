@@ -1,4 +1,4 @@
-//! Documents: their links lead somewhere, their code is compiled and run, and the guide has all of its pages.
+//! Documents: their links lead somewhere, their code is compiled and run, their sentences are short, and the guide has all of its pages.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -17,48 +17,47 @@ fn documents() -> Vec<PathBuf> {
     ["", "docs", "docs/guide", "examples"].into_iter().flat_map(in_folder).collect()
 }
 
-/// The text with what it includes, and without code.
-fn text(document: &Path) -> String {
-    let text = fs::read_to_string(document).unwrap();
-    let mut prose = String::new();
-    let mut is_code = false;
-    for line in text.lines() {
-        if line.starts_with("```") {
-            is_code = !is_code;
-        } else if let Some(included) = line.strip_prefix("{{#include ") {
-            let included = included.trim_end_matches("}}");
-            prose += &self::text(&document.parent().unwrap().join(included));
-        } else if !is_code {
-            // Code within a line has no links.
-            let outside = line.split('`').step_by(2).collect::<Vec<_>>();
-            prose += &(outside.join("") + "\n");
-        }
-    }
-    prose
+fn guide() -> impl Iterator<Item = PathBuf> {
+    documents().into_iter().filter(|document| document.parent().unwrap().ends_with("docs/guide"))
 }
 
-/// What the links and pictures of a text lead to.
-fn links(text: &str) -> Vec<String> {
+fn name(document: &Path) -> String {
+    document.strip_prefix(root()).unwrap().display().to_string()
+}
+
+/// The lines outside of blocks of code.
+fn lines(document: &Path) -> Vec<String> {
+    let text = fs::read_to_string(document).unwrap();
+    let mut is_code = false;
+    let is_prose = |line: &&str| {
+        let is_fence = line.trim_start().starts_with("```") && !line.trim_start()[3..].contains('`');
+        is_code ^= is_fence;
+        !is_code && !is_fence
+    };
+    text.lines().filter(is_prose).map(str::to_owned).collect()
+}
+
+/// A line with `word` in the place of each piece of code.
+fn without_code(line: &str, word: &str) -> String {
+    line.split('`').step_by(2).collect::<Vec<_>>().join(word)
+}
+
+/// What the links and pictures of a document lead to.
+fn links(document: &Path) -> Vec<String> {
+    let text = lines(document).iter().map(|line| without_code(line, "") + "\n").collect::<String>();
     let targets = text.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
     targets.map(|(target, _)| target.to_owned()).filter(|target| !target.contains("://")).collect()
 }
 
 /// The anchors of the headings, as GitHub and mdBook name them.
 fn anchors(document: &Path) -> BTreeSet<String> {
-    let with_code = fs::read_to_string(document).unwrap();
-    let mut text = with_code.clone();
-    for line in with_code.lines() {
-        if let Some(included) = line.strip_prefix("{{#include ") {
-            let included = document.parent().unwrap().join(included.trim_end_matches("}}"));
-            text += &fs::read_to_string(included).unwrap();
-        }
-    }
     let slug = |heading: &str| {
         let letters = heading.trim().to_lowercase().chars().collect::<Vec<_>>();
         let kept = letters.into_iter().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
         kept.map(|c| if c == ' ' { '-' } else { c }).collect::<String>()
     };
-    text.lines().filter(|line| line.starts_with('#')).map(|line| slug(line.trim_start_matches('#'))).collect()
+    let lines = lines(document);
+    lines.iter().filter(|line| line.starts_with('#')).map(|line| slug(line.trim_start_matches('#'))).collect()
 }
 
 /// Without `.` and `..`.
@@ -78,7 +77,7 @@ fn plain(path: &Path) -> PathBuf {
 fn every_link_leads_somewhere() {
     let mut broken = Vec::new();
     for document in documents() {
-        for link in links(&text(&document)) {
+        for link in links(&document) {
             let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
             let target = if file.is_empty() {
                 document.clone()
@@ -87,45 +86,45 @@ fn every_link_leads_somewhere() {
             };
             let is_there = target.exists() && (anchor.is_empty() || anchors(&target).contains(anchor));
             if !is_there {
-                broken.push(format!("{}: {link}", document.display()));
+                broken.push(format!("{}: {link}", name(&document)));
             }
         }
     }
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
+/// A page is read where the repository is hosted and in the book: it is all there, and leads to other pages of the book and to pictures beside it.
 #[test]
-fn the_guide_has_all_of_its_pages() {
-    let guide = root().join("docs/guide");
-    let summary = fs::read_to_string(guide.join("SUMMARY.md")).unwrap();
-    let listed: BTreeSet<String> = links(&summary).into_iter().collect();
-    let all = fs::read_dir(&guide).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let pages: BTreeSet<String> = all.filter(|name| name.ends_with(".md") && name != "SUMMARY.md").collect();
-    assert_eq!(listed, pages);
-}
-
-/// All code that says it is Rust is compiled and run as a test of the documentation.
-/// The book has the pages of the guide, and not what stands around it.
-#[test]
-fn the_guide_links_to_its_own_pages() {
-    for document in documents().into_iter().filter(|document| document.parent().unwrap().ends_with("guide")) {
-        for link in links(&text(&document)) {
-            let page = link.split('#').next().unwrap();
-            let is_outside = page.starts_with("..") && page.ends_with(".md");
-            assert!(!is_outside, "{}: {link}", document.display());
+fn a_page_of_the_guide_is_the_same_in_the_book() {
+    for page in guide() {
+        let is_included = lines(&page).iter().any(|line| without_code(line, "").contains("{{"));
+        assert!(!is_included, "{} includes a file", name(&page));
+        for link in links(&page) {
+            let file = link.split('#').next().unwrap();
+            let is_in_the_book = !file.contains('/') || file.starts_with("../pictures/");
+            assert!(is_in_the_book, "{}: {link}", name(&page));
         }
     }
 }
 
 #[test]
+fn the_guide_has_all_of_its_pages() {
+    let listed: BTreeSet<String> = links(&root().join("docs/guide/SUMMARY.md")).into_iter().collect();
+    let file = |page: PathBuf| page.file_name().unwrap().to_str().unwrap().to_owned();
+    let pages: BTreeSet<String> = guide().map(file).filter(|name| name != "SUMMARY.md").collect();
+    assert_eq!(listed, pages);
+}
+
+/// All code that says it is Rust is compiled and run as a test of the documentation.
+#[test]
 fn every_program_in_a_document_is_run() {
     let tested = fs::read_to_string(root().join("src/lib.rs")).unwrap();
     for document in documents() {
         let text = fs::read_to_string(&document).unwrap();
-        let name = document.strip_prefix(root()).unwrap().display().to_string();
+        let name = name(&document);
         for fence in text.lines().filter_map(|line| line.strip_prefix("```rust")) {
             // Ranks of MPI need their launcher.
-            let is_run = fence.is_empty() || name == "docs/cluster.md" && fence == ",no_run";
+            let is_run = fence.is_empty() || name == "docs/guide/cluster.md" && fence == ",no_run";
             assert!(is_run, "{name}: a block with `rust{fence}`");
             assert!(
                 tested.contains(&format!("\"{name}\"")),
@@ -138,5 +137,66 @@ fn every_program_in_a_document_is_run() {
 #[test]
 fn the_readme_is_short() {
     let lines = fs::read_to_string(root().join("README.md")).unwrap().lines().count();
-    assert!(lines <= 160, "{lines} lines");
+    assert!(lines <= 140, "{lines} lines");
+}
+
+/// Words of a sentence of the README and of the guide, at most.
+const WORDS: usize = 30;
+
+/// Sentences that are longer, by how they begin: the page and the first words.
+const LONGER: [(&str, &str); 0] = [];
+
+/// Sentences of a text: code and targets of links are one word each; a paragraph, an item of a list and a cell of a table end one.
+fn sentences(document: &Path) -> Vec<String> {
+    let mut texts = vec![String::new()];
+    for line in lines(document) {
+        let line = without_code(&line, "code").replace("\\|", " ");
+        let begins = ["* ", "- ", "#", "|", ">"].iter().any(|mark| line.trim_start().starts_with(mark))
+            || line.trim_start().split_once(". ").is_some_and(|(number, _)| number.parse::<u32>().is_ok());
+        if begins || line.trim().is_empty() {
+            texts.push(String::new());
+        }
+        for (n, cell) in line.split('|').enumerate() {
+            if n > 0 {
+                texts.push(String::new());
+            }
+            texts.last_mut().unwrap().push_str(cell);
+            texts.last_mut().unwrap().push(' ');
+        }
+    }
+    let mut sentences = Vec::new();
+    for text in texts {
+        // The text of a link stays, its target goes.
+        let mut plain = String::new();
+        for (n, part) in text.split("](").enumerate() {
+            plain += if n == 0 { part } else { part.split_once(')').map_or("", |(_, rest)| rest) };
+        }
+        let plain = plain.replace("**", "").replace("? ", "?. ").replace("! ", "!. ");
+        for sentence in plain.split(". ") {
+            sentences.push(sentence.split_whitespace().collect::<Vec<_>>().join(" "));
+        }
+    }
+    sentences
+}
+
+#[test]
+fn sentences_are_short() {
+    let mut long = Vec::new();
+    let mut unused = LONGER.to_vec();
+    for document in guide().chain([root().join("README.md")]) {
+        let page = name(&document);
+        for sentence in sentences(&document) {
+            let is_word = |word: &&str| word.chars().any(char::is_alphanumeric);
+            let words = sentence.split(' ').filter(is_word).count();
+            if words <= WORDS {
+                continue;
+            }
+            match unused.iter().position(|(file, begin)| *file == page && sentence.starts_with(begin)) {
+                Some(known) => drop(unused.remove(known)),
+                None => long.push(format!("{page}, {words} words: {sentence}")),
+            }
+        }
+    }
+    assert!(long.is_empty(), "{long:#?}");
+    assert!(unused.is_empty(), "no longer there: {unused:?}");
 }

@@ -1,6 +1,6 @@
 //! A step that is far too long for the orbit: a run whose energy has changed, and stays changed, is no result.
 //!
-//! A deterministic run of constant step watches its energy (docs/stability.md); what is right is never refused.
+//! A deterministic run of constant step watches its energy (docs/guide/stability.md); what is right is never refused.
 
 use fixtures::small::Kepler;
 use wzvi::error::{StepError, StepFailure};

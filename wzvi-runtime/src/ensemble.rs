@@ -363,7 +363,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// number of threads. An error that is itself estimated is now and then too small by chance, and that would end the run: compared
     /// is an upper estimate ([`StatisticsNode::error_bound`]), and an observable that has been the same number on all paths is not done before
     /// the limit ([`TargetStatus::Constant`]). The mean is then within 1.96 targets of the true one in 95 % of the runs or more, also for
-    /// events of probability 0.001 and for the heavy tail of `exp(2 W)`, which `docs/ensembles.md` shows.
+    /// events of probability 0.001 and for the heavy tail of `exp(2 W)`, which `docs/guide/ensembles.md` shows.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.setup.control.targets.push((observable.into(), target));
         self

@@ -79,7 +79,7 @@ impl std::error::Error for StepError {}
 pub enum ConfigError {
     /// The step size is zero, NaN or infinite.
     StepSize(f64),
-    /// A small system reads an element that its `Vec` does not have, or an entry of a list is NaN.
+    /// A small system indexes beyond the end of a `Vec`, or an entry of a list is NaN.
     Parameter,
     /// A field of the system is NaN.
     NotANumber {
@@ -139,7 +139,7 @@ impl fmt::Display for ConfigError {
             Self::Parameter => {
                 write!(
                     f,
-                    "a Hamiltonian reads an element that its `Vec` does not have, or a parameter of the system is NaN"
+                    "a Hamiltonian indexes beyond the end of a `Vec`, or a parameter of the system is NaN"
                 )
             }
             Self::NotANumber { parameter } => write!(f, "the parameter `{parameter}` of the system is NaN"),

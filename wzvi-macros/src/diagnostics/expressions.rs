@@ -50,7 +50,7 @@ messages! {
         total + ...`";
     long_for_loop(found) = "a `for` loop whose length is known at run time can only add to its variables: \
         `total += ...`";
-    too_many_cases(found, most: usize) = "the conditions on the indices of this loop part it into more than \
+    too_many_cases(found, most: usize) = "the conditions on the indices of this loop split it into more than \
         {most} ranges";
     index_negative(found, index: &str) = "index {index} is out of range: it becomes negative";
     nonlinear_sum(found) = "this Hamiltonian is a nonlinear function of a sum whose length is not unrolled: \
@@ -108,7 +108,7 @@ pub(crate) fn unknown_name(name: &syn::Ident, fields: &[String], locals: &[Strin
         name,
         match suggestion {
             Some(_) => suggest(text, suggestion),
-            None => format!("{text}; a Hamiltonian reads no variables around it: make it a field"),
+            None => format!("{text}; a Hamiltonian cannot use outside variables: make it a field"),
         },
     )
 }

@@ -19,14 +19,14 @@ messages! {
         and there is none for noise forces that read momenta; use `Midpoint`, `Gauss<2>` or `Verlet`, which are \
         consistent with every noise";
     /// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
-    word_without_flows(found, scheme: &impl Display) = "`{scheme}` takes turns of drifts by T(p) and kicks by \
+    word_without_flows(found, scheme: &impl Display) = "`{scheme}` alternates drifts by T(p) and kicks by \
         V(q, t): here momenta and coordinates (or the time) meet in a Hamiltonian, or a force reads momenta; write \
         `Thermostat<Midpoint>`";
     /// A part of a drift whose flow is not known.
     part_without_flow(found, reason: &str) = "this part of the drift has no flow that is known: {reason}; flows \
         are known of functions of the coordinates (and the time), of functions of the momenta (and the time), and \
-        of polynomials of degree two in both with constant coefficients, for which the size must be known; add the \
-        parts where no scheme is to part them";
+        of polynomials of degree two in both with constant coefficients, for which the size must be known; write one \
+        Hamiltonian if no scheme needs the parts";
     /// A force or a friction that belongs to neither part of a drift.
     acts_in_no_part(found, reason: &str) = "this belongs to neither part of the drift: {reason}; write the drift \
         as one Hamiltonian, whose schemes take any force at their stages, or `drift = [|q, p| ..., |q, _| ...]` \
@@ -49,7 +49,7 @@ messages! {
     asymmetric_damping(found) = "a damping matrix is symmetric: entries across the diagonal are the same; write \
         what is not as `force = |q, p| [...]`";
     /// A damping matrix of the coordinates whose symmetry is not proven.
-    damping_not_seen_symmetric(found) = "a damping matrix that depends on the coordinates has to be seen to be \
+    damping_not_seen_symmetric(found) = "a damping matrix that depends on the coordinates must be visibly \
         symmetric: write the same expressions, of the same fields, across the diagonal, without loops of a length \
         that the compiler does not know; write what is not symmetric as `force = |q, p| [...]`";
     /// A product with inverse masses whose indices the compiler cannot write.

@@ -75,7 +75,7 @@ messages! {
     async_closure(token) = "a Hamiltonian is a function of the state: it cannot be `async`";
     family_in_list(tokens) = "a family of noises beside others stands in brackets of its own: `noise = \
         [[|q, p, k| ...; N], |q, p| ...]`";
-    parts_of_drift(brackets) = "a drift is one Hamiltonian, or two that take turns: `drift = [|q, p| ..., \
+    parts_of_drift(brackets) = "a drift is one Hamiltonian, or two parts: `drift = [|q, p| ..., \
         |q, p| ...]`";
     family_of_invariants(count) = "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| \
         ...]`";
@@ -88,7 +88,7 @@ messages! {
     scheme_arguments(found, example: &str) = "wrong generic arguments; write it as in `{example}`";
     wrapper_inside(found) = "`Corrected` and `Uncorrected` go around a whole scheme: \
         `Corrected<Mixed<Midpoint, DeltaPlus>>`, never inside another";
-    thermostat_inside(found) = "a thermostat goes around a scheme that is none: `Thermostat<Midpoint>`, \
+    thermostat_inside(found) = "a thermostat wraps a scheme that is not itself a thermostat: `Thermostat<Midpoint>`, \
         `Thermostat<Gauss<2>>`";
     mixed_inside_mixed(found) = "the arguments of `Mixed` are `DeltaPlus`, `Midpoint`, `DeltaMinus` or \
         `Lambda<N, D>`";

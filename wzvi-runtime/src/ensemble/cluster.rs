@@ -8,7 +8,7 @@
 //! when it finishes one. At most four batches for each thread of all ranks are begun before the oldest one is merged, and a batch
 //! has at most 1 MiB of results or is a single block: this bounds the memory of rank 0.
 //!
-//! The guide with a Slurm script is `docs/cluster.md`.
+//! The guide with a Slurm script is `docs/guide/cluster.md`.
 
 mod orders;
 mod ranks;

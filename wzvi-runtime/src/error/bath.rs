@@ -67,7 +67,7 @@ impl fmt::Display for BathError {
             ),
             Self::Backwards { h } => write!(
                 f,
-                "the step size is {}: a system with friction has no way back in time; take a positive one",
+                "the step size is {}: a system with friction cannot run backwards in time; take a positive one",
                 Brief(*h)
             ),
         }

@@ -95,7 +95,7 @@ impl fmt::Display for StepFailure {
             ),
             Self::Unresolved { energy_error, scale } => write!(
                 f,
-                "the step is too long for the motion: the energy is off by {energy_error:.1e}, and not in passing, where the \
+                "the step is too long for the motion: the energy is off by {energy_error:.1e}, and stays off, where the \
                  mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or look at the \
                  energy yourself with `.unwatched()`"
             ),
@@ -120,7 +120,7 @@ impl fmt::Display for StepFailure {
             }
             Self::Index(error) => error.fmt(f),
             Self::Bath(error) => error.fmt(f),
-            Self::Lanes(_) => write!(f, "some of the paths beside each other could not take the step"),
+            Self::Lanes(_) => write!(f, "some of the lanes could not take the step"),
             Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
         }
     }

@@ -21,7 +21,7 @@ impl fmt::Display for InternalError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "this is a mistake of wzvi {}, not of yours; please report it: it does not hold that {} ({})",
+            "this is a mistake of wzvi {}, not of yours; please report it: this should hold: {} ({})",
             env!("CARGO_PKG_VERSION"),
             self.promise,
             self.data

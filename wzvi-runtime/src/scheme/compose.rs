@@ -68,7 +68,7 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 ///
 /// That they are a palindrome and their sum is 1 is checked when the program is built, and so is that the sums of their
 /// odd powers vanish which the order needs; `const _: () = check_weights::<Own>();` beside them ([`check_weights`]) has them checked by
-/// `cargo check`, too. The other conditions of the order are a matter of trust. docs/order.md has an example.
+/// `cargo check`, too. The other conditions of the order are a matter of trust. docs/guide/order.md has an example.
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;

@@ -88,7 +88,7 @@ fn operators_and_functions_of_other_languages_are_recognised() {
     body("atan2(q, p)", &[("atan2", "write `q.atan2(p)`")]);
     attribute("drift = |q, p| p, ito = true, embedding = Midpoint", &[("ito", "docs/guide/noise.md")]);
     attribute("drift = |q, p| p, embedding = EulerMaruyama", &[("EulerMaruyama", "sense of Stratonovich")]);
-    body("stiffness * q", &[("stiffness", "reads no variables around it: make it a field")]);
+    body("stiffness * q", &[("stiffness", "cannot use outside variables: make it a field")]);
     body("sgma * q", &[("sgma", "did you mean `sigma`?")]);
 }
 

@@ -1,0 +1,278 @@
+//! The pictures of the guide beside those of the README.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+use wzvi::bath::{A, B, HarmonicLaw, Letters, O};
+use wzvi::nalgebra::{DVector, SVector};
+use wzvi::plot::{Colour, Figure, Look};
+use wzvi::prelude::*;
+
+use crate::Drawn;
+use crate::systems::{Chain, Driven, Kubo, Oscillator, Pendulum, Simpson, WarmWells};
+
+pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
+    Ok(vec![
+        ("embeddings", embeddings()),
+        ("modified_energy", modified_energy()?),
+        ("stability_limit", stability_limit()?),
+        ("ito", ito()?),
+        ("thermostat", thermostat()?),
+        ("sweep", sweep()?),
+        ("order_noise", order_noise()?),
+        ("order_chain", order_chain()?),
+        ("order_bath", order_bath()),
+    ])
+}
+
+/// Where within a step the Hamiltonians are evaluated.
+fn embeddings() -> Figure {
+    let gauss: [&[f64]; 2] = [
+        &[0.211_324_865_405_187_1, 0.788_675_134_594_812_9],
+        &[0.069_431_844_202_973_7, 0.330_009_478_207_571_9, 0.669_990_521_792_428_1, 0.930_568_155_797_026_3],
+    ];
+    let rows: [(&str, &[f64]); 8] = [
+        ("DeltaPlus", &[0.0]),
+        ("DeltaMinus", &[1.0]),
+        ("Midpoint", &[0.5]),
+        ("Lambda<1, 4>", &[0.25]),
+        ("trapezoidal", &[0.0, 1.0]),
+        ("Simpson", &[0.0, 0.5, 1.0]),
+        ("Gauss<2>", gauss[0]),
+        ("Gauss<4>", gauss[1]),
+    ];
+    let mut figure = Figure::panel("Quadrature points within a step", "l", "").x_range(-0.05..1.05);
+    for (row, (name, points)) in rows.into_iter().enumerate() {
+        let height = (rows.len() - row) as f64;
+        figure = figure.line("", Colour::GREY, [(0.0, height), (1.0, height)]);
+        figure = figure.points(Look::Marks, name, row, points.iter().map(|l| (*l, height)));
+    }
+    figure.y_range(0.0..rows.len() as f64 + 1.0)
+}
+
+/// Verlet keeps another energy nearly.
+fn modified_energy() -> Drawn {
+    let h = 0.4;
+    let path = Pendulum.simulate::<Verlet>(h).start(State::new([2.0], [0.0])).until(60.0).run()?;
+    let change = |of: &dyn Fn(&State<SVector<f64, 1>>) -> f64| {
+        let first = of(&path.states()[0]);
+        path.iter().map(|state| (state.t, of(state) - first)).collect::<Vec<_>>()
+    };
+    Ok(Figure::panel("Pendulum by Verlet, h = 0.4: change of the energies", "t", "change since the start")
+        .line("energy", Colour::VERMILION, change(&|state| Pendulum.energy(state)))
+        .line("modified energy", Colour::BLUE, change(&|state| Pendulum.shadow_energy::<Verlet>(state, h))))
+}
+
+/// How far an oscillator gets in 40 steps.
+fn stability_limit() -> Drawn {
+    Ok(Figure::panel("Oscillator, 40 steps: largest radius over that at the start", "ω h", "growth")
+        .log_y()
+        .y_range(0.5..1e6)
+        .points(Look::Broad, "Midpoint", Colour::GREY, growth::<Midpoint>()?)
+        .line("Simpson", Colour::GREEN, growth::<Simpson>()?)
+        .line("Verlet", Colour::VERMILION, growth::<Verlet>()?))
+}
+
+fn growth<E>() -> Result<Vec<(f64, f64)>, Box<dyn Error>>
+where
+    Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
+{
+    let mut points = Vec::new();
+    for k in 1..200 {
+        let h = 0.02 * f64::from(k);
+        let run = Oscillator.simulate::<E>(h).start(State::new([1.0], [0.0])).steps(40).unwatched();
+        let (path, _) = run.run_partial()?;
+        let radius = |state: &State<SVector<f64, 1>>| state.q[0].hypot(state.p[0]);
+        let largest = path.iter().map(radius).fold(0.0, f64::max);
+        points.push((h, largest.min(1e6)));
+        if largest > 1e6 {
+            break;
+        }
+    }
+    Ok(points)
+}
+
+/// One Wiener path, two meanings of the same equation.
+fn ito() -> Drawn {
+    let (kubo, h) = (Kubo { a: 1.5, sigma: 0.5 }, 0.001);
+    let run = kubo.simulate::<Midpoint>(h).start(State::new([0.0], [1.0])).noise(Wiener::seed(7));
+    let path = run.until(6.0).run()?;
+    let (mut q, mut p) = (0.0, 1.0);
+    let ito = path.increments().map(|dw| {
+        let turn = kubo.a * h + kubo.sigma * dw[0];
+        (q, p) = (q + turn * p, p - turn * q);
+        (q, p)
+    });
+    let ito = ito.collect::<Vec<_>>();
+    Ok(Figure::panel("Kubo oscillator: one path of the noise, two equations", "q", "p")
+        .equal_axes()
+        .line("Ito, by Euler and Maruyama", Colour::VERMILION, ito)
+        .line("Stratonovich, by Midpoint", Colour::BLUE, path.iter().map(|state| (state.q[0], state.p[0]))))
+}
+
+/// Positions by Baoab beside the law of Boltzmann.
+fn thermostat() -> Drawn {
+    let kt = 0.2;
+    let statistics = WarmWells { gamma: 0.5, kt }
+        .ensemble::<Baoab>(0.3)
+        .starts(|draw| State::new([if draw.path() % 2 == 0 { -1.0 } else { 1.0 }], [0.0]))
+        .paths(40_000)
+        .seed(7)
+        .until(60.0)
+        .observe("q", |state| state.q[0])
+        .histogram("q", -2.5, 2.5, 60)
+        .quiet()
+        .run()?;
+    let weight = |q: f64| (-0.25 * (q * q - 1.0).powi(2) / kt).exp();
+    let places = (0..=500).map(|k| -2.5 + 0.01 * f64::from(k));
+    let total = places.clone().map(|q| 0.01 * weight(q)).sum::<f64>();
+    let histogram = statistics.histogram("q")?;
+    let middle = |bin| 0.5 * (histogram.edge(bin) + histogram.edge(bin + 1));
+    let found = (0..histogram.counts().len()).map(|bin| (middle(bin), histogram.density(bin)));
+    Ok(Figure::panel("Two wells in a heat bath, kT = 0.2: density of the position", "q", "density")
+        .line("law of Boltzmann", Colour::GREY, places.map(|q| (q, weight(q) / total)))
+        .points(Look::Dots, "Baoab, h = 0.3", Colour::BLUE, found))
+}
+
+/// Period doublings and chaos of a driven pendulum.
+fn sweep() -> Drawn {
+    let amplitude = |k: u64| 1.3 + 0.25 * k as f64 / 599.0;
+    let period = 1.5 * TAU;
+    let sweep = Driven { amplitude: 0.0 }
+        .ensemble::<Verlet>(period / 100.0)
+        .systems(|draw| Driven { amplitude: amplitude(draw.path()) })
+        .start(State::new([0.2], [0.0]))
+        .paths(600)
+        .until(300.0 * period)
+        .record_every(100)
+        .observe("velocity", |state| state.p[0])
+        .keep_paths(1 << 26)
+        .quiet()
+        .run()?;
+    let paths = sweep.paths().ok_or("paths are kept")?;
+    let nodes = sweep.nodes().len();
+    let points = (0..paths.count()).flat_map(|path| {
+        let velocities = (nodes - 100..nodes).filter_map(move |node| Some(paths.at(path, node)?[0]));
+        velocities.map(move |velocity| (amplitude(path as u64), velocity))
+    });
+    let figure =
+        Figure::panel("Driven pendulum: velocity once per period", "amplitude of the drive", "velocity");
+    Ok(figure.points(Look::FineDots, "", Colour::BLUE, points.collect::<Vec<_>>()))
+}
+
+/// Strong error against the step: root mean square over 200 paths.
+fn order_noise() -> Drawn {
+    let title = "Kubo oscillator to t = 1: root mean square error over 200 paths";
+    Ok(Figure::panel(title, "step size h", "error of (q, p)")
+        .log_log()
+        .points(Look::Joined, "Uncorrected<DeltaPlus>", 0, strong::<Uncorrected<DeltaPlus>>()?)
+        .points(Look::Joined, "Corrected<DeltaPlus>", 1, strong::<Corrected<DeltaPlus>>()?)
+        .points(Look::Joined, "Mixed<DeltaPlus, Midpoint>", 2, strong::<Mixed<DeltaPlus, Midpoint>>()?)
+        .points(Look::Joined, "Midpoint", 3, strong::<Midpoint>()?)
+        .slope("order 1", 1.0, 0.3, [2f64.powi(-9), 0.25]))
+}
+
+fn strong<E>() -> Result<Vec<(f64, f64)>, wzvi::Error>
+where
+    Kubo: Discretized<E, Vector = SVector<f64, 1>>,
+{
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    let mut points = Vec::new();
+    for k in 2..=9 {
+        let h = 2f64.powi(-k);
+        let mut sum = 0.0;
+        for path in 0..200 {
+            let run = kubo.simulate::<E>(h).start(State::new([0.0], [1.0])).noise(Wiener::seed(7).path(path));
+            let path = run.until(1.0).run()?;
+            let angle = kubo.a + kubo.sigma * path.wiener(0).last().copied().unwrap_or(f64::NAN);
+            let (q, p) = (path.last().q[0] - angle.sin(), path.last().p[0] - angle.cos());
+            sum += q * q + p * p;
+        }
+        points.push((h, (sum / 200.0).sqrt()));
+    }
+    Ok(points)
+}
+
+/// Error against time of explicit schemes on a chain.
+fn order_chain() -> Drawn {
+    // All modes have energy: multiples of the golden section.
+    let start = || {
+        let momentum = |i: usize| (0.618_033_988_749_894_9 * i as f64).fract() - 0.5;
+        State::new(vec![0.0; 128], (0..128).map(momentum).collect::<Vec<_>>())
+    };
+    let chain = Chain { alpha: 0.25 };
+    let exact = chain
+        .simulate::<Composed<Verlet, KahanLi8>>(0.0125)
+        .start(start())
+        .until(20.0)
+        .record_every(0)
+        .run()?;
+    let exact = &exact.last().q;
+    Ok(Figure::panel(
+        "Chain of 128 sites to t = 20: error against time",
+        "time of a run [µs]",
+        "largest error of q",
+    )
+    .log_log()
+    .points(Look::Joined, "Verlet, order 2", 0, chain_cost::<Verlet>(&chain, &start(), exact, 7)?)
+    .points(Look::Joined, "Suzuki4", 1, chain_cost::<Composed<Verlet, Suzuki4>>(&chain, &start(), exact, 6)?)
+    .points(
+        Look::Joined,
+        "BlanesMoan4",
+        2,
+        chain_cost::<Composed<Verlet, BlanesMoan4>>(&chain, &start(), exact, 6)?,
+    )
+    .points(
+        Look::Joined,
+        "BlanesMoan6",
+        3,
+        chain_cost::<Composed<Verlet, BlanesMoan6>>(&chain, &start(), exact, 5)?,
+    )
+    .points(
+        Look::Joined,
+        "KahanLi8",
+        4,
+        chain_cost::<Composed<Verlet, KahanLi8>>(&chain, &start(), exact, 5)?,
+    ))
+}
+
+fn chain_cost<E>(
+    chain: &Chain,
+    start: &State<DVector<f64>>,
+    exact: &DVector<f64>,
+    halvings: i32,
+) -> Result<Vec<(f64, f64)>, wzvi::Error>
+where
+    Chain: Discretized<E, Vector = DVector<f64>>,
+{
+    let mut points = Vec::new();
+    for k in 0..halvings {
+        let (mut best, mut error) = (f64::INFINITY, f64::NAN);
+        for _ in 0..5 {
+            let run =
+                chain.simulate::<E>(0.5 * 2f64.powi(-k)).start(start.clone()).until(20.0).record_every(0);
+            let began = Instant::now();
+            let path = run.run()?;
+            best = best.min(began.elapsed().as_secs_f64());
+            error = (&path.last().q - exact).amax();
+        }
+        points.push((1e6 * best, error));
+    }
+    Ok(points)
+}
+
+/// The exact bias of thermostats in a harmonic well: the worse of both variances.
+fn order_bath() -> Figure {
+    fn bias<W: Letters>() -> Vec<(f64, f64)> {
+        let steps = (0..14).map(|k| 0.01 * 1.5f64.powi(k));
+        let law = |h: f64| HarmonicLaw::of::<W>(h, h);
+        steps.map(|h| (h, (law(h).q - 1.0).abs().max((law(h).p - 1.0).abs()))).collect()
+    }
+    Figure::panel("Harmonic well, γ = ω: exact bias of <q²> or <p²>, the worse", "ω h", "relative bias")
+        .log_log()
+        .points(Look::Joined, "Baoab (in p; exact in q)", 0, bias::<(B, A, O, A, B)>())
+        .points(Look::Joined, "Obabo (in q; exact in p)", 1, bias::<(O, B, A, B, O)>())
+        .points(Look::Joined, "(A, O, B, O, A)", 2, bias::<(A, O, B, O, A)>())
+        .points(Look::Joined, "(B, O, A, O, B)", 3, bias::<(B, O, A, O, B)>())
+}
