@@ -65,7 +65,7 @@ messages! {
     expected_key(tokens) = "expected `key = value`; the keys are {KEYS}";
     unknown_strategy(name) = "unknown strategy `{name}`; there are `inline` and `sweep`";
     duplicate_key(key) = "`{key}` is given twice; merge the two";
-    friction_and_damping(key) = "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) say the \
+    friction_and_damping(key) = "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) are two ways to say the \
         same: keep one of them";
     missing_value(key) = "`{key} =` has no value";
     unexpected_after_value(tokens) = "expected `,` and the next `key = value`; the keys are {KEYS}";
