@@ -10,7 +10,6 @@
     reason = "a benchmark talks, and stops at the first error"
 )]
 
-mod planets;
 mod scenes;
 
 use std::path::Path;

@@ -3,7 +3,8 @@
 use wzvi::prelude::*;
 use wzvi::state::Vector;
 
-use crate::planets;
+#[path = "planets.rs"]
+mod planets;
 
 /// `H = p²/2 - cos q`
 #[hamiltonian(
