@@ -84,8 +84,8 @@ impl fmt::Display for StepFailure {
             ),
             Self::Singular { pivot, scale } => write!(
                 f,
-                "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}); \
-                 the scheme has a pole here: take a smaller step or truncate the increments"
+                "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}), a pole of the scheme; \
+                 take a smaller step or truncate the increments"
             ),
             Self::NoSolution { reached } => write!(
                 f,
@@ -127,3 +127,33 @@ impl fmt::Display for StepFailure {
 }
 
 impl std::error::Error for StepFailure {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What each message advises; a step that is too long gets shorter, never longer.
+    #[test]
+    fn every_message_ends_with_its_remedy() {
+        let halving = "take a smaller step, or subdivide with `.retry(Retry::halving(n))`";
+        let advised = [
+            (StepFailure::NotConverged { iterations: 50, correction: 0.1 }, "take a smaller step"),
+            (
+                StepFailure::Singular { pivot: 0.0, scale: 1.0 },
+                "take a smaller step or truncate the increments",
+            ),
+            (StepFailure::NoSolution { reached: 0.5 }, halving),
+            (StepFailure::OtherSolution { apart: 0.5 }, "take a smaller step"),
+            (StepFailure::NonFinite, "take a smaller step or check the domain of H"),
+        ];
+        for (failure, remedy) in advised {
+            let message = failure.to_string();
+            assert!(message.ends_with(&format!("; {remedy}")), "{message}");
+        }
+        let watched = StepFailure::Unresolved { energy_error: 0.2, scale: 1.0 }.to_string();
+        assert!(
+            watched.contains("; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or "),
+            "{watched}"
+        );
+    }
+}
