@@ -84,13 +84,13 @@ pub struct Spelling {
 
 impl Spelling {
     /// The kicks and drifts: what fraction of the step, and how far the drifts before have come.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn flows(&self) -> &[(Half, f64, f64)] {
         self.flows.split_at(self.count).0
     }
 
     /// Before which of them there is an O part; one after all has the number of them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn relaxes_before(&self) -> &[usize] {
         self.relaxes_before.split_at(self.parts).0
     }
