@@ -33,6 +33,28 @@ impl<S> Default for One<S> {
     }
 }
 
+/// All stages, where they are one part.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn all_of<S: Scalar, const N: usize>(part: &Part<S, N>) -> S::Stages<N> {
+    let mut all = S::Stages::<N>::splat(S::from_f64(0.0));
+    all.set_part(0, *part);
+    all
+}
+
+/// Stage `i` of them.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn stage<S: Scalar, const N: usize>(part: &Part<S, N>, i: usize) -> S {
+    all_of::<S, N>(part).get(i)
+}
+
+/// Replaces it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn set_stage<S: Scalar, const N: usize>(part: &mut Part<S, N>, i: usize, number: S) {
+    let mut all = all_of::<S, N>(part);
+    all.set(i, number);
+    *part = all.part(0);
+}
+
 /// The slopes of the step Hamiltonian at the stages of a part.
 #[expect(clippy::too_many_arguments, reason = "as `Field::step_slopes`")]
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -50,18 +72,6 @@ pub(super) fn slopes<F: Field, S: Scalar, const N: usize, const BY_Q: bool, cons
     if F::IN_LANES || <S::Stages<N> as Stages<S, N>>::PARTS > 1 {
         return system.step_slopes::<Part<S, N>, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
     }
-    // All stages are one part.
-    let all_of = |part: &Part<S, N>| {
-        let mut all = S::Stages::<N>::splat(S::from_f64(0.0));
-        all.set_part(0, *part);
-        all
-    };
-    let stage = |part: &Part<S, N>, i: usize| all_of(part).get(i);
-    let set = |part: &mut Part<S, N>, i: usize, number: S| {
-        let mut all = all_of(part);
-        all.set(i, number);
-        *part = all.part(0);
-    };
     let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
     for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
         own.resize(q.len(), S::from_f64(0.0));
@@ -69,16 +79,16 @@ pub(super) fn slopes<F: Field, S: Scalar, const N: usize, const BY_Q: bool, cons
     own_dw.resize(dw.len(), S::from_f64(0.0));
     for i in 0..N {
         for (own, all) in own_q.iter_mut().chain(&mut *own_p).zip(q.iter().chain(p)) {
-            *own = stage(all, i);
+            *own = stage::<S, N>(all, i);
         }
-        own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = stage(all, i));
-        let [t, h] = [stage(&t, i), stage(&h, i)];
+        own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = stage::<S, N>(all, i));
+        let [t, h] = [stage::<S, N>(&t, i), stage::<S, N>(&h, i)];
         system.step_slopes::<S, BY_Q, BY_P>(t, h, own_q, own_p, own_dw, own_by_q, own_by_p);
         if BY_Q {
-            by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| set(all, i, *own));
+            by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
         }
         if BY_P {
-            by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| set(all, i, *own));
+            by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
         }
     }
 }
