@@ -9,4 +9,5 @@ mod documents;
 mod golden;
 mod hygiene;
 mod lean;
+mod rooms;
 mod ui;
