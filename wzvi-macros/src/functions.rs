@@ -224,7 +224,7 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Q
     let declaration = input::read_attribute(attribute.clone(), &mut diagnostics);
     diagnostics.finish().ok()?;
     let (system, declaration) = (system?, declaration?);
-    let closures = declaration.closures().map(|hamiltonian| &hamiltonian.closure);
+    let closures = declaration.in_order().map(|hamiltonian| &hamiltonian.closure);
     let asked = calls::of_closures(closures, &system.item.ident);
     let kind = syn::parse_quote!(hamiltonian);
     let (attribute, item, crate_path) = (attribute.clone(), item.clone(), declaration.crate_path);

@@ -156,12 +156,11 @@ pub(crate) fn function_call(found: impl ToTokens) -> Error {
     )
 }
 
-pub(crate) fn unknown_method(method: &syn::Ident, receiver: &str, known: &[&str]) -> Error {
-    let name = method.to_string();
+pub(crate) fn unknown_method(found: impl ToTokens, name: &str, receiver: &str, known: &[&str]) -> Error {
     let list: Vec<_> = known.iter().map(|known| format!("`{known}`")).collect();
     let text = format!("`{name}` is not supported on {receiver}; supported are {}", list.join(", "));
-    let suggestion = synonym(&name).filter(|meant| known.contains(meant));
-    at(method, suggest(text, suggestion.or_else(|| closest(&name, known.iter().copied()))))
+    let suggestion = synonym(name).filter(|meant| known.contains(meant));
+    at(found, suggest(text, suggestion.or_else(|| closest(name, known.iter().copied()))))
 }
 
 /// What other languages call the same function.

@@ -32,7 +32,7 @@ impl Stubs {
         let crate_path = &declaration.crate_path;
         self.schemes = if declaration.all_embeddings_known {
             let parameters = quote! { #parameters };
-            let types = declaration.embeddings.iter().map(|known| known.value.path(crate_path));
+            let types = declaration.embeddings.iter().map(|(known, _)| known.value.path(crate_path));
             types.map(|ty| (parameters.clone(), ty)).collect()
         } else {
             // Whatever the program calls for may be what was misspelled.

@@ -15,23 +15,43 @@ use crate::embedding::Embedding;
 /// How steps are emitted, whatever costs less: for tests that compare one way with the other.
 const STRATEGY: &str = "__strategy";
 
+/// What a closure over phase space is for, in the order in which its phase space is checked.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) enum Role {
+    /// One, or the two parts of `drift = [H_A, H_B]`.
+    Drift,
+    Noise,
+    /// A covector beside the drift.
+    Force,
+    /// A covector that drives a Wiener process.
+    NoiseForce,
+    Invariant,
+}
+
+/// Their keys.
+const ROLES: [(&str, Role); 5] = [
+    ("drift", Role::Drift),
+    ("noise", Role::Noise),
+    ("force", Role::Force),
+    ("noise_force", Role::NoiseForce),
+    ("invariant", Role::Invariant),
+];
+
+impl Role {
+    /// Whether its value is a covector, and no number.
+    pub(crate) fn is_covector(self) -> bool {
+        matches!(self, Self::Force | Self::NoiseForce)
+    }
+}
+
 /// What the attribute says. A part that is missing or wrong has been reported.
 pub(crate) struct Declaration {
-    pub(crate) drift: Option<Hamiltonian>,
-    /// The other part of the drift, where it is `drift = [H_A, H_B]`.
-    pub(crate) second_part: Option<Hamiltonian>,
-    pub(crate) noise: Vec<Hamiltonian>,
-    /// A covector beside the drift.
-    pub(crate) force: Option<Hamiltonian>,
-    /// Covectors that drive a Wiener process each.
-    pub(crate) noise_forces: Vec<Hamiltonian>,
+    pub(crate) closures: Vec<Hamiltonian>,
     pub(crate) friction: Option<Friction>,
     /// `kT`
     pub(crate) temperature: Option<Given>,
-    pub(crate) invariants: Vec<Hamiltonian>,
-    pub(crate) embeddings: Vec<Located<Embedding>>,
-    /// The types that were read as `embeddings`, in their order.
-    pub(crate) embedding_types: Vec<syn::Type>,
+    /// With the types that were read as such.
+    pub(crate) embeddings: Vec<(Located<Embedding>, syn::Type)>,
     /// Whether there are no others than `embeddings`: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
@@ -42,19 +62,16 @@ pub(crate) struct Declaration {
 }
 
 impl Declaration {
-    /// Every closure whose value is a number, the drift first.
-    pub(crate) fn hamiltonians(&self) -> impl Iterator<Item = &Hamiltonian> {
-        self.drift.iter().chain(&self.second_part).chain(&self.noise).chain(&self.invariants)
+    /// The closures of one role, as they were listed.
+    pub(crate) fn of(&self, role: Role) -> impl Iterator<Item = &Hamiltonian> {
+        self.closures.iter().filter(move |closure| closure.role == role)
     }
 
-    /// Every closure whose value is a covector.
-    pub(crate) fn covectors(&self) -> impl Iterator<Item = &Hamiltonian> {
-        self.force.iter().chain(&self.noise_forces)
-    }
-
-    /// Every closure over phase space, the drift first.
-    pub(crate) fn closures(&self) -> impl Iterator<Item = &Hamiltonian> {
-        self.hamiltonians().chain(self.covectors())
+    /// Every closure over phase space, the drift first, those with numbers as values before covectors.
+    pub(crate) fn in_order(&self) -> impl Iterator<Item = &Hamiltonian> {
+        [Role::Drift, Role::Noise, Role::Invariant, Role::Force, Role::NoiseForce]
+            .into_iter()
+            .flat_map(|role| self.of(role))
     }
 }
 
@@ -83,6 +100,7 @@ pub(crate) enum Emission {
 
 /// A closure over phase space.
 pub(crate) struct Hamiltonian {
+    pub(crate) role: Role,
     pub(crate) closure: ExprClosure,
     /// The closure's tokens as they were written.
     pub(crate) tokens: TokenStream,
@@ -110,16 +128,10 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
     }
     let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
-        drift: None,
-        second_part: None,
-        noise: Vec::new(),
-        force: None,
-        noise_forces: Vec::new(),
+        closures: Vec::new(),
         friction: None,
         temperature: None,
-        invariants: Vec::new(),
         embeddings: Vec::new(),
-        embedding_types: Vec::new(),
         all_embeddings_known: false,
         crate_path: syn::parse_quote!(::wzvi),
         emission: None,
@@ -155,15 +167,11 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
         diagnostics.report(messages::missing_value(&entry.key));
         return;
     }
+    if let Some(&(_, role)) = ROLES.iter().find(|(known, _)| *known == key) {
+        declaration.closures.extend(entry.closures(role, diagnostics));
+        return;
+    }
     match key {
-        "drift" => {
-            if let Some((drift, second_part)) = diagnostics.accept(entry.parse(drift)) {
-                (declaration.drift, declaration.second_part) = (Some(drift), second_part);
-            }
-        }
-        "noise" => declaration.noise = entry.hamiltonians(diagnostics),
-        "force" => declaration.force = diagnostics.accept(entry.parse(hamiltonian)),
-        "noise_force" => declaration.noise_forces = entry.hamiltonians(diagnostics),
         "friction" | "damping" if declaration.friction.is_some() => {
             diagnostics.report(messages::friction_and_damping(&entry.key));
         }
@@ -173,20 +181,9 @@ fn read_entry(declaration: &mut Declaration, key: &str, entry: &Entry, diagnosti
             declaration.friction = given.map(|given| Friction { is_matrix, given });
         }
         "temperature" => declaration.temperature = diagnostics.accept(entry.given()),
-        "invariant" => {
-            declaration.invariants = entry.hamiltonians(diagnostics);
-            declaration.invariants.retain(|invariant| match &invariant.family {
-                Some(count) => {
-                    diagnostics.report(messages::family_of_invariants(count));
-                    false
-                }
-                None => true,
-            });
-        }
         "embedding" => {
             let before = diagnostics.count();
-            (declaration.embeddings, declaration.embedding_types) =
-                entry.embeddings(diagnostics).into_iter().unzip();
+            declaration.embeddings = entry.embeddings(diagnostics);
             declaration.all_embeddings_known = diagnostics.count() == before;
         }
         STRATEGY => declaration.emission = diagnostics.accept(entry.parse(emission)),
@@ -223,16 +220,29 @@ impl Entry {
         Ok(Given { value: self.parse(expression)?, tokens: self.value.clone() })
     }
 
-    fn hamiltonians(&self, diagnostics: &mut Diagnostics) -> Vec<Hamiltonian> {
-        let Some(list) = diagnostics.accept(self.parse(hamiltonian_list)) else { return Vec::new() };
+    fn closures(&self, role: Role, diagnostics: &mut Diagnostics) -> Vec<Hamiltonian> {
+        let parsed = match role {
+            Role::Drift => self.parse(drift),
+            Role::Force => self.parse(hamiltonian).map(|only| vec![only]),
+            Role::Noise | Role::NoiseForce | Role::Invariant => self.parse(hamiltonian_list),
+        };
+        let Some(mut list) = diagnostics.accept(parsed) else { return Vec::new() };
         if list.is_empty() {
             diagnostics.report(messages::empty_list(&self.key, &self.value));
         }
-        if self.key != "invariant"
+        if matches!(role, Role::Noise | Role::NoiseForce)
             && let Some(name) = list.iter().find_map(|hamiltonian| hamiltonian.name.as_ref())
         {
             diagnostics.report(messages::name_of_other(name));
         }
+        list.retain(|closure| match &closure.family {
+            Some(count) if role == Role::Invariant => {
+                diagnostics.report(messages::family_of_invariants(count));
+                false
+            }
+            _ => true,
+        });
+        list.iter_mut().for_each(|closure| closure.role = role);
         list
     }
 
@@ -276,21 +286,19 @@ fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
     if closure.asyncness.is_some() {
         return Err(messages::async_closure(closure.asyncness.to_token_stream()));
     }
-    Ok(Hamiltonian { closure, tokens, family: None, name: None })
+    Ok(Hamiltonian { role: Role::Drift, closure, tokens, family: None, name: None })
 }
 
 /// One Hamiltonian, or `[H_A, H_B]`.
-fn drift(input: ParseStream<'_>) -> syn::Result<(Hamiltonian, Option<Hamiltonian>)> {
-    if !input.peek(token::Bracket) {
-        return Ok((hamiltonian(input)?, None));
-    }
-    let brackets: TokenTree = input.fork().parse()?;
-    let mut list = hamiltonian_list(input)?.into_iter();
-    match (list.next(), list.next(), list.next()) {
-        (Some(first), Some(second), None) if first.family.is_none() && second.family.is_none() => {
-            Ok((first, Some(second)))
+fn drift(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
+    let brackets: Option<TokenTree> =
+        if input.peek(token::Bracket) { Some(input.fork().parse()?) } else { None };
+    let list = hamiltonian_list(input)?;
+    match brackets {
+        Some(brackets) if list.len() != 2 || list.iter().any(|part| part.family.is_some()) => {
+            Err(messages::parts_of_drift(brackets))
         }
-        _ => Err(messages::parts_of_drift(brackets)),
+        _ => Ok(list),
     }
 }
 

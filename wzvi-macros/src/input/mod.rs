@@ -10,7 +10,7 @@ mod phase_space;
 mod points;
 mod system;
 
-pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, read_attribute};
+pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, Role, read_attribute};
 pub(crate) use groups::peeled;
 pub(crate) use library::{Function, Library};
 pub(crate) use nesting::too_deep;

@@ -7,7 +7,7 @@ use quote::quote;
 use syn::ext::IdentExt;
 use syn::{Pat, Type};
 
-use super::attribute::{Declaration, Hamiltonian};
+use super::attribute::{Declaration, Hamiltonian, Role};
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, messages, source};
 
@@ -70,6 +70,8 @@ impl Labels {
 
 /// The arrangement and the names of coordinates, momenta and time.
 pub(crate) struct PhaseSpace {
+    /// Whether the drift declares it: if not, the drift is mistaken.
+    pub(crate) is_of_drift: bool,
     pub(crate) shape: Shape,
     /// Names of the coordinates and the momenta as a whole.
     pub(crate) names: [String; 2],
@@ -140,24 +142,23 @@ pub(crate) fn read_phase_space(
     declaration: &mut Declaration,
     diagnostics: &mut Diagnostics,
 ) -> Option<PhaseSpace> {
-    let mut phase_space = declaration.drift.as_ref().and_then(|drift| diagnostics.accept(declared(drift)));
-    let of_drift = phase_space.is_some();
-    if !of_drift {
-        declaration.drift = None;
-    }
-    let mut agrees = |other: &Hamiltonian| match &phase_space {
-        Some(known) if of_drift => diagnostics.accept(repeats(other, known)).is_some(),
-        Some(known) => diagnostics.accept(declared(other)).is_some_and(|found| found.shape == known.shape),
-        None => {
-            phase_space = diagnostics.accept(declared(other));
-            phase_space.is_some()
+    let mut phase_space: Option<PhaseSpace> = None;
+    let mut is_first = true;
+    declaration.closures.sort_by_key(|closure| closure.role);
+    declaration.closures.retain(|closure| {
+        let is_drift = std::mem::take(&mut is_first) && closure.role == Role::Drift;
+        match &phase_space {
+            Some(known) if known.is_of_drift => diagnostics.accept(repeats(closure, known)).is_some(),
+            Some(known) => {
+                diagnostics.accept(declared(closure)).is_some_and(|found| found.shape == known.shape)
+            }
+            None => {
+                let found = diagnostics.accept(declared(closure));
+                phase_space = found.map(|found| PhaseSpace { is_of_drift: is_drift, ..found });
+                phase_space.is_some()
+            }
         }
-    };
-    declaration.second_part = declaration.second_part.take().filter(&mut agrees);
-    declaration.noise.retain(&mut agrees);
-    declaration.force = declaration.force.take().filter(&mut agrees);
-    declaration.noise_forces.retain(&mut agrees);
-    declaration.invariants.retain(&mut agrees);
+    });
     phase_space
 }
 
@@ -185,6 +186,7 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
         names
     };
     Ok(PhaseSpace {
+        is_of_drift: false,
         names: [array_name(q, "q"), array_name(p, "p")],
         q: components(q, "q"),
         p: components(p, "p"),

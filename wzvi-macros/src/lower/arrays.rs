@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
-use syn::{ExprIndex, ExprRange, RangeLimits};
+use syn::{Expr as Syntax, ExprIndex, ExprRange, RangeLimits};
 
 use super::interpreter::Interpreter;
 use super::sequences::{Sequence, Source};
@@ -207,24 +207,21 @@ impl<'a> Interpreter<'a, '_> {
         self.symbols.reader(self.tables.as_list(), |names| names.index(index))
     }
 
-    pub(super) fn index(&mut self, syntax: &'a ExprIndex) -> Value {
+    pub(super) fn index(&mut self, syntax: &'a ExprIndex) -> Option<Value> {
         let base = self.evaluate(&syntax.expr);
         let index = self.evaluate(&syntax.index);
         let at = &*syntax.index;
-        match (base, index) {
-            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Sequence(list), Value::Sequence(range)) => {
-                self.part(&list, &range, at).unwrap_or(Value::Poison)
+        match (base.known()?, index.known()?) {
+            (Value::Sequence(list), Value::Sequence(range)) => self.part(&list, &range, at),
+            (Value::Sequence(list), index) => {
+                let k = self.as_index(&index, at)?;
+                self.item(&list, &k, at)
             }
-            (Value::Sequence(list), index) => match self.as_index(&index, at) {
-                Some(k) => self.item(&list, &k, at).unwrap_or(Value::Poison),
-                None => Value::Poison,
-            },
-            (Value::Constant(place), index) => match self.known_integer(index, at) {
-                Some(k) => self.constant_element(&place, k, at),
-                None => Value::Poison,
-            },
-            (base, _) => self.report(expressions::expected(&syntax.expr, "a list", base.describe())),
+            (Value::Constant(place), index) => {
+                let k = self.known_integer(index, at)?;
+                self.constant_element(&place, k, at)
+            }
+            (base, _) => self.refuse(expressions::expected(&syntax.expr, "a list", base.describe())),
         }
     }
 
@@ -253,40 +250,35 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// Element `k` of a constant, which is a list if it can be indexed.
-    fn constant_element(&mut self, place: &Place, k: i128, at: &dyn ToTokens) -> Value {
+    fn constant_element(&mut self, place: &Place, k: i128, at: &dyn ToTokens) -> Option<Value> {
         let Ok(k) = usize::try_from(k) else {
-            return self.report(expressions::index_out_of_range(at, k, 0));
+            return self.refuse(expressions::index_out_of_range(at, k, 0));
         };
         let (tokens, literal) = (&place.tokens, proc_macro2::Literal::usize_unsuffixed(k));
         let (name, tokens) = (format!("{}[{k}]", place.name), quote! { #tokens[#literal] });
-        Value::Constant(Place::new(name, tokens, Kind::Constant).into())
+        Some(Value::Constant(Place::new(name, tokens, Kind::Constant).into()))
     }
 
-    pub(super) fn range(&mut self, syntax: &'a ExprRange) -> Value {
-        let start = match &syntax.start {
-            Some(start) => {
-                let value = self.evaluate(start);
-                self.as_index(&value, start)
+    pub(super) fn range(&mut self, syntax: &'a ExprRange) -> Option<Value> {
+        let mut bound = |bound: &'a Option<Box<Syntax>>| match bound {
+            Some(bound) => {
+                let value = self.evaluate(bound);
+                self.as_index(&value, bound).map(Some)
             }
-            None => Some(Index::default()),
+            None => Some(None),
         };
-        let end = match &syntax.end {
+        let (start, end) = (bound(&syntax.start), bound(&syntax.end));
+        let start = start?.unwrap_or_default();
+        let range = match end? {
             Some(end) => {
-                let value = self.evaluate(end);
                 let inclusive = i128::from(matches!(syntax.limits, RangeLimits::Closed(_)));
-                match self.as_index(&value, end).and_then(|end| end.shifted(inclusive)) {
-                    Some(end) => Some(end),
-                    None => return Value::Poison,
-                }
+                end.shifted(inclusive).and_then(|end| Sequence::range(start, Some(end)))
             }
-            None => None,
+            None => Sequence::range(start, None),
         };
-        match start {
-            Some(start) => match Sequence::range(start, end) {
-                Some(range) => Value::sequence(range),
-                None => self.report(expressions::integer_arithmetic(syntax)),
-            },
-            None => Value::Poison,
+        match range {
+            Some(range) => Some(Value::sequence(range)),
+            None => self.refuse(expressions::integer_arithmetic(syntax)),
         }
     }
 }

@@ -12,9 +12,9 @@ use crate::diagnostics::{expressions, messages};
 use crate::input::Function;
 
 impl<'a> Interpreter<'a, '_> {
-    pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Value {
+    pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Option<Value> {
         if !self.spend(1 + self.scope.len() / 16, &syntax.inputs_begin) {
-            return Value::Poison;
+            return None;
         }
         let scope = match syntax.capture {
             Some(_) => self.scope.snapshot(),
@@ -22,12 +22,12 @@ impl<'a> Interpreter<'a, '_> {
         };
         self.has_mutation |= super::control::assigns_captured(syntax);
         self.closures.push(Closure { syntax, scope });
-        Value::Closure(self.closures.len() - 1)
+        Some(Value::Closure(self.closures.len() - 1))
     }
 
-    pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Value {
+    pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Option<Value> {
         if self.is_pending(&syntax.func) {
-            return Value::Poison;
+            return None;
         }
         if let Some(function) = self.shared(&syntax.func) {
             return self.apply_shared(function, &syntax.args, syntax);
@@ -36,29 +36,29 @@ impl<'a> Interpreter<'a, '_> {
             // A single name is a variable; as a function it is not one that can be seen into.
             Syntax::Path(path) => match path.path.get_ident() {
                 Some(name) => match self.scope.find_from_anywhere(name) {
-                    Some(binding) => binding.value.borrow().clone(),
+                    Some(binding) => binding.value.borrow().clone().known(),
                     None => {
                         let arguments: Vec<&Syntax> = syntax.args.iter().collect();
-                        self.report(match meant_method(&name.to_string()) {
+                        self.refuse(match meant_method(&name.to_string()) {
                             Some(method) => expressions::function_as_method(name, method, &arguments),
                             None => expressions::function_call(path),
                         })
                     }
                 },
                 None => match real_function(path) {
-                    Some(function) => Value::Function(function.into()),
-                    None => self.report(expressions::function_call(path)),
+                    Some(function) => Some(Value::Function(function.into())),
+                    None => self.refuse(expressions::function_call(path)),
                 },
             },
-            other => self.evaluate(other),
+            other => self.evaluate(other).known(),
         };
-        let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
-        match &function {
+        let arguments = self.elements(&syntax.args);
+        match function? {
             Value::Function(name) => {
                 let places: Vec<&Syntax> = syntax.args.iter().collect();
-                self.real_call(name, arguments, &places, &syntax.func)
+                self.real_call(&name, arguments, &places, &syntax.func)
             }
-            _ => self.apply(&function, arguments, syntax),
+            function => self.apply(&function, arguments, syntax),
         }
     }
 
@@ -101,8 +101,8 @@ impl<'a> Interpreter<'a, '_> {
         function: &'a Function,
         arguments: &'a Punctuated<Syntax, Token![,]>,
         at: &dyn ToTokens,
-    ) -> Value {
-        let mut arguments: Vec<Value> = arguments.iter().map(|argument| self.evaluate(argument)).collect();
+    ) -> Option<Value> {
+        let mut arguments = self.elements(arguments);
         let inputs = &function.signature.inputs;
         // A method by its path gets `self` as an argument.
         let has_receiver = matches!(inputs.first(), Some(FnArg::Receiver(_)));
@@ -117,13 +117,13 @@ impl<'a> Interpreter<'a, '_> {
             arguments.remove(0);
         }
         if parameters.len() != arguments.len() {
-            return self.report(expressions::argument_count(at, parameters.len(), arguments.len()));
+            return self.refuse(expressions::argument_count(at, parameters.len(), arguments.len()));
         }
         if self.calls.iter().any(|active| std::ptr::eq(*active, function)) {
-            return self.report(messages::recursion(at.to_token_stream()));
+            return self.refuse(messages::recursion(at.to_token_stream()));
         }
         if !self.spend(1, &at.to_token_stream()) {
-            return Value::Poison;
+            return None;
         }
         let (scope, frame) = (std::mem::take(&mut self.scope), std::mem::take(&mut self.frame));
         let library = self.library.replace(&function.library);
@@ -135,25 +135,29 @@ impl<'a> Interpreter<'a, '_> {
         self.calls.pop();
         self.library = library;
         (self.scope, self.frame) = (scope, frame);
-        value
+        value.known()
     }
 
     /// The value of a function at `arguments`.
-    pub(super) fn apply(&mut self, function: &Value, arguments: Vec<Value>, at: &dyn ToTokens) -> Value {
+    pub(super) fn apply(
+        &mut self,
+        function: &Value,
+        arguments: Vec<Value>,
+        at: &dyn ToTokens,
+    ) -> Option<Value> {
         let id = match function {
-            Value::Poison => return Value::Poison,
+            Value::Poison => return None,
             Value::Function(name) => return self.real_call(name, arguments, &[], at),
             Value::Closure(id) => *id,
-            other => return self.report(expressions::not_callable(at, other.describe())),
+            other => return self.refuse(expressions::not_callable(at, other.describe())),
         };
-        let Some(Closure { syntax, scope }) = self.closures.get(id) else { return Value::Poison };
+        let Closure { syntax, scope } = self.closures.get(id)?;
         let (syntax, captured) = (*syntax, scope.clone());
         if syntax.inputs.len() != arguments.len() {
-            let error = expressions::argument_count(at, syntax.inputs.len(), arguments.len());
-            return self.report(error);
+            return self.refuse(expressions::argument_count(at, syntax.inputs.len(), arguments.len()));
         }
         if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {
-            return Value::Poison;
+            return None;
         }
         let frame = std::mem::replace(&mut self.frame, captured.len());
         let caller = std::mem::replace(&mut self.scope, captured);
@@ -162,36 +166,36 @@ impl<'a> Interpreter<'a, '_> {
         }
         let value = self.evaluate(&syntax.body);
         (self.scope, self.frame) = (caller, frame);
-        value
+        value.known()
     }
 
-    pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Value {
+    pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Option<Value> {
         if is_self(&syntax.receiver) {
             if let Some(method) = self.method(&syntax.method.to_string()) {
                 return self.apply_shared(method, &syntax.args, syntax);
             }
             if self.awaits_definitions() {
-                return Value::Poison;
+                return None;
             }
-            return self.report(expressions::function_call(&syntax.method));
+            return self.refuse(expressions::function_call(&syntax.method));
         }
         let receiver = self.evaluate(&syntax.receiver);
-        let arguments: Vec<Value> = syntax.args.iter().map(|argument| self.evaluate(argument)).collect();
-        match receiver {
-            Value::Poison => Value::Poison,
+        let arguments = self.elements(&syntax.args);
+        match receiver.known()? {
             Value::Sequence(sequence) => self.sequence_method(sequence, &arguments, syntax),
             Value::Index(index) => self.integer_method(&index, &arguments, syntax),
             // A constant that is not a list is a real number: integers have to be cast first.
-            Value::Real(_) | Value::Constant(_) => {
-                let mut values = vec![receiver];
-                values.extend(arguments);
-                let mut places = vec![&*syntax.receiver];
-                places.extend(syntax.args.iter());
+            receiver @ (Value::Real(_) | Value::Constant(_)) => {
+                let values = [vec![receiver], arguments].concat();
+                let places: Vec<&Syntax> = [&*syntax.receiver].into_iter().chain(&syntax.args).collect();
                 self.real_call(&syntax.method.to_string(), values, &places, &syntax.method)
             }
             other => match syntax.method.to_string().as_str() {
-                "clone" | "to_owned" if arguments.is_empty() => other,
-                _ => self.report(expressions::unknown_method(&syntax.method, other.describe(), &["clone"])),
+                "clone" | "to_owned" if arguments.is_empty() => Some(other),
+                name => {
+                    let known = ["clone"];
+                    self.refuse(expressions::unknown_method(&syntax.method, name, other.describe(), &known))
+                }
             },
         }
     }

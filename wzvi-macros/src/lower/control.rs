@@ -2,10 +2,12 @@
 
 use std::rc::Rc;
 
+use quote::ToTokens;
 use syn::visit::Visit;
-use syn::{BinOp, Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Ident, Item, Stmt};
+use syn::{Block, Expr as Syntax, ExprBinary, ExprForLoop, ExprIf, ExprRepeat, Ident, Item, Local, Stmt};
 
 use super::interpreter::{Interpreter, last_expression};
+use super::operators::compound;
 use super::patterns::Names;
 use super::scope::Binding;
 use super::sequences::Sequence;
@@ -28,60 +30,42 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn statement(&mut self, statement: &'a Stmt) -> Value {
-        match statement {
-            Stmt::Local(local) => {
-                let value = match &local.init {
-                    Some(init) if init.diverge.is_none() => self.evaluate(&init.expr),
-                    Some(_) => {
-                        let remedy = "use `let` without `else`";
-                        self.report(expressions::unsupported(local.let_token, "`let ... else`", remedy))
-                    }
-                    // Assigned before it is read, or `rustc` says so.
-                    None => Value::Poison,
-                };
-                if local.init.is_none() {
-                    let remedy = "give the variable its value where it is declared";
-                    self.report(expressions::unsupported(local, "a `let` without a value", remedy));
-                }
-                self.bind(&local.pat, value);
-                Value::unit()
+        let (at, what, remedy): (&dyn ToTokens, _, _) = match statement {
+            Stmt::Local(Local { init: Some(init), pat, .. }) if init.diverge.is_none() => {
+                let value = self.evaluate(&init.expr);
+                self.bind(pat, value);
+                return Value::unit();
             }
-            Stmt::Expr(syntax, semicolon) => {
-                let value = self.evaluate(syntax);
-                if semicolon.is_some() { Value::unit() } else { value }
+            Stmt::Local(local) => {
+                // Assigned before it is read, or `rustc` says so.
+                self.bind(&local.pat, Value::Poison);
+                match local.init {
+                    Some(_) => (&local.let_token, "`let ... else`", "use `let` without `else`"),
+                    None => {
+                        let remedy = "give the variable its value where it is declared";
+                        (local, "a `let` without a value", remedy)
+                    }
+                }
+            }
+            Stmt::Expr(syntax, None) => return self.evaluate(syntax),
+            Stmt::Expr(syntax, Some(_)) => {
+                self.evaluate(syntax);
+                return Value::unit();
             }
             Stmt::Item(Item::Const(item)) => {
                 let value = self.evaluate(&item.expr);
                 self.declare(item.ident.clone(), value);
-                Value::unit()
+                return Value::unit();
             }
-            Stmt::Item(item) => {
-                let remedy = "move it out of the closure";
-                self.report(expressions::unsupported(item, "an item inside a Hamiltonian", remedy))
-            }
-            Stmt::Macro(call) => {
-                let remedy = "write out what it stands for";
-                self.report(expressions::unsupported(call, "a macro call", remedy))
-            }
-        }
+            Stmt::Item(item) => (item, "an item inside a Hamiltonian", "move it out of the closure"),
+            Stmt::Macro(call) => (call, "a macro call", "write out what it stands for"),
+        };
+        self.report(expressions::unsupported(at, what, remedy));
+        Value::Poison
     }
 
-    pub(super) fn assign(&mut self, target: &'a Syntax, value: &'a Syntax) -> Value {
-        let value = self.evaluate(value);
-        self.store(target, value);
-        Value::unit()
-    }
-
-    /// `target op= value`
-    pub(super) fn assign_compound(&mut self, syntax: &'a ExprBinary, operator: BinOp) -> Value {
-        let left = self.evaluate(&syntax.left);
-        let right = self.evaluate(&syntax.right);
-        let value = self.operate(left, operator, right, syntax);
-        self.store(&syntax.left, value);
-        Value::unit()
-    }
-
-    fn store(&mut self, target: &Syntax, value: Value) {
+    /// `target = value`
+    pub(super) fn store(&mut self, target: &Syntax, value: Value) -> Value {
         let name = match target {
             Syntax::Path(path) => path.path.get_ident(),
             Syntax::Unary(unary) if matches!(unary.op, syn::UnOp::Deref(_)) => {
@@ -90,41 +74,37 @@ impl<'a> Interpreter<'a, '_> {
             Syntax::Paren(inner) => return self.store(&inner.expr, value),
             _ => None,
         };
-        let error = match name.and_then(|name| self.scope.find_from_anywhere(name)) {
+        match name.and_then(|name| self.scope.find_from_anywhere(name)).cloned() {
             Some(binding) if binding.branch == self.branch => {
-                let binding = binding.clone();
                 if self.is_abandoned() {
-                    return;
-                }
-                if binding.loops == self.loop_depth() || value.is_poison() {
+                } else if binding.loops == self.loop_depth() || value.is_poison() {
                     self.scope.assign(&binding, value, self.frame);
                 } else if !self.request_turns(|_| true) {
                     self.report(expressions::long_for_loop(target));
                 }
-                return;
             }
-            Some(_) => expressions::assignment_in_branch(target),
-            None => expressions::assignment_target(target),
-        };
-        self.report(error);
+            Some(_) => self.report(expressions::assignment_in_branch(target)),
+            None => self.report(expressions::assignment_target(target)),
+        }
+        Value::unit()
     }
 
-    pub(super) fn branch(&mut self, syntax: &'a ExprIf) -> Value {
+    pub(super) fn branch(&mut self, syntax: &'a ExprIf) -> Option<Value> {
         match self.evaluate(&syntax.cond) {
-            Value::Known(true) => self.block(&syntax.then_branch),
-            Value::Known(false) => match &syntax.else_branch {
+            Value::Known(true) => Some(self.block(&syntax.then_branch)),
+            Value::Known(false) => Some(match &syntax.else_branch {
                 Some((_, otherwise)) => self.evaluate(otherwise),
                 None => Value::unit(),
-            },
+            }),
             Value::Condition(condition) => self.undecided(syntax, Some(condition)),
             // The branches may have mistakes of their own.
             Value::Poison => self.undecided(syntax, None),
-            other => self.report(expressions::expected(&syntax.cond, "a condition", other.describe())),
+            other => self.refuse(expressions::expected(&syntax.cond, "a condition", other.describe())),
         }
     }
 
     /// Both branches, and a choice between their values.
-    fn undecided(&mut self, syntax: &'a ExprIf, condition: Option<Expr>) -> Value {
+    fn undecided(&mut self, syntax: &'a ExprIf, condition: Option<Expr>) -> Option<Value> {
         self.branch += 1;
         let outer = self.scope.len();
         if condition.is_none() {
@@ -137,25 +117,18 @@ impl<'a> Interpreter<'a, '_> {
         self.scope.leave(outer);
         let otherwise = syntax.else_branch.as_ref().map(|(_, otherwise)| self.evaluate(otherwise));
         self.branch -= 1;
-        match (condition, otherwise) {
-            (None, _) => Value::Poison,
-            (_, None) => match &then {
-                Value::Poison => Value::Poison,
-                Value::Tuple(tuple) if tuple.items.is_empty() => Value::unit(),
-                _ => self.report(expressions::missing_else(syntax.if_token)),
-            },
-            (Some(condition), Some(otherwise)) => match self.select(condition, &then, &otherwise) {
-                Some(value) => value,
-                None => {
-                    let at = last_expression(&syntax.then_branch);
-                    let error = match at {
-                        Some(at) => expressions::branches_differ(at),
-                        None => expressions::branches_differ(syntax.if_token),
-                    };
-                    self.report(error)
-                }
-            },
-        }
+        let condition = condition?;
+        let otherwise = match (otherwise, &then) {
+            (Some(otherwise), _) => otherwise,
+            (None, Value::Poison) => return None,
+            (None, Value::Tuple(tuple)) if tuple.items.is_empty() => return Some(then),
+            (None, _) => return self.refuse(expressions::missing_else(syntax.if_token)),
+        };
+        self.select(condition, &then, &otherwise).or_else(|| {
+            let last = last_expression(&syntax.then_branch);
+            let at: &dyn ToTokens = last.map_or(&syntax.if_token, |last| last);
+            self.refuse(expressions::branches_differ(at))
+        })
     }
 
     /// `if condition { then } else { otherwise }`, element by element; `None` if the two do not match.
@@ -203,10 +176,10 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// A loop that only adds to its variables is a sum for each of them; another goes item by item.
-    pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Value {
+    pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Option<Value> {
         let value = self.evaluate(&syntax.expr);
-        let Some(sequence) = self.as_sequence(&value, &syntax.expr) else { return Value::Poison };
-        let Some(totals) = self.totals(&syntax.body) else { return Value::Poison };
+        let sequence = self.as_sequence(&value, &syntax.expr)?;
+        let totals = self.totals(&syntax.body)?;
         // What a closure assigns to is not seen here.
         let goes_by_items = self.has_mutation && self.has_known_items(&sequence);
         if let Some(totals) = totals.as_ref().filter(|_| !goes_by_items) {
@@ -216,23 +189,22 @@ impl<'a> Interpreter<'a, '_> {
                         let total = self.graph.add(*before, added);
                         self.scope.assign(binding, Value::Real(total), self.frame);
                     }
-                    return Value::unit();
+                    return Some(Value::unit());
                 }
-                Added::Failed => return Value::Poison,
+                Added::Failed => return None,
                 Added::NoSum => {}
             }
         }
         if !self.has_known_items(&sequence) {
-            return self.report(expressions::long_for_loop(syntax.for_token));
+            return self.refuse(expressions::long_for_loop(syntax.for_token));
         }
-        let Some(items) = self.items(&sequence, &syntax.expr) else { return Value::Poison };
-        for item in items {
+        for item in self.items(&sequence, &syntax.expr)? {
             if !self.spend(1, &syntax.for_token) {
-                return Value::Poison;
+                return None;
             }
             self.turn(syntax, item);
         }
-        Value::unit()
+        Some(Value::unit())
     }
 
     fn turn(&mut self, syntax: &'a ExprForLoop, item: Value) {
@@ -308,15 +280,15 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `[value; n]`
-    pub(super) fn repeat(&mut self, syntax: &'a ExprRepeat) -> Value {
+    pub(super) fn repeat(&mut self, syntax: &'a ExprRepeat) -> Option<Value> {
         let value = self.evaluate(&syntax.expr);
         let len = self.evaluate(&syntax.len);
-        let Some(len) = self.known_integer(len, &syntax.len) else { return Value::Poison };
+        let len = self.known_integer(len, &syntax.len)?;
         let Ok(len) = usize::try_from(len) else {
-            return self.report(expressions::index_out_of_range(&syntax.len, len, 0));
+            return self.refuse(expressions::index_out_of_range(&syntax.len, len, 0));
         };
         if !self.spend(len, &syntax.len) {
-            return Value::Poison;
+            return None;
         }
         self.bounded(Value::list(vec![value; len]), syntax)
     }
@@ -363,15 +335,7 @@ impl<'s> Visit<'s> for Assigned {
         syn::visit::visit_expr_assign(self, syntax);
     }
     fn visit_expr_binary(&mut self, syntax: &'s ExprBinary) {
-        let is_assignment = matches!(
-            syntax.op,
-            BinOp::AddAssign(_)
-                | BinOp::SubAssign(_)
-                | BinOp::MulAssign(_)
-                | BinOp::DivAssign(_)
-                | BinOp::RemAssign(_)
-        );
-        if is_assignment {
+        if compound(&syntax.op).is_some() {
             self.take(&syntax.left);
         }
         syn::visit::visit_expr_binary(self, syntax);

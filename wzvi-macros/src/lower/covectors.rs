@@ -24,15 +24,36 @@ impl Space<'_> {
         value: Value,
         at: &'a Syntax,
     ) -> Option<Expr> {
-        let lengths = self.lengths();
+        self.entries(interpreter, value, false, at, |interpreter, entry, i| {
+            let displacement = interpreter.local(Slot::State(Half::Displacements, i.clone()));
+            interpreter.graph.multiply(entry, displacement)
+        })
+    }
+
+    /// `Σ_i γ_i δq_i p_i` of one rate for all degrees of freedom, one for each point, or one for each.
+    fn rates<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        value: Value,
+        at: &'a Syntax,
+    ) -> Option<Expr> {
+        self.entries(interpreter, value, true, at, |interpreter, rate, i| bilinear(interpreter, rate, i, i))
+    }
+
+    /// The sum of what `term` makes of every entry of what is arranged as the coordinates are.
+    fn entries<'a, 'd>(
+        &self,
+        interpreter: &mut Interpreter<'a, 'd>,
+        value: Value,
+        spread: bool,
+        at: &'a Syntax,
+        term: impl Fn(&mut Interpreter<'a, 'd>, Expr, &Index) -> Expr,
+    ) -> Option<Expr> {
         let mut leaf = |interpreter: &mut Interpreter<'a, 'd>, value: Value, place: &Index| {
-            let (entry, displacement) = (
-                interpreter.real(value, at)?,
-                interpreter.local(Slot::State(Half::Displacements, place.clone())),
-            );
-            Some(interpreter.graph.multiply(entry, displacement))
+            let entry = interpreter.real(value, at)?;
+            Some(term(interpreter, entry, place))
         };
-        paired(interpreter, value, (&lengths, false), &Index::default(), at, &mut leaf)
+        paired(interpreter, value, (&self.lengths(), spread), &Index::default(), at, &mut leaf)
     }
 
     /// `friction = ...` or `damping = ...`.
@@ -71,21 +92,6 @@ impl Space<'_> {
             }
         })?;
         Some(Friction { term, is_matrix, is_one_rate, uniform })
-    }
-
-    /// `Σ_i γ_i δq_i p_i` of one rate for all degrees of freedom, one for each point, or one for each.
-    fn rates<'a, 'd>(
-        &self,
-        interpreter: &mut Interpreter<'a, 'd>,
-        value: Value,
-        at: &'a Syntax,
-    ) -> Option<Expr> {
-        let lengths = self.lengths();
-        let mut leaf = |interpreter: &mut Interpreter<'a, 'd>, value: Value, place: &Index| {
-            let rate = interpreter.real(value, at)?;
-            Some(bilinear(interpreter, rate, place, place))
-        };
-        paired(interpreter, value, (&lengths, true), &Index::default(), at, &mut leaf)
     }
 
     /// `δq · Γ p` of rows of numbers, in the order of the state vector.

@@ -1,6 +1,5 @@
 //! The functions of `f64`, in method and in path form.
 
-use proc_macro2::Span;
 use quote::ToTokens;
 use syn::Expr as Syntax;
 
@@ -82,56 +81,51 @@ impl Interpreter<'_, '_> {
         arguments: Vec<Value>,
         places: &[&Syntax],
         at: &dyn ToTokens,
-    ) -> Value {
+    ) -> Option<Value> {
         let Some(arity) = arity(name) else {
             let names: Vec<&str> = Function::ALL.iter().map(|function| function.method()).collect();
             let names: Vec<&str> =
                 names.into_iter().chain(COMPOSED[..8].iter().map(|&(name, ..)| name)).collect();
-            let method = syn::Ident::new(name, name_span(at));
-            return self.report(expressions::unknown_method(&method, "`f64`", &names));
+            // The last token of a path names the function.
+            let method = at.to_token_stream().into_iter().last();
+            return self.refuse(expressions::unknown_method(method, name, "`f64`", &names));
         };
         if arity != arguments.len() {
             let receiver = usize::from(places.len() == arguments.len() && is_method(at));
             let (arity, found) =
                 (arity - receiver.min(arity), arguments.len() - receiver.min(arguments.len()));
-            return self.report(expressions::argument_count(at, arity, found));
+            return self.refuse(expressions::argument_count(at, arity, found));
         }
-        let place = |i: usize| -> &dyn ToTokens {
-            match places.get(i) {
-                Some(place) => place,
-                None => at,
-            }
-        };
-        match name {
-            "from" => return self.number_as_real(&arguments[0], place(0)),
-            "powi" => return self.integer_power(&arguments[0], &arguments[1], place(0), place(1)),
+        let place = |i: usize| -> &dyn ToTokens { places.get(i).map_or(at, |place| place) };
+        match (name, arguments.as_slice()) {
+            ("from", [Value::Index(index)]) => return Some(Value::Real(self.index_as_real(index))),
+            ("from", [value]) => return self.real(value.clone(), place(0)).map(Value::Real),
+            ("powi", [x, n]) => return self.integer_power(x, n, place(0), place(1)),
             _ => {}
         }
         let reals: Vec<_> =
             arguments.into_iter().enumerate().map(|(i, value)| self.real(value, place(i))).collect();
-        let Some(reals) = reals.into_iter().collect::<Option<Vec<Expr>>>() else { return Value::Poison };
+        let reals = reals.into_iter().collect::<Option<Vec<Expr>>>()?;
         if let Some(&function) = Function::ALL.iter().find(|function| function.method() == name) {
-            return Value::Real(self.graph.apply(function, &reals));
+            return Some(Value::Real(self.graph.apply(function, &reals)));
         }
         let composed = COMPOSED.iter().find(|(known, ..)| *known == name);
-        match composed.and_then(|(.., composed)| *composed) {
+        Some(match composed.and_then(|(.., composed)| *composed) {
             Some(composed) => Value::Real(composed(&mut self.graph, &reals)),
             None => Value::tuple(
                 [Function::Sin, Function::Cos].map(|f| Value::Real(self.graph.apply(f, &reals))).into(),
             ),
-        }
-    }
-
-    /// `f64::from(x)`
-    fn number_as_real(&mut self, value: &Value, at: &dyn ToTokens) -> Value {
-        match value {
-            Value::Index(index) => Value::Real(self.index_as_real(index)),
-            value => self.real(value.clone(), at).map_or(Value::Poison, Value::Real),
-        }
+        })
     }
 
     /// `x.powi(n)`: exact for a known n, else a real power with the parameter n.
-    fn integer_power(&mut self, x: &Value, n: &Value, x_at: &dyn ToTokens, n_at: &dyn ToTokens) -> Value {
+    fn integer_power(
+        &mut self,
+        x: &Value,
+        n: &Value,
+        x_at: &dyn ToTokens,
+        n_at: &dyn ToTokens,
+    ) -> Option<Value> {
         let x = self.real(x.clone(), x_at);
         let parameter = match n {
             Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
@@ -141,13 +135,13 @@ impl Interpreter<'_, '_> {
             _ => None,
         };
         if let Some(n) = parameter {
-            return x.map_or(Value::Poison, |x| Value::Real(self.graph.apply(Function::Powf, &[x, n])));
+            return Some(Value::Real(self.graph.apply(Function::Powf, &[x?, n])));
         }
         let n = self.known_integer(n.clone(), n_at);
-        let (Some(x), Some(n)) = (x, n) else { return Value::Poison };
+        let (x, n) = (x?, n?);
         match i32::try_from(n) {
-            Ok(n) => Value::Real(self.graph.power(x, Rational::integer(n))),
-            Err(_) => self.report(expressions::integer_arithmetic(n_at)),
+            Ok(n) => Some(Value::Real(self.graph.power(x, Rational::integer(n)))),
+            Err(_) => self.refuse(expressions::integer_arithmetic(n_at)),
         }
     }
 }
@@ -155,9 +149,4 @@ impl Interpreter<'_, '_> {
 /// Whether `at` is the name of a method, and not a path to a function.
 fn is_method(at: &dyn ToTokens) -> bool {
     syn::parse2::<syn::Ident>(at.to_token_stream()).is_ok()
-}
-
-/// The last token of a path names the function.
-fn name_span(at: &dyn ToTokens) -> Span {
-    at.to_token_stream().into_iter().last().map_or_else(Span::call_site, |token| token.span())
 }

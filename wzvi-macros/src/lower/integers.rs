@@ -61,8 +61,8 @@ impl<'a> Interpreter<'a, '_> {
         operator: &BinOp,
         b: &Value,
         at: &dyn ToTokens,
-    ) -> Value {
-        let (Some(a), Some(b)) = (self.as_index(a, at), self.as_index(b, at)) else { return Value::Poison };
+    ) -> Option<Value> {
+        let (a, b) = (self.as_index(a, at)?, self.as_index(b, at)?);
         let result = match operator {
             BinOp::Add(_) => a.add(&b),
             BinOp::Sub(_) => a.subtract(&b),
@@ -75,10 +75,11 @@ impl<'a> Interpreter<'a, '_> {
         self.integer(result, at)
     }
 
-    fn integer(&mut self, result: Option<Index>, at: &dyn ToTokens) -> Value {
+    /// What integer arithmetic made, if it did.
+    pub(super) fn integer(&mut self, result: Option<Index>, at: &dyn ToTokens) -> Option<Value> {
         match result {
-            Some(index) => Value::index(index),
-            None => self.report(expressions::integer_arithmetic(at)),
+            Some(index) => Some(Value::index(index)),
+            None => self.refuse(expressions::integer_arithmetic(at)),
         }
     }
 
@@ -88,30 +89,16 @@ impl<'a> Interpreter<'a, '_> {
         self.is_nonnegative(a) && rest.is_some_and(|rest| self.is_nonnegative(&rest))
     }
 
-    /// `a relation b`; `None` where that is no comparison.
-    pub(super) fn compare_indices(&mut self, operator: &BinOp, a: &Index, b: &Index) -> Option<Value> {
-        let difference = a.subtract(b)?;
-        let opposite = b.subtract(a)?;
-        Some(match operator {
-            BinOp::Lt(_) => self.is_less(&difference, false),
-            BinOp::Le(_) => self.is_less(&difference, true),
-            BinOp::Gt(_) => self.is_less(&opposite, false),
-            BinOp::Ge(_) => self.is_less(&opposite, true),
-            BinOp::Eq(_) => self.is_zero(&difference),
-            BinOp::Ne(_) => match self.is_zero(&difference) {
-                Value::Known(known) => Value::Known(!known),
-                Value::Condition(condition) => Value::Condition(self.graph.not(condition)),
-                other => other,
+    /// `difference relation 0`
+    pub(super) fn relates_to_zero(&mut self, relation: Relation, difference: &Index) -> Value {
+        match relation {
+            Relation::Less => self.is_less(difference, false),
+            Relation::LessEqual => self.is_less(difference, true),
+            Relation::Equal => match self.is_less(difference, false) {
+                Value::Known(true) => Value::Known(false),
+                Value::Known(false) => self.is_less(difference, true),
+                _ => Value::Condition(self.compare_with_zero(relation, difference)),
             },
-            _ => return None,
-        })
-    }
-
-    fn is_zero(&mut self, difference: &Index) -> Value {
-        match self.is_less(difference, false) {
-            Value::Known(true) => Value::Known(false),
-            Value::Known(false) => self.is_less(difference, true),
-            _ => Value::Condition(self.compare_with_zero(Relation::Equal, difference)),
         }
     }
 
@@ -120,28 +107,19 @@ impl<'a> Interpreter<'a, '_> {
         own: &Index,
         arguments: &[Value],
         syntax: &ExprMethodCall,
-    ) -> Value {
+    ) -> Option<Value> {
         let is_method = METHODS.iter().any(|(known, _)| syntax.method == known);
         if !is_method && is_real_method(&syntax.method.to_string()) {
-            return self.report(expressions::integer_not_real(&syntax.receiver));
+            return self.refuse(expressions::integer_not_real(&syntax.receiver));
         }
-        let Some(name) = self.known_method(METHODS, "integers", syntax) else { return Value::Poison };
-        let Some(argument) = arguments.first() else {
-            let result = match name {
-                "abs" => Index::default().subtract(own).map(|negated| own.maximum(&negated)),
-                _ => Some(own.clone()),
-            };
-            return self.integer(result, syntax);
-        };
-        let result = match name {
-            "pow" => match self.known_integer(argument.clone(), &syntax.args) {
-                Some(exponent) => power(own, exponent),
-                None => return Value::Poison,
-            },
-            _ => match self.as_index(argument, &syntax.args) {
-                Some(other) => self.binary_method(name, own, &other),
-                None => return Value::Poison,
-            },
+        let result = match (self.known_method(METHODS, "integers", syntax)?, arguments.first()) {
+            ("abs", _) => Index::default().subtract(own).map(|negated| own.maximum(&negated)),
+            ("pow", Some(exponent)) => power(own, self.known_integer(exponent.clone(), &syntax.args)?),
+            (name, Some(argument)) => {
+                let other = self.as_index(argument, &syntax.args)?;
+                self.binary_method(name, own, &other)
+            }
+            (_, None) => Some(own.clone()),
         };
         self.integer(result, syntax)
     }

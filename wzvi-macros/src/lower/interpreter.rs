@@ -105,11 +105,10 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// Reports a mistake, unless it may be none: in a loop that can be evaluated turn by turn, what a variable cannot stand
     /// for is looked at again with the values of that variable.
-    pub(super) fn report(&mut self, error: syn::Error) -> Value {
+    pub(super) fn report(&mut self, error: syn::Error) {
         if !self.request_turns(|_| true) {
             self.diagnostics.report(error);
         }
-        Value::Poison
     }
 
     /// The same where there is nothing to go on with.
@@ -132,6 +131,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         !self.exhausted
     }
 
+    /// The same for another operand of a chain, whose terms are copied.
+    pub(super) fn spend_on(&mut self, chain: &Value, at: &dyn ToTokens) -> bool {
+        let operands = chain.as_real().map_or(0, |chain| self.graph.node(chain).operands().len());
+        self.spend(operands / 16, at)
+    }
+
     pub(super) fn declare(&mut self, name: syn::Ident, value: Value) {
         if self.scope.len() >= MAX_VARIABLES {
             self.report(expressions::too_many_variables(&name, MAX_VARIABLES));
@@ -141,32 +146,37 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.scope.declare(name, value, self.branch, loops);
     }
 
+    /// The value of an expression; what has none has been reported.
     pub(super) fn evaluate(&mut self, syntax: &'a Syntax) -> Value {
         if self.is_abandoned() || !self.spend(1, syntax) {
             return Value::Poison;
         }
         if self.depth >= MAX_DEPTH {
-            return self.report(expressions::too_deep(syntax, MAX_DEPTH));
+            self.report(expressions::too_deep(syntax, MAX_DEPTH));
+            return Value::Poison;
         }
         self.depth += 1;
         let value = self.read(syntax);
         self.depth -= 1;
-        value
+        value.unwrap_or_default()
     }
 
     /// Which rule reads which expression.
-    fn read(&mut self, syntax: &'a Syntax) -> Value {
+    fn read(&mut self, syntax: &'a Syntax) -> Option<Value> {
         match syntax {
             Syntax::Lit(literal) => self.literal(&literal.lit),
             Syntax::Path(path) => self.path(path),
-            Syntax::Paren(inner) => self.evaluate(&inner.expr),
-            Syntax::Group(inner) => self.evaluate(&inner.expr),
-            Syntax::Reference(inner) if inner.mutability.is_none() => self.evaluate(&inner.expr),
+            Syntax::Paren(inner) => Some(self.evaluate(&inner.expr)),
+            Syntax::Group(inner) => Some(self.evaluate(&inner.expr)),
+            Syntax::Reference(inner) if inner.mutability.is_none() => Some(self.evaluate(&inner.expr)),
             Syntax::Unary(unary) => self.unary(unary),
             Syntax::Binary(binary) => self.binary(binary),
-            Syntax::Assign(assign) => self.assign(&assign.left, &assign.right),
+            Syntax::Assign(assign) => {
+                let value = self.evaluate(&assign.right);
+                Some(self.store(&assign.left, value))
+            }
             Syntax::Cast(cast) => self.cast(cast),
-            Syntax::Block(block) if block.label.is_none() => self.block(&block.block),
+            Syntax::Block(block) if block.label.is_none() => Some(self.block(&block.block)),
             Syntax::If(branch) => self.branch(branch),
             Syntax::Match(choice) => self.match_arms(choice),
             Syntax::ForLoop(repeat) if repeat.label.is_none() => self.for_loop(repeat),
@@ -189,19 +199,22 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         }
     }
 
-    fn elements(&mut self, elements: &'a syn::punctuated::Punctuated<Syntax, syn::Token![,]>) -> Vec<Value> {
+    pub(super) fn elements(
+        &mut self,
+        elements: &'a syn::punctuated::Punctuated<Syntax, syn::Token![,]>,
+    ) -> Vec<Value> {
         elements.iter().map(|element| self.evaluate(element)).collect()
     }
 
     /// `value`, unless it is a list too deep to be dropped safely.
-    pub(super) fn bounded(&mut self, value: Value, at: &dyn ToTokens) -> Value {
+    pub(super) fn bounded(&mut self, value: Value, at: &dyn ToTokens) -> Option<Value> {
         match value.depth() as usize > MAX_DEPTH {
-            true => self.report(expressions::too_deep(at, MAX_DEPTH)),
-            false => value,
+            true => self.refuse(expressions::too_deep(at, MAX_DEPTH)),
+            false => Some(value),
         }
     }
 
-    fn unsupported(&mut self, syntax: &Syntax) -> Value {
+    fn unsupported(&mut self, syntax: &Syntax) -> Option<Value> {
         let (at, what, remedy): (&dyn ToTokens, _, _) = match syntax {
             Syntax::Let(_) => (syntax, "`if let`", "use conditions on numbers"),
             Syntax::While(syntax) => (&syntax.while_token, UNKNOWN_TURNS.0, UNKNOWN_TURNS.1),
@@ -223,7 +236,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
                 (syntax, "this expression", remedy)
             }
         };
-        self.report(expressions::unsupported(at, what, remedy))
+        self.refuse(expressions::unsupported(at, what, remedy))
     }
 
     /// The value of a Hamiltonian.
@@ -260,16 +273,18 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     /// What a place holds: a real number is read at once, the rest waits for its use.
-    pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Value {
-        match &place.kind {
+    pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Option<Value> {
+        Some(match &place.kind {
             Kind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),
             Kind::Integer => Value::index(self.given(&place)),
             Kind::List(element, length) => {
                 Value::sequence(Sequence::array(self.table(&place, element, *length)))
             }
             Kind::Constant => Value::Constant(place.into()),
-            Kind::Other(ty) | Kind::Tuple(_, ty) => self.report(expressions::field_type(at, &place.name, ty)),
-        }
+            Kind::Other(ty) | Kind::Tuple(_, ty) => {
+                return self.refuse(expressions::field_type(at, &place.name, ty));
+            }
+        })
     }
 }
 

@@ -16,13 +16,13 @@ struct Choice<'a> {
 }
 
 impl<'a> Interpreter<'a, '_> {
-    pub(super) fn match_arms(&mut self, syntax: &'a ExprMatch) -> Value {
+    pub(super) fn match_arms(&mut self, syntax: &'a ExprMatch) -> Option<Value> {
         let scrutinee = self.evaluate(&syntax.expr);
         if !matches!(
             scrutinee,
             Value::Index(_) | Value::Constant(_) | Value::Known(_) | Value::Condition(_) | Value::Poison
         ) {
-            return self.report(expressions::match_on(&syntax.expr, scrutinee.describe()));
+            return self.refuse(expressions::match_on(&syntax.expr, scrutinee.describe()));
         }
         let outer = self.branch;
         let value = self.choose_arm(&scrutinee, syntax);
@@ -31,13 +31,13 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The value of the arm that is known to be taken, or a choice between those that may be.
-    fn choose_arm(&mut self, scrutinee: &Value, syntax: &'a ExprMatch) -> Value {
+    fn choose_arm(&mut self, scrutinee: &Value, syntax: &'a ExprMatch) -> Option<Value> {
         let mut choices: Vec<Choice<'a>> = Vec::new();
         for arm in &syntax.arms {
             let condition = match self.pattern_condition(scrutinee, &arm.pat) {
-                Value::Known(false) => continue,
-                Value::Known(true) => None,
-                Value::Condition(condition) => Some(condition),
+                Some(Value::Known(false)) => continue,
+                Some(Value::Known(true)) => None,
+                Some(Value::Condition(condition)) => Some(condition),
                 // The arms may have mistakes of their own.
                 _ => {
                     let outer = self.scope.len();
@@ -59,88 +59,83 @@ impl<'a> Interpreter<'a, '_> {
                 break;
             }
         }
-        let Some(last) = choices.pop() else {
-            // `rustc` says which values no arm takes.
-            return Value::Poison;
-        };
-        choices.into_iter().rev().fold(last.value, |otherwise, choice| {
-            let Some(condition) = choice.condition else { return Value::Poison };
-            match self.select(condition, &choice.value, &otherwise) {
-                Some(value) => value,
-                None => self.report(expressions::branches_differ(result_of(choice.body))),
-            }
+        // Without any, `rustc` says which values no arm takes.
+        let last = choices.pop()?;
+        choices.into_iter().rev().try_fold(last.value, |otherwise, choice| {
+            self.select(choice.condition?, &choice.value, &otherwise)
+                .or_else(|| self.refuse(expressions::branches_differ(result_of(choice.body))))
         })
     }
 
     /// Whether `scrutinee` is what a pattern stands for.
-    fn pattern_condition(&mut self, scrutinee: &Value, pattern: &'a Pat) -> Value {
+    fn pattern_condition(&mut self, scrutinee: &Value, pattern: &'a Pat) -> Option<Value> {
         match pattern {
-            Pat::Wild(_) => Value::Known(true),
+            Pat::Wild(_) => Some(Value::Known(true)),
             Pat::Guard(guarded) => match self.pattern_condition(scrutinee, &guarded.pat) {
-                Value::Known(false) => Value::Known(false),
+                Some(Value::Known(false)) => Some(Value::Known(false)),
                 fits => {
                     let holds = self.evaluate(&guarded.guard);
-                    self.combine(true, (fits, &guarded.pat), (holds, &guarded.guard))
+                    self.combine(true, (fits.unwrap_or_default(), &guarded.pat), (holds, &guarded.guard))
                 }
             },
             Pat::Paren(inner) => self.pattern_condition(scrutinee, &inner.pat),
             Pat::Lit(literal) => {
-                let value = self.literal(&literal.lit);
+                let value = self.literal(&literal.lit)?;
                 self.relates(scrutinee, BinOp::Eq(Default::default()), value, pattern)
             }
             Pat::Path(path) => {
-                let value = self.path(path);
+                let value = self.path(path)?;
                 self.relates(scrutinee, BinOp::Eq(Default::default()), value, pattern)
             }
             Pat::Or(alternatives) => {
                 let mut any = Value::Known(false);
                 for alternative in &alternatives.cases {
-                    let fits = self.pattern_condition(scrutinee, alternative);
-                    any = self.combine(false, (any, pattern), (fits, alternative));
+                    let fits = self.pattern_condition(scrutinee, alternative).unwrap_or_default();
+                    any = self.combine(false, (any, pattern), (fits, alternative)).unwrap_or_default();
                 }
-                any
+                Some(any)
             }
             Pat::Range(range) => {
+                let below = match range.limits {
+                    RangeLimits::HalfOpen(_) => BinOp::Lt(Default::default()),
+                    RangeLimits::Closed(_) => BinOp::Le(Default::default()),
+                };
+                let bounds = [(&range.start, BinOp::Ge(Default::default())), (&range.end, below)];
                 let mut within = Value::Known(true);
-                if let Some(start) = &range.start {
-                    let start = self.evaluate(start);
-                    within = self.relates(scrutinee, BinOp::Ge(Default::default()), start, pattern);
+                for (bound, operator) in bounds {
+                    let Some(bound) = bound else { continue };
+                    let bound = self.evaluate(bound);
+                    let fits = self.relates(scrutinee, operator, bound, pattern).unwrap_or_default();
+                    within = self.combine(true, (within, pattern), (fits, pattern)).unwrap_or_default();
                 }
-                if let Some(end) = &range.end {
-                    let end = self.evaluate(end);
-                    let operator = match range.limits {
-                        RangeLimits::HalfOpen(_) => BinOp::Lt(Default::default()),
-                        RangeLimits::Closed(_) => BinOp::Le(Default::default()),
-                    };
-                    let below = self.relates(scrutinee, operator, end, pattern);
-                    within = self.combine(true, (within, pattern), (below, pattern));
-                }
-                within
+                Some(within)
             }
-            _ => self.report(expressions::match_pattern(pattern)),
+            _ => self.refuse(expressions::match_pattern(pattern)),
         }
     }
 
     /// `scrutinee operator value` for the value of a pattern.
-    fn relates(&mut self, scrutinee: &Value, operator: BinOp, value: Value, pattern: &dyn ToTokens) -> Value {
-        match (scrutinee, &value) {
-            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Known(known), Value::Known(wanted)) => Value::Known(known == wanted),
-            (Value::Condition(_), Value::Known(true)) => scrutinee.clone(),
-            (Value::Condition(condition), Value::Known(false)) => {
-                Value::Condition(self.graph.not(*condition))
+    fn relates(
+        &mut self,
+        scrutinee: &Value,
+        operator: BinOp,
+        value: Value,
+        pattern: &dyn ToTokens,
+    ) -> Option<Value> {
+        match (scrutinee, value) {
+            (Value::Poison, _) | (_, Value::Poison) => None,
+            (Value::Condition(_), Value::Known(true)) => Some(scrutinee.clone()),
+            (Value::Condition(_), Value::Known(false)) => self.denied(scrutinee),
+            (Value::Known(_), value @ Value::Known(_)) => {
+                self.compared(&operator, (scrutinee.clone(), pattern), (value, pattern), pattern)
             }
-            (Value::Index(_) | Value::Constant(_), Value::Index(_) | Value::Constant(_)) => {
-                let (own, wanted) = (self.as_index(scrutinee, pattern), self.as_index(&value, pattern));
-                let (Some(own), Some(wanted)) = (own, wanted) else { return Value::Poison };
-                match self.compare_indices(&operator, &own, &wanted) {
-                    Some(value) => value,
-                    None => self.report(expressions::integer_arithmetic(pattern)),
-                }
+            (Value::Index(_) | Value::Constant(_), value @ (Value::Index(_) | Value::Constant(_))) => {
+                let own = Value::index(self.as_index(scrutinee, pattern)?);
+                self.compared(&operator, (own, pattern), (value, pattern), pattern)
             }
             _ => {
                 let pattern = pattern.to_token_stream();
-                self.report(expressions::pattern_mismatch(pattern, scrutinee.describe()))
+                self.refuse(expressions::pattern_mismatch(pattern, scrutinee.describe()))
             }
         }
     }

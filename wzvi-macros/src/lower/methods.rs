@@ -61,7 +61,8 @@ impl<'a> Interpreter<'a, '_> {
             }
             None => {
                 let names: Vec<&str> = methods.iter().map(|(name, _)| *name).collect();
-                expressions::unknown_method(&syntax.method, receivers, &names)
+                let name = syntax.method.to_string();
+                expressions::unknown_method(&syntax.method, &name, receivers, &names)
             }
         };
         self.refuse(error)
@@ -73,53 +74,35 @@ impl<'a> Interpreter<'a, '_> {
         sequence: Rc<Sequence>,
         arguments: &[Value],
         syntax: &'a ExprMethodCall,
-    ) -> Value {
-        let Some(name) = self.known_method(OF_SEQUENCES, "lists and iterators", syntax) else {
-            return Value::Poison;
-        };
+    ) -> Option<Value> {
+        let name = self.known_method(OF_SEQUENCES, "lists and iterators", syntax)?;
         // Lists are made at once; where no order can tell, their items are made when they are asked for.
         let makes_list = matches!(name, "collect" | "to_vec") || name == "map" && sequence.is_list();
         let from = origin(&syntax.receiver);
-        let value = match name {
-            "sum" | "product" | "fold" | "len" | "count" => self.reduce(name, &sequence, arguments, syntax),
-            "enumerate" | "rev" | "flatten" | "map" | "zip" | "skip" | "take" | "step_by" | "windows"
-            | "chunks" | "chain" | "filter" | "flat_map" => {
-                let places: (&dyn ToTokens, &dyn ToTokens) = (from, &syntax.args);
-                self.adapted(name, sequence, arguments.first().unwrap_or(&Value::Poison), places)
-                    .map(Value::sequence)
+        let value = match (name, arguments) {
+            ("sum", _) => self.sum(&sequence, syntax)?,
+            ("product", _) => {
+                let items = self.items(&sequence, from)?;
+                self.total(true, items, syntax)?
             }
-            _ => Some(Value::Sequence(sequence)),
+            ("fold", [start, function]) => self.fold(&sequence, start, function, syntax)?,
+            ("len" | "count", _) => match &sequence.length {
+                Some(length) => Value::index(length.clone()),
+                None => Value::integer(self.items(&sequence, from)?.len() as i128),
+            },
+            ("iter" | "into_iter" | "copied" | "cloned" | "collect" | "to_vec" | "clone" | "as_slice", _) => {
+                Value::Sequence(sequence)
+            }
+            _ => {
+                let argument = arguments.first().unwrap_or(&Value::Poison);
+                Value::sequence(self.adapted(name, sequence, argument, (from, &syntax.args))?)
+            }
         };
         let value = match value {
-            Some(Value::Sequence(list)) if makes_list && self.has_mutation => {
-                self.items(&list, from).map(Value::list)
-            }
+            Value::Sequence(list) if makes_list && self.has_mutation => Value::list(self.items(&list, from)?),
             value => value,
         };
-        self.bounded(value.unwrap_or(Value::Poison), syntax)
-    }
-
-    /// Everything that reads the whole sequence.
-    fn reduce(
-        &mut self,
-        name: &str,
-        sequence: &Sequence,
-        arguments: &[Value],
-        syntax: &'a ExprMethodCall,
-    ) -> Option<Value> {
-        let receiver = origin(&syntax.receiver);
-        match (name, arguments) {
-            ("fold", [start, function]) => self.fold(sequence, start, function, syntax),
-            ("sum", _) => self.sum(sequence, syntax),
-            ("product", _) => {
-                let items = self.items(sequence, receiver)?;
-                self.total(true, items, syntax)
-            }
-            _ => match &sequence.length {
-                Some(length) => Some(Value::index(length.clone())),
-                None => self.items(sequence, receiver).map(|items| Value::integer(items.len() as i128)),
-            },
-        }
+        self.bounded(value, syntax)
     }
 
     /// `sum`: of real numbers a loop, of integers term by term.
@@ -177,7 +160,7 @@ impl<'a> Interpreter<'a, '_> {
             let total = self.graph.symbol(placeholder);
             let mut is_sum = true;
             let added = self.accumulate(sequence, method, &mut |this, item| {
-                let next = this.apply(function, vec![Value::Real(total), item], method);
+                let next = this.apply(function, vec![Value::Real(total), item], method)?;
                 let next = this.real(next, method)?;
                 let added = this.graph.subtract(next, total);
                 is_sum &= !this.graph.depends_on(added, &[placeholder]);
@@ -193,14 +176,10 @@ impl<'a> Interpreter<'a, '_> {
         let mut total = start.clone();
         for item in self.items(sequence, origin(&syntax.receiver))? {
             // Accumulating n terms one by one copies n² of them.
-            let size = match &total {
-                Value::Real(total) => self.graph.node(*total).operands().len(),
-                _ => 0,
-            };
-            if !self.spend(size / 16, method) {
+            if !self.spend_on(&total, method) {
                 return None;
             }
-            total = self.apply(function, vec![total, item], &syntax.args);
+            total = self.apply(function, vec![total, item], &syntax.args).unwrap_or_default();
         }
         Some(total)
     }

@@ -29,7 +29,7 @@ use syn::{Expr as Syntax, Lit, ReturnType};
 
 use crate::diagnostics::Extent;
 use crate::diagnostics::{Diagnostics, expressions, messages};
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Shape, peeled};
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Role, Shape, peeled};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
 use crate::model::{Family, Half, Noise, Slot, System, Term};
@@ -45,7 +45,7 @@ pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
 /// A field with the name of a variable of a closure could be meant where the variable is read: it is reported once.
 fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {
     let mut names = patterns::Names::default();
-    for closure in declaration.closures() {
+    for closure in declaration.in_order() {
         let variables = closure.closure.inputs.len() - usize::from(closure.family.is_some());
         closure.closure.inputs.iter().take(variables).for_each(|pattern| names.visit_pat(pattern));
     }
@@ -74,35 +74,29 @@ pub(crate) fn lower(
     interpreter.root = Some(&declaration.library);
     let space = Space::new(&mut interpreter, &phase_space.shape, t);
 
-    let drift =
-        declaration.drift.as_ref().map(|drift| space.term(&mut interpreter, drift, None, Kind::Energy));
-    let second_part =
-        declaration.second_part.as_ref().map(|part| space.term(&mut interpreter, part, None, Kind::Energy));
-    let listed = declaration.noise.iter().map(|noise| (noise, Kind::Energy));
-    let forces = declaration.noise_forces.iter().map(|noise| (noise, Kind::Covector));
-    let noise: Vec<_> =
-        listed.chain(forces).map(|(noise, kind)| space.noise(&mut interpreter, noise, kind)).collect();
-    let force =
-        declaration.force.as_ref().map(|force| space.term(&mut interpreter, force, None, Kind::Covector));
+    let drift = space.terms(&mut interpreter, declaration.of(Role::Drift));
+    let noise = declaration.of(Role::Noise).chain(declaration.of(Role::NoiseForce));
+    let noise: Vec<_> = noise.map(|noise| space.noise(&mut interpreter, noise)).collect();
+    let force = space.terms(&mut interpreter, declaration.of(Role::Force));
     let friction = declaration.friction.as_ref().map(|given| space.friction(&mut interpreter, given));
     let temperature =
         declaration.temperature.as_ref().map(|given| space.temperature(&mut interpreter, given));
-    let invariants: Vec<_> = declaration
-        .invariants
-        .iter()
-        .map(|invariant| space.term(&mut interpreter, invariant, None, Kind::Energy))
-        .collect();
+    let invariants = space.terms(&mut interpreter, declaration.of(Role::Invariant));
 
     let (mut graph, symbols, tables, parameters) = interpreter.into_parts();
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape);
+    let invariant_names = declaration
+        .of(Role::Invariant)
+        .map(|invariant| invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string()));
     let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
-    let (drift, parts) = match (drift.flatten()?, second_part) {
-        (drift, None) => (drift, Vec::new()),
-        (first, Some(second)) => {
-            let second = second?;
+    let parts: Vec<Term> = drift.into_iter().collect::<Option<_>>()?;
+    let (drift, parts) = match parts.as_slice() {
+        _ if !phase_space.is_of_drift => return None,
+        [first, second] => {
             let expression = graph.sum(&[first.expression, second.expression]);
-            (Term { expression, ..first.clone() }, vec![first, second])
+            (Term { expression, ..first.clone() }, parts)
         }
+        parts => (parts.first()?.clone(), Vec::new()),
     };
     Some(System {
         graph,
@@ -118,20 +112,14 @@ pub(crate) fn lower(
         drift,
         parts,
         noise: noise.into_iter().flatten().collect(),
-        force: required(force)?,
+        force: force.into_iter().collect::<Option<Vec<_>>>()?.pop(),
         friction: required(friction)?,
         conformal: None,
         scale: None,
         temperature: required(temperature)?,
         invariants: invariants.into_iter().collect::<Option<_>>()?,
-        invariant_names: declaration
-            .invariants
-            .iter()
-            .map(|invariant| {
-                invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string())
-            })
-            .collect(),
-        embeddings: declaration.embeddings,
+        invariant_names: invariant_names.collect(),
+        embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
         item: container.item,
         crate_path: declaration.crate_path,
         emission: declaration.emission,
@@ -146,13 +134,6 @@ fn required<T>(declared: Option<Option<T>>) -> Option<Option<T>> {
         Some(known) => Some(known),
         None => Some(None),
     }
-}
-
-/// What the value of a closure is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Kind {
-    Energy,
-    Covector,
 }
 
 /// The phase space as closures see it.
@@ -197,29 +178,33 @@ impl<'s> Space<'s> {
     }
 
     /// A noise, or a family of them. Members that differ in more than a number are noises of their own.
-    fn noise<'a>(
-        &self,
-        interpreter: &mut Interpreter<'a, '_>,
-        noise: &'a Hamiltonian,
-        kind: Kind,
-    ) -> Option<Vec<Noise>> {
-        let is_force = kind == Kind::Covector;
+    fn noise<'a>(&self, interpreter: &mut Interpreter<'a, '_>, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
+        let is_force = noise.role.is_covector();
         let Some(count) = &noise.family else {
-            let term = self.term(interpreter, noise, None, kind)?;
+            let term = self.term(interpreter, noise, None)?;
             return Some(vec![Noise { term, family: None, is_force }]);
         };
         let count = family_count(interpreter, count)?;
         let variable = interpreter.symbols.variable(0);
         let range = Loop { variable, start: Index::default(), end: count.clone() };
-        let term = self.term(interpreter, noise, Some(Member::Any(&range)), kind);
+        let term = self.term(interpreter, noise, Some(Member::Any(&range)));
         if !interpreter.takes_turns(variable) {
             return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
         }
         let members = (0..count.as_integer()?).map(|member| {
-            let term = self.term(interpreter, noise, Some(Member::Known(member)), kind)?;
+            let term = self.term(interpreter, noise, Some(Member::Known(member)))?;
             Some(Noise { term, family: None, is_force })
         });
         members.collect()
+    }
+
+    /// Closures, each on its own.
+    fn terms<'a>(
+        &self,
+        interpreter: &mut Interpreter<'a, '_>,
+        closures: impl Iterator<Item = &'a Hamiltonian>,
+    ) -> Vec<Option<Term>> {
+        closures.map(|closure| self.term(interpreter, closure, None)).collect()
     }
 
     /// One closure.
@@ -228,18 +213,15 @@ impl<'s> Space<'s> {
         interpreter: &mut Interpreter<'a, '_>,
         hamiltonian: &'a Hamiltonian,
         member: Option<Member<'_>>,
-        kind: Kind,
     ) -> Option<Term> {
         let closure = &hamiltonian.closure;
         if let ReturnType::Type(_, ty) = &closure.output
-            && kind == Kind::Energy
+            && !hamiltonian.role.is_covector()
             && !names::is_real_type(ty)
         {
             return interpreter.refuse(messages::return_type(ty));
         }
-        self.lowered(interpreter, &closure.body, |interpreter| {
-            self.value(interpreter, hamiltonian, member, kind)
-        })
+        self.lowered(interpreter, &closure.body, |interpreter| self.value(interpreter, hamiltonian, member))
     }
 
     /// What `evaluate` makes of `body`.
@@ -266,7 +248,6 @@ impl<'s> Space<'s> {
         interpreter: &mut Interpreter<'a, '_>,
         hamiltonian: &'a Hamiltonian,
         member: Option<Member<'_>>,
-        kind: Kind,
     ) -> Option<Expr> {
         let closure = &hamiltonian.closure;
         let q = self.vector(interpreter, Half::Coordinates);
@@ -289,9 +270,9 @@ impl<'s> Space<'s> {
             }
             let value = interpreter.evaluate(&closure.body);
             let result = interpreter::result_of(&closure.body);
-            match kind {
-                Kind::Energy => interpreter.energy(value, result),
-                Kind::Covector => self.covector(interpreter, value, result),
+            match hamiltonian.role.is_covector() {
+                true => self.covector(interpreter, value, result),
+                false => interpreter.energy(value, result),
             }
         })
     }

@@ -38,7 +38,7 @@ impl Parameters {
 
 impl<'a> Interpreter<'a, '_> {
     /// A path that is used as a value.
-    pub(super) fn path(&mut self, path: &ExprPath) -> Value {
+    pub(super) fn path(&mut self, path: &ExprPath) -> Option<Value> {
         match path.path.get_ident() {
             Some(name) if path.qself.is_none() => self.name(name),
             _ => self.long_path(path),
@@ -46,74 +46,70 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// The innermost meaning of a name: variable, field, const generic, constant.
-    fn name(&mut self, name: &Ident) -> Value {
+    fn name(&mut self, name: &Ident) -> Option<Value> {
         if let Some(binding) = self.scope.find(name) {
-            return binding.value.borrow().clone();
+            return Some(binding.value.borrow().clone());
         }
         if let Some(field) = self.named_field(name) {
             return self.read_field(field, name);
         }
         let tokens = name.to_token_stream();
         if self.system.sizes.contains(name) {
-            return Value::index(self.size(&syn::parse_quote!(#tokens)));
+            return Some(Value::index(self.size(&syn::parse_quote!(#tokens))));
         }
         if let Some(binding) = self.scope.find_from_anywhere(name) {
-            return binding.value.borrow().clone();
+            return Some(binding.value.borrow().clone());
         }
         if name == "self" {
             let remedy = "name the field, as in `self.a` or `a`";
-            return self.report(expressions::unsupported(name, "the struct as a whole", remedy));
+            return self.refuse(expressions::unsupported(name, "the struct as a whole", remedy));
         }
         if is_constant_name(name) {
-            return Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into());
+            return Some(Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into()));
         }
         let fields = self.field_names();
         let locals = self.scope.names();
-        self.report(expressions::unknown_name(name, &fields, &locals))
+        self.refuse(expressions::unknown_name(name, &fields, &locals))
     }
 
     /// `std::f64::consts::PI`, `Self::STIFFNESS`, `f64::sin`.
-    fn long_path(&mut self, path: &ExprPath) -> Value {
+    fn long_path(&mut self, path: &ExprPath) -> Option<Value> {
         let segments: Vec<String> = path.path.segments.iter().map(|s| s.ident.unraw().to_string()).collect();
         let name = match segments.as_slice() {
-            [] => return Value::Poison,
-            [outer @ .., last] if outer.last().is_some_and(|outer| outer == "Self") => {
-                format!("Self::{last}")
-            }
+            [.., outer, last] if outer == "Self" => format!("Self::{last}"),
             [.., last] => last.clone(),
+            [] => return None,
         };
-        let is_constant = path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident));
-        if is_constant {
-            return Value::Constant(Place::new(name, path.to_token_stream(), Kind::Constant).into());
+        if path.path.segments.last().is_some_and(|last| is_constant_name(&last.ident)) {
+            let place = Place::new(name, path.to_token_stream(), Kind::Constant);
+            return Some(Value::Constant(place.into()));
         }
         match real_function(path) {
-            Some(function) => Value::Function(function.into()),
-            None => self.report(expressions::function_call(path)),
+            Some(function) => Some(Value::Function(function.into())),
+            None => self.refuse(expressions::function_call(path)),
         }
     }
 
     /// `self.a` or a part of a tuple.
-    pub(super) fn field(&mut self, syntax: &'a ExprField) -> Value {
+    pub(super) fn field(&mut self, syntax: &'a ExprField) -> Option<Value> {
         if is_self(&syntax.base) {
             return match self.find_field(|member| *member == syntax.member) {
                 Some(field) => self.read_field(field, &syntax.member),
                 None => {
                     let fields = self.field_names();
-                    self.report(expressions::unknown_field(&syntax.member, &fields))
+                    self.refuse(expressions::unknown_field(&syntax.member, &fields))
                 }
             };
         }
-        match (self.evaluate(&syntax.base), &syntax.member) {
-            (Value::Poison, _) => Value::Poison,
-            (Value::Tuple(tuple), Member::Unnamed(index)) if (index.index as usize) < tuple.items.len() => {
-                tuple.items[index.index as usize].clone()
-            }
-            (value, member) => self.report(expressions::expected(
-                member,
-                "a field of the struct or of a tuple",
-                value.describe(),
-            )),
-        }
+        let value = self.evaluate(&syntax.base).known()?;
+        let part = match (&value, &syntax.member) {
+            (Value::Tuple(tuple), Member::Unnamed(index)) => tuple.items.get(index.index as usize).cloned(),
+            _ => None,
+        };
+        part.or_else(|| {
+            let expected = "a field of the struct or of a tuple";
+            self.refuse(expressions::expected(&syntax.member, expected, value.describe()))
+        })
     }
 
     /// The field, and of several under different `#[cfg]`s one that can be read.
@@ -129,7 +125,7 @@ impl<'a> Interpreter<'a, '_> {
         self.find_field(|member| matches!(member, Member::Named(known) if known == name))
     }
 
-    fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Value {
+    fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Option<Value> {
         let member = &field.member;
         let name = match member {
             Member::Named(name) => name.unraw().to_string(),

@@ -20,68 +20,77 @@ enum Chain {
 }
 
 impl<'a> Interpreter<'a, '_> {
-    pub(super) fn literal(&mut self, literal: &Lit) -> Value {
+    pub(super) fn literal(&mut self, literal: &Lit) -> Option<Value> {
         match literal {
             Lit::Float(float) => self.real_literal(float.base10_digits(), float.suffix(), literal),
             Lit::Int(int) if matches!(int.suffix(), "f64" | "f32") => {
                 self.real_literal(int.base10_digits(), int.suffix(), literal)
             }
-            Lit::Int(int) => match int.base10_parse::<i128>() {
-                Ok(value) => Value::integer(value),
-                Err(_) => self.report(expressions::integer_arithmetic(literal)),
-            },
-            Lit::Bool(value) => Value::Known(value.value),
-            _ => self.report(expressions::expected(literal, "a number", "another literal")),
+            Lit::Int(int) => self.integer(int.base10_parse().ok().map(Index::integer), literal),
+            Lit::Bool(value) => Some(Value::Known(value.value)),
+            _ => self.refuse(expressions::expected(literal, "a number", "another literal")),
         }
     }
 
-    fn real_literal(&mut self, digits: &str, suffix: &str, at: &Lit) -> Value {
+    fn real_literal(&mut self, digits: &str, suffix: &str, at: &Lit) -> Option<Value> {
         if suffix == "f32" {
-            return self.report(expressions::single_precision(at));
+            return self.refuse(expressions::single_precision(at));
         }
-        match (Rational::from_decimal(digits), digits.parse::<f64>()) {
-            (Some(exact), _) => Value::Real(self.graph.number(exact)),
-            (None, Ok(value)) => Value::Real(self.graph.float(value)),
-            (None, Err(_)) => self.report(expressions::expected(at, "a number", "another literal")),
-        }
+        Some(Value::Real(match (Rational::from_decimal(digits), digits.parse::<f64>()) {
+            (Some(exact), _) => self.graph.number(exact),
+            (None, Ok(value)) => self.graph.float(value),
+            (None, Err(_)) => return self.refuse(expressions::expected(at, "a number", "another literal")),
+        }))
     }
 
-    pub(super) fn unary(&mut self, syntax: &'a ExprUnary) -> Value {
-        let value = self.evaluate(&syntax.expr);
-        match (syntax.op, value) {
-            (_, Value::Poison) => Value::Poison,
-            (UnOp::Deref(_), value) => value,
-            (UnOp::Not(_), Value::Known(value)) => Value::Known(!value),
-            (UnOp::Not(_), Value::Condition(value)) => Value::Condition(self.graph.not(value)),
-            (UnOp::Neg(_), value) if value.is_integer() => {
+    pub(super) fn unary(&mut self, syntax: &'a ExprUnary) -> Option<Value> {
+        let value = self.evaluate(&syntax.expr).known()?;
+        match syntax.op {
+            UnOp::Deref(_) => Some(value),
+            UnOp::Neg(_) if value.is_integer() => {
                 let minus = BinOp::Sub(Default::default());
                 self.integer_operation(&Value::integer(0), &minus, &value, syntax)
             }
-            (UnOp::Neg(_), value) => match self.real(value, &syntax.expr) {
-                Some(value) => Value::Real(self.graph.negate(value)),
-                None => Value::Poison,
-            },
-            (_, value) => self.report(expressions::expected(&syntax.expr, "a condition", value.describe())),
+            UnOp::Neg(_) => {
+                let value = self.real(value, &syntax.expr)?;
+                Some(Value::Real(self.graph.negate(value)))
+            }
+            _ => self.denied(&value).or_else(|| {
+                self.refuse(expressions::expected(&syntax.expr, "a condition", value.describe()))
+            }),
+        }
+    }
+
+    /// That a condition does not hold; `None` for what is none.
+    pub(super) fn denied(&mut self, condition: &Value) -> Option<Value> {
+        match *condition {
+            Value::Known(holds) => Some(Value::Known(!holds)),
+            Value::Condition(holds) => Some(Value::Condition(self.graph.not(holds))),
+            _ => None,
         }
     }
 
     /// A binary operator. Long chains lean left: they are walked, not recursed into.
-    pub(super) fn binary(&mut self, syntax: &'a ExprBinary) -> Value {
+    pub(super) fn binary(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
         if is_logical(&syntax.op) {
             return self.logical(syntax);
         }
         if let Some(operator) = compound(&syntax.op) {
-            return self.assign_compound(syntax, operator);
+            return Some(self.assign_compound(syntax, operator));
         }
         if matches!(syntax.op, BinOp::BitXor(_)) {
             let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
             self.report(expressions::power(base, exponent));
             // The left side may have others.
-            let _ = matches!(&*syntax.left, Syntax::Binary(_)).then(|| self.evaluate(&syntax.left));
-            return Value::Poison;
+            if let Syntax::Binary(_) = &*syntax.left {
+                self.evaluate(&syntax.left);
+            }
+            return None;
         }
         if !is_arithmetic(&syntax.op) {
-            return self.comparison(syntax);
+            let (left, right) = (self.evaluate(&syntax.left), self.evaluate(&syntax.right));
+            let (left, right) = (left.known()?, right.known()?);
+            return self.compared(&syntax.op, (left, &syntax.left), (right, &syntax.right), syntax);
         }
         let mut spine = vec![syntax];
         let mut first = &*syntax.left;
@@ -91,88 +100,69 @@ impl<'a> Interpreter<'a, '_> {
             spine.push(inner);
             first = &inner.left;
         }
-        let mut chain = Chain::Value(self.evaluate(first));
+        let mut chain = self.evaluate(first).known().map(Chain::Value);
         for &link in spine.iter().rev() {
             let right = match power_of(link) {
-                Some(exponent) => self.report(expressions::power(last_operand(&link.left), exponent)),
-                None => self.evaluate(&link.right),
+                Some(exponent) => self.refuse(expressions::power(last_operand(&link.left), exponent)),
+                None => self.evaluate(&link.right).known(),
             };
             chain = self.extend(chain, &link.op, right, link);
         }
-        self.close(chain)
+        chain.map(|chain| self.close(chain))
     }
 
     /// `chain operator right`, where `link` was written.
-    fn extend(&mut self, chain: Chain, operator: &BinOp, right: Value, link: &'a ExprBinary) -> Chain {
-        match (chain, right) {
-            (Chain::Value(Value::Poison), right) => {
-                // An integer may be right; anything else that is no number is wrong by itself.
-                if !right.is_integer() {
-                    self.real(right, &link.right);
-                }
-                Chain::Value(Value::Poison)
-            }
-            (_, Value::Poison) => Chain::Value(Value::Poison),
-            (Chain::Value(left), right) if self.are_integers(&left, &right) => {
-                Chain::Value(self.integer_operation(&left, operator, &right, link))
-            }
-            (chain, right) => {
-                self.extend_real(chain, operator, right, link).unwrap_or(Chain::Value(Value::Poison))
-            }
-        }
-    }
-
-    fn extend_real(
+    fn extend(
         &mut self,
-        chain: Chain,
+        chain: Option<Chain>,
         operator: &BinOp,
-        right: Value,
+        right: Option<Value>,
         link: &'a ExprBinary,
     ) -> Option<Chain> {
+        let Some(chain) = chain else {
+            // An integer may be right; anything else that is no number is wrong by itself.
+            right.filter(|right| !right.is_integer()).and_then(|right| self.real(right, &link.right));
+            return None;
+        };
+        let right = right?;
         // Both sides are read first: each may be wrong on its own.
         let chain = match chain {
+            Chain::Value(left) if self.are_integers(&left, &right) => {
+                return self.integer_operation(&left, operator, &right, link).map(Chain::Value);
+            }
             Chain::Value(left) => self.real(left, &link.left).map(|left| Chain::Value(Value::Real(left))),
             chain => Some(chain),
         };
         let right = self.real(right, &link.right);
         let (chain, right) = (chain?, right?);
-        let sign = match operator {
-            BinOp::Add(_) => Rational::ONE,
-            BinOp::Sub(_) => Rational::MINUS_ONE,
-            BinOp::Mul(_) => return Some(Chain::Product(self.factors(chain, right)?)),
+        let factor = match operator {
+            BinOp::Add(_) => return self.add_term(chain, (right, Rational::ONE)),
+            BinOp::Sub(_) => return self.add_term(chain, (right, Rational::MINUS_ONE)),
+            BinOp::Mul(_) => right,
             BinOp::Div(_) if self.graph.is_zero(right) => {
                 return self.refuse(expressions::division_by_zero(&link.right));
             }
-            BinOp::Div(_) => {
-                let inverse = self.graph.power(right, Rational::MINUS_ONE);
-                return Some(Chain::Product(self.factors(chain, inverse)?));
-            }
+            BinOp::Div(_) => self.graph.power(right, Rational::MINUS_ONE),
             _ => {
                 let remedy = "only `+ - * /` are differentiable";
                 return self.refuse(expressions::unsupported(link, "`%` on real numbers", remedy));
             }
         };
-        let mut terms = match chain {
-            Chain::Sum(terms) => terms,
-            chain => match self.close(chain) {
-                Value::Real(left) => vec![(left, Rational::ONE)],
-                _ => return None,
-            },
-        };
-        terms.push((right, sign));
-        Some(Chain::Sum(terms))
-    }
-
-    fn factors(&mut self, chain: Chain, right: Expr) -> Option<Vec<Expr>> {
         let mut factors = match chain {
             Chain::Product(factors) => factors,
-            chain => match self.close(chain) {
-                Value::Real(left) => vec![left],
-                _ => return None,
-            },
+            chain => vec![self.close(chain).as_real()?],
         };
-        factors.push(right);
-        Some(factors)
+        factors.push(factor);
+        Some(Chain::Product(factors))
+    }
+
+    fn add_term(&mut self, chain: Chain, term: (Expr, Rational)) -> Option<Chain> {
+        let mut terms = match chain {
+            Chain::Sum(terms) => terms,
+            chain => vec![(self.close(chain).as_real()?, Rational::ONE)],
+        };
+        terms.push(term);
+        Some(Chain::Sum(terms))
     }
 
     fn close(&mut self, chain: Chain) -> Value {
@@ -183,24 +173,20 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// `left operator right` for one compound assignment.
-    pub(super) fn operate(
-        &mut self,
-        left: Value,
-        operator: BinOp,
-        right: Value,
-        at: &'a ExprBinary,
-    ) -> Value {
-        // Accumulating n terms one by one copies n² of them.
-        let size = match &left {
-            Value::Real(left) => self.graph.node(*left).operands().len(),
-            _ => 0,
+    /// `target op= value`
+    fn assign_compound(&mut self, syntax: &'a ExprBinary, operator: BinOp) -> Value {
+        let left = self.evaluate(&syntax.left);
+        let right = self.evaluate(&syntax.right);
+        let value = match left.known() {
+            // Accumulating n terms one by one copies n² of them.
+            Some(left) if self.spend_on(&left, syntax) => {
+                self.extend(Some(Chain::Value(left)), &operator, right.known(), syntax)
+            }
+            _ => None,
         };
-        if left.is_poison() || !self.spend(size / 16, at) {
-            return Value::Poison;
-        }
-        let chain = self.extend(Chain::Value(left), &operator, right, at);
-        self.close(chain)
+        let value = value.map(|chain| self.close(chain)).unwrap_or_default();
+        self.store(&syntax.left, value);
+        Value::unit()
     }
 
     /// Whether both are integers: a constant beside an integer is one.
@@ -209,72 +195,62 @@ impl<'a> Interpreter<'a, '_> {
         may_be(left) && may_be(right) && (left.is_integer() || right.is_integer())
     }
 
-    fn comparison(&mut self, syntax: &'a ExprBinary) -> Value {
-        let left = self.evaluate(&syntax.left);
-        let right = self.evaluate(&syntax.right);
-        match (&left, &right) {
-            (Value::Poison, _) | (_, Value::Poison) => return Value::Poison,
+    /// `left operator right` of numbers, or of conditions that are known.
+    pub(super) fn compared(
+        &mut self,
+        operator: &BinOp,
+        (left, at_left): (Value, &dyn ToTokens),
+        (right, at_right): (Value, &dyn ToTokens),
+        at: &dyn ToTokens,
+    ) -> Option<Value> {
+        let (relation, is_turned) = match operator {
+            BinOp::Lt(_) => (Relation::Less, false),
+            BinOp::Le(_) => (Relation::LessEqual, false),
+            BinOp::Gt(_) => (Relation::Less, true),
+            BinOp::Ge(_) => (Relation::LessEqual, true),
+            BinOp::Eq(_) | BinOp::Ne(_) => (Relation::Equal, false),
+            _ => {
+                let remedy = "there are `+ - * / %`, comparisons, `&&`, `||` and `!`";
+                return self.refuse(expressions::unsupported(operator, "this operator", remedy));
+            }
+        };
+        let integers = match (&left, &right) {
             (&Value::Known(a), &Value::Known(b)) => {
-                let [a, b] = [a, b].map(|holds| Index::integer(holds.into()));
-                return self.integer_comparison(&a, &b, syntax);
+                Some([a, b].map(|holds| Some(Index::integer(holds.into()))))
             }
             _ if self.are_integers(&left, &right) => {
-                let (left, right) =
-                    (self.as_index(&left, &syntax.left), self.as_index(&right, &syntax.right));
-                return match (left, right) {
-                    (Some(left), Some(right)) => self.integer_comparison(&left, &right, syntax),
-                    _ => Value::Poison,
-                };
+                Some([self.as_index(&left, at_left), self.as_index(&right, at_right)])
             }
-            _ => {}
-        }
-        let (left, right) = (self.real(left, &syntax.left), self.real(right, &syntax.right));
-        let (Some(left), Some(right)) = (left, right) else { return Value::Poison };
-        self.compare(left, right, syntax)
-    }
-
-    fn integer_comparison(&mut self, left: &Index, right: &Index, syntax: &ExprBinary) -> Value {
-        match self.compare_indices(&syntax.op, left, right) {
-            Some(value) => value,
-            None => self.unsupported_operator(syntax),
-        }
-    }
-
-    fn compare(&mut self, left: Expr, right: Expr, syntax: &ExprBinary) -> Value {
-        let (relation, left, right) = match syntax.op {
-            BinOp::Lt(_) => (Relation::Less, left, right),
-            BinOp::Le(_) => (Relation::LessEqual, left, right),
-            BinOp::Gt(_) => (Relation::Less, right, left),
-            BinOp::Ge(_) => (Relation::LessEqual, right, left),
-            BinOp::Eq(_) | BinOp::Ne(_) => (Relation::Equal, left, right),
-            _ => return self.unsupported_operator(syntax),
+            _ => None,
         };
-        let negated = matches!(syntax.op, BinOp::Ne(_));
-        if let (Some(a), Some(b)) = (self.graph.as_number(left), self.graph.as_number(right)) {
-            let holds = match relation {
-                Relation::Less => a < b,
-                Relation::LessEqual => a <= b,
-                Relation::Equal => a == b,
-            };
-            return Value::Known(holds != negated);
-        }
-        let condition = self.graph.compare(relation, left, right);
-        Value::Condition(if negated { self.graph.not(condition) } else { condition })
+        let holds = match integers {
+            Some([left, right]) => {
+                let (left, right) = in_order(is_turned, left?, right?);
+                match right.subtract(&left).and(left.subtract(&right)) {
+                    Some(difference) => self.relates_to_zero(relation, &difference),
+                    None => return self.refuse(expressions::integer_arithmetic(at)),
+                }
+            }
+            None => {
+                let (left, right) = (self.real(left, at_left), self.real(right, at_right));
+                let (left, right) = in_order(is_turned, left?, right?);
+                match (self.graph.as_number(left), self.graph.as_number(right)) {
+                    (Some(a), Some(b)) => Value::Known(relation.holds(&a, &b)),
+                    _ => Value::Condition(self.graph.compare(relation, left, right)),
+                }
+            }
+        };
+        if matches!(operator, BinOp::Ne(_)) { self.denied(&holds) } else { Some(holds) }
     }
 
-    fn unsupported_operator(&mut self, syntax: &ExprBinary) -> Value {
-        let remedy = "there are `+ - * / %`, comparisons, `&&`, `||` and `!`";
-        self.report(expressions::unsupported(syntax.op, "this operator", remedy))
-    }
-
-    fn logical(&mut self, syntax: &'a ExprBinary) -> Value {
+    fn logical(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
         let and = matches!(syntax.op, BinOp::And(_));
         let left = self.evaluate(&syntax.left);
         // As in Rust, the right side is not looked at when the left decides.
         if let Value::Known(known) = left
             && known != and
         {
-            return Value::Known(known);
+            return Some(left);
         }
         let right = self.evaluate(&syntax.right);
         self.combine(and, (left, &*syntax.left), (right, &*syntax.right))
@@ -286,29 +262,25 @@ impl<'a> Interpreter<'a, '_> {
         and: bool,
         (left, at_left): (Value, &dyn ToTokens),
         (right, at_right): (Value, &dyn ToTokens),
-    ) -> Value {
-        match (left, right) {
-            (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Known(known), _) if known != and => Value::Known(known),
-            (Value::Known(_), right @ (Value::Known(_) | Value::Condition(_))) => right,
-            (Value::Condition(_), Value::Known(known)) if known != and => Value::Known(known),
-            (Value::Condition(left), Value::Known(_)) => Value::Condition(left),
-            (Value::Condition(left), Value::Condition(right)) => Value::Condition(match and {
+    ) -> Option<Value> {
+        match (left.known()?, right.known()?) {
+            (Value::Known(known), _) if known != and => Some(Value::Known(known)),
+            (Value::Known(_), right @ (Value::Known(_) | Value::Condition(_))) => Some(right),
+            (Value::Condition(_), Value::Known(known)) if known != and => Some(Value::Known(known)),
+            (left @ Value::Condition(_), Value::Known(_)) => Some(left),
+            (Value::Condition(left), Value::Condition(right)) => Some(Value::Condition(match and {
                 true => self.graph.and(left, right),
                 false => self.graph.or(left, right),
-            }),
+            })),
             (Value::Known(_) | Value::Condition(_), other) => {
-                self.report(expressions::expected(at_right, "a condition", other.describe()))
+                self.refuse(expressions::expected(at_right, "a condition", other.describe()))
             }
-            (other, _) => self.report(expressions::expected(at_left, "a condition", other.describe())),
+            (other, _) => self.refuse(expressions::expected(at_left, "a condition", other.describe())),
         }
     }
 
-    pub(super) fn cast(&mut self, syntax: &'a ExprCast) -> Value {
-        let value = self.evaluate(&syntax.expr);
-        if value.is_poison() {
-            return Value::Poison;
-        }
+    pub(super) fn cast(&mut self, syntax: &'a ExprCast) -> Option<Value> {
+        let value = self.evaluate(&syntax.expr).known()?;
         if is_real_type(&syntax.ty) {
             return self.cast_to_real(value, &syntax.expr);
         }
@@ -319,29 +291,35 @@ impl<'a> Interpreter<'a, '_> {
             _ => String::new(),
         };
         match value {
-            _ if name == "f32" => self.report(expressions::single_precision(&syntax.ty)),
-            _ if !is_integer_type(&name) => self.report(expressions::unknown_cast(&syntax.ty)),
+            _ if name == "f32" => self.refuse(expressions::single_precision(&syntax.ty)),
+            _ if !is_integer_type(&name) => self.refuse(expressions::unknown_cast(&syntax.ty)),
             Value::Index(index) => match index.as_integer() {
-                Some(value) if !fits(value, &name) => self.report(expressions::integer_arithmetic(syntax)),
-                _ => Value::Index(index),
+                Some(value) if !fits(value, &name) => self.refuse(expressions::integer_arithmetic(syntax)),
+                _ => Some(Value::Index(index)),
             },
             Value::Constant(place) => {
                 let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
-                Value::index(self.given(&Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer)))
+                let cast = Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer);
+                Some(Value::index(self.given(&cast)))
             }
-            Value::Real(_) => self.report(expressions::truncation(syntax)),
-            other => self.report(expressions::expected(&syntax.expr, "a number", other.describe())),
+            Value::Real(_) => self.refuse(expressions::truncation(syntax)),
+            other => self.refuse(expressions::expected(&syntax.expr, "a number", other.describe())),
         }
     }
 
     /// `value as f64`
-    pub(super) fn cast_to_real(&mut self, value: Value, at: &Syntax) -> Value {
-        match value {
-            Value::Index(index) => Value::Real(self.index_as_real(&index)),
-            Value::Constant(place) => Value::Real(self.parameter(&place.name, place.as_real())),
-            value => self.real(value, at).map_or(Value::Poison, Value::Real),
-        }
+    pub(super) fn cast_to_real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Value> {
+        Some(Value::Real(match value {
+            Value::Index(index) => self.index_as_real(&index),
+            Value::Constant(place) => self.parameter(&place.name, place.as_real()),
+            value => self.real(value, at)?,
+        }))
     }
+}
+
+/// Both, or the second one first.
+fn in_order<T>(is_turned: bool, a: T, b: T) -> (T, T) {
+    if is_turned { (b, a) } else { (a, b) }
 }
 
 fn is_arithmetic(operator: &BinOp) -> bool {
@@ -380,7 +358,7 @@ fn first_operand(syntax: &Syntax) -> &Syntax {
 }
 
 /// The operator of a compound assignment.
-fn compound(operator: &BinOp) -> Option<BinOp> {
+pub(super) fn compound(operator: &BinOp) -> Option<BinOp> {
     Some(match operator {
         BinOp::AddAssign(_) => BinOp::Add(Default::default()),
         BinOp::SubAssign(_) => BinOp::Sub(Default::default()),

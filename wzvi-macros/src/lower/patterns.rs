@@ -52,31 +52,19 @@ impl<'a> Interpreter<'a, '_> {
         at: &Pat,
     ) {
         let Some(items) = self.parts(value, is_list, patterns, at.to_token_stream()) else {
-            // Names that are not bound would be reported again wherever they are used.
-            for pattern in patterns {
-                if !matches!(pattern, Pat::Rest(_)) {
-                    self.bind(pattern, Value::Poison);
-                }
-            }
-            return;
+            return self.poison(at);
         };
-        let rest = patterns.iter().position(is_rest).unwrap_or(patterns.len());
-        let skipped = items.len() + 1 - patterns.len().min(items.len() + 1);
-        for (i, pattern) in patterns.iter().enumerate() {
-            let position = if i < rest { i } else { i + skipped - 1 };
+        let of_rest = (items.len() + 1).saturating_sub(patterns.len());
+        let mut items = items.into_iter();
+        for pattern in patterns {
             match pattern {
-                pattern if is_rest(pattern) => {
-                    self.bind_rest(pattern, &items[i..(i + skipped).min(items.len())])
+                Pat::Ident(ident) if is_rest(pattern) => {
+                    let rest = items.by_ref().take(of_rest).collect();
+                    self.declare(ident.ident.clone(), Value::list(rest));
                 }
-                pattern => self.bind(pattern, items.get(position).cloned().unwrap_or(Value::Poison)),
+                pattern if is_rest(pattern) => items.by_ref().take(of_rest).for_each(drop),
+                pattern => self.bind(pattern, items.next().unwrap_or_default()),
             }
-        }
-    }
-
-    /// `rest @ ..`
-    fn bind_rest(&mut self, pattern: &'a Pat, items: &[Value]) {
-        if let Pat::Ident(ident) = pattern {
-            self.declare(ident.ident.clone(), Value::list(items.to_vec()));
         }
     }
 

@@ -119,7 +119,7 @@ impl Sequence {
         }
         Self::new((Source::Positions, depth), inner.length.clone(), move |this, k, at| {
             let item = this.item(&inner, k, at)?;
-            Some(this.apply(&function, vec![item], at))
+            Some(this.apply(&function, vec![item], at).unwrap_or_default())
         })
     }
 
@@ -342,7 +342,7 @@ impl<'a> Interpreter<'a, '_> {
     ) -> Option<Expr> {
         match &sequence.source {
             Source::Map(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
-                let mapped = this.apply(function, vec![item], at);
+                let mapped = this.apply(function, vec![item], at).unwrap_or_default();
                 f(this, mapped)
             }),
             Source::Filter(inner, predicate) => {
@@ -350,7 +350,7 @@ impl<'a> Interpreter<'a, '_> {
                     predicate,
                     vec![item.clone()],
                     at,
-                ) {
+                )? {
                     Value::Known(true) => f(this, item),
                     Value::Known(false) => Some(this.graph.integer(0)),
                     Value::Condition(condition) if !one_by_one => {
@@ -363,7 +363,7 @@ impl<'a> Interpreter<'a, '_> {
             }
             Source::Flat(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
                 let list = match function {
-                    Some(function) => this.apply(function, vec![item], at),
+                    Some(function) => this.apply(function, vec![item], at)?,
                     None => item,
                 };
                 let list = this.as_sequence(&list, at)?;
@@ -408,9 +408,6 @@ impl<'a> Interpreter<'a, '_> {
         };
         let at = written.unwrap_or_else(|| at.to_token_stream());
         let expected = if is_known { "a condition that is known at compile time" } else { "a condition" };
-        if !found.is_poison() {
-            self.report(expressions::expected(at, expected, found.describe()));
-        }
-        None
+        self.refuse(expressions::expected(at, expected, found.describe()))
     }
 }

@@ -4,10 +4,9 @@ use std::collections::HashSet;
 
 use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
-use syn::visit_mut::VisitMut;
 use syn::{GenericParam, Generics, Member};
 
-use super::dereference::Dereference;
+use super::dereference::dereferenced;
 use super::scope::context;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
 
@@ -20,9 +19,6 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let (root, vector) = (&declaration.crate_path, shape.tokens());
     let checks = quote!(#root::__private::checks);
     let takers = Takers { checks: &checks, vector: &vector };
-    let energies = declaration
-        .hamiltonians()
-        .map(|hamiltonian| takers.check(system, hamiltonian, with_plain_scalars(system, hamiltonian)));
     let entries = match shape {
         Shape::Real => quote!(#checks::entry),
         Shape::Array(point, _) => {
@@ -30,16 +26,24 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
             quote!(#checks::entries::<#entry, _>)
         }
     };
-    let covectors = declaration
-        .covectors()
-        .map(|covector| takers.check(system, covector, with_entries(system, covector, &entries)));
+    let closures = declaration.in_order().map(|closure| {
+        takers.check(
+            system,
+            closure,
+            match closure.role.is_covector() {
+                true => with_entries(system, closure, &entries),
+                // Untouched, token for token, where nothing is written in another way.
+                false => plain_scalars(system, closure)
+                    .map_or_else(|| closure.tokens.clone(), |plain| plain.to_token_stream()),
+            },
+        )
+    });
     let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
     let given = given.map(|given| takers.check_given(system, given));
-    let schemes =
-        declaration.embeddings.iter().zip(&declaration.embedding_types).map(|(embedding, written)| {
-            let meant = embedding.value.path(root);
-            quote!(#checks::is_same::<#meant>(::core::marker::PhantomData::<#written>);)
-        });
+    let schemes = declaration.embeddings.iter().map(|(embedding, written)| {
+        let meant = embedding.value.path(root);
+        quote!(#checks::is_same::<#meant>(::core::marker::PhantomData::<#written>);)
+    });
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
     // they would say about style in generated code helps nobody.
     quote! {
@@ -49,8 +53,7 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
             impl #parameters #checks::Checked for #name #arguments #condition {
                 fn check(&self) {
                     #(#schemes)*
-                    #(#energies)*
-                    #(#covectors)*
+                    #(#closures)*
                     #(#given)*
                 }
             }
@@ -169,45 +172,14 @@ fn identifiers(tokens: TokenStream, into: &mut Vec<Ident>) {
     }
 }
 
-/// The closure with `*a` written `a` for scalar fields. Untouched, token for token, if there is no such thing.
-fn with_plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> TokenStream {
-    let plain = plain_scalars(system, hamiltonian);
-    plain.map_or_else(|| hamiltonian.tokens.clone(), |closure| closure.to_token_stream())
-}
-
-/// The same, if there is such a thing.
+/// The closure with `*a` written `a` for scalar fields, if there is such a thing.
 fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<syn::ExprClosure> {
-    let scalars: Vec<&Ident> = system
-        .fields
-        .iter()
-        .filter(|field| is_scalar(field))
+    let scalars = system.fields.iter().filter(|field| is_scalar(field));
+    let scalars: Vec<&Ident> = scalars
         .filter_map(|field| match &field.member {
             Member::Named(name) => Some(name),
             Member::Unnamed(_) => None,
         })
         .collect();
-    if !has_dereference(hamiltonian.tokens.clone(), &scalars) {
-        return None;
-    }
-    let mut closure = hamiltonian.closure.clone();
-    Dereference::new(&scalars).visit_expr_closure_mut(&mut closure);
-    Some(closure)
-}
-
-/// Whether some `*a` may be a dereference: nothing that ends an operand comes before it.
-fn has_dereference(tokens: TokenStream, scalars: &[&Ident]) -> bool {
-    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-    let is_star = |token: &TokenTree| matches!(token, TokenTree::Punct(punct) if punct.as_char() == '*');
-    let follows =
-        |i: usize| matches!(tokens.get(i + 1), Some(TokenTree::Ident(name)) if scalars.contains(&name));
-    tokens.iter().enumerate().any(|(i, token)| match token {
-        TokenTree::Group(group) => has_dereference(group.stream(), scalars),
-        token if is_star(token) && follows(i) => match i.checked_sub(1).map(|before| &tokens[before]) {
-            None | Some(TokenTree::Punct(_)) => true,
-            Some(TokenTree::Ident(keyword)) => syn::parse2::<Ident>(keyword.to_token_stream()).is_err(),
-            Some(TokenTree::Group(group)) => group.delimiter() == proc_macro2::Delimiter::Brace,
-            Some(TokenTree::Literal(_)) => false,
-        },
-        _ => false,
-    })
+    dereferenced(&hamiltonian.closure, &scalars)
 }

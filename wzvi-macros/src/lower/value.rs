@@ -11,7 +11,7 @@ use crate::model::index::Index;
 use crate::symbolic::Expr;
 
 /// The value of an expression. Cheap to copy.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) enum Value {
     /// A real number, symbolically.
     Real(Expr),
@@ -31,6 +31,7 @@ pub(super) enum Value {
     /// `f64::sin` and the like, as a value.
     Function(Rc<str>),
     /// The value of something that was reported: whatever is made of it is not reported again.
+    #[default]
     Poison,
 }
 
@@ -97,6 +98,18 @@ impl Value {
 
     pub(super) fn is_poison(&self) -> bool {
         matches!(self, Self::Poison)
+    }
+
+    /// The value, if it is one.
+    pub(super) fn known(self) -> Option<Self> {
+        Some(self).filter(|value| !value.is_poison())
+    }
+
+    pub(super) fn as_real(&self) -> Option<Expr> {
+        match self {
+            Self::Real(value) => Some(*value),
+            _ => None,
+        }
     }
 
     pub(super) fn is_integer(&self) -> bool {

@@ -37,14 +37,7 @@ impl Graph {
     /// Whether a condition holds, if it compares numbers.
     fn truth(&self, condition: Expr) -> Option<bool> {
         match *self.node(condition) {
-            Node::Compare(relation, a, b) => {
-                let (a, b) = (self.as_number(a)?, self.as_number(b)?);
-                Some(match relation {
-                    Relation::Less => a < b,
-                    Relation::LessEqual => a <= b,
-                    Relation::Equal => a == b,
-                })
-            }
+            Node::Compare(relation, a, b) => Some(relation.holds(&self.as_number(a)?, &self.as_number(b)?)),
             Node::Not(inner) => self.truth(inner).map(|holds| !holds),
             _ => None,
         }

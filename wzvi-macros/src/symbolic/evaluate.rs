@@ -182,11 +182,7 @@ pub(super) fn bound_comparison(relation: Relation, a: Bounded, b: Bounded) -> Bo
     if error > 0.0 && gap.abs() <= error + EPSILON * gap.abs() + TINY {
         return Bounded::UNDEFINED;
     }
-    Bounded::truth(match relation {
-        Relation::Less => a.value < b.value,
-        Relation::LessEqual => a.value <= b.value,
-        Relation::Equal => a.value == b.value,
-    })
+    Bounded::truth(relation.holds(&a.value, &b.value))
 }
 
 pub(super) fn bound_function(function: Function, arguments: &[Bounded]) -> Bounded {

@@ -36,6 +36,16 @@ pub(crate) enum Relation {
     Equal,
 }
 
+impl Relation {
+    pub(crate) fn holds<T: PartialOrd>(self, a: &T, b: &T) -> bool {
+        match self {
+            Self::Less => a < b,
+            Self::LessEqual => a <= b,
+            Self::Equal => a == b,
+        }
+    }
+}
+
 /// One node. Real-valued unless it is a `Compare`, `Not`, `And` or `Or`.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Node {

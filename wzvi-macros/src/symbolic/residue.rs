@@ -255,10 +255,11 @@ impl Point<'_> {
 
     fn function(&self, expr: Expr, function: Function, argument: Expr) -> Option<Residue> {
         let field = self.field;
+        let real = |re: u64| Residue { re, im: 0 };
         match function {
-            Function::Sin => Some(self.rotation(argument)?.1),
-            Function::Cos => Some(self.rotation(argument)?.0),
-            Function::Tan => self.rotation(argument).and_then(|(c, s)| field.divide(s, c)),
+            Function::Sin => Some(real(self.rotation(argument)?.im)),
+            Function::Cos => Some(real(self.rotation(argument)?.re)),
+            Function::Tan => self.rotation(argument).and_then(|z| field.divide(real(z.im), real(z.re))),
             Function::Exp => self.exponential(argument),
             Function::ExpM1 => Some(field.subtract(self.exponential(argument)?, Residue::ONE)),
             Function::Sinh | Function::Cosh | Function::Tanh => {
@@ -276,41 +277,30 @@ impl Point<'_> {
         }
     }
 
-    /// `exp(argument)` with `exp(Σ n_i x_i / d_i) = Π exp(x_i / d_i)^n_i`, so that addition theorems hold.
+    /// `exp(argument)`
     fn exponential(&self, argument: Expr) -> Option<Residue> {
-        let mut product = Residue::ONE;
-        for (key, count) in self.summands(argument) {
-            let factor = self.field.power_signed(self.atom(Atom::Exponential, key), count)?;
-            product = self.field.multiply(product, factor);
-        }
-        Some(product)
+        self.homomorphism(argument, Atom::Exponential, Some)
     }
 
-    /// `(cos, sin)` of the argument: rational points of the circle, composed as angles are added.
-    fn rotation(&self, argument: Expr) -> Option<(Residue, Residue)> {
-        let field = self.field;
-        let compose = |(c, s): (Residue, Residue), (d, t): (Residue, Residue)| {
-            let cosine = field.subtract(field.multiply(c, d), field.multiply(s, t));
-            (cosine, field.add(field.multiply(c, t), field.multiply(s, d)))
-        };
-        let mut total = (Residue::ONE, Residue::ZERO);
-        for (key, count) in self.summands(argument) {
-            let tau = self.atom(Atom::Angle, key);
-            let square = field.multiply(tau, tau);
-            let scale = field.recip(field.add(Residue::ONE, square))?;
-            let cosine = field.multiply(field.subtract(Residue::ONE, square), scale);
-            let sine = field.multiply(field.add(tau, tau), scale);
-            let mut power = (cosine, if count < 0 { field.negate(sine) } else { sine });
-            let mut rest = count.unsigned_abs();
-            while rest > 0 {
-                if rest & 1 == 1 {
-                    total = compose(total, power);
-                }
-                power = compose(power, power);
-                rest >>= 1;
-            }
-        }
-        Some(total)
+    /// `cos + i sin` of the argument: `(1 + i τ) / (1 - i τ)`, a rational point of the circle, for each angle.
+    fn rotation(&self, argument: Expr) -> Option<Residue> {
+        self.homomorphism(argument, Atom::Angle, |Residue { re: tau, .. }| {
+            let [above, below] = [tau, self.field.negate_modulo(tau)].map(|im| Residue { re: 1, im });
+            self.field.divide(above, below)
+        })
+    }
+
+    /// A function that makes products of sums, `f(Σ n_i x_i / d_i) = Π f(x_i / d_i)^n_i`, so that addition theorems hold.
+    fn homomorphism(
+        &self,
+        argument: Expr,
+        atom: Atom,
+        value: impl Fn(Residue) -> Option<Residue>,
+    ) -> Option<Residue> {
+        self.summands(argument).into_iter().try_fold(Residue::ONE, |product, (key, count)| {
+            let factor = self.field.power_signed(value(self.atom(atom, key))?, count)?;
+            Some(self.field.multiply(product, factor))
+        })
     }
 
     /// The argument as `Σ count · (summand / denominator)`; the key tells the summand and the denominator.
