@@ -44,7 +44,12 @@ fn check_consistency(
                             &force,
                         )
                     }
-                    false => messages::inconsistent(embedding, &defect, &facts.defect_is_constant),
+                    false => messages::inconsistent(
+                        embedding.extent,
+                        &embedding.value,
+                        &defect,
+                        &facts.defect_is_constant,
+                    ),
                 });
             }
             Correction::Corrected if facts.force_defect_acts(noise_l) => {

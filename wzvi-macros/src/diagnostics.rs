@@ -1,11 +1,15 @@
 //! Collects errors, so that independent mistakes are reported at once. The messages are in [`messages`].
 
-/// Messages by name, with what they tell besides the place and their text, which may name the tokens there, too.
+/// Messages by name, with what they tell besides the place, and their text. It may name the tokens there, and what is made of all of these.
 macro_rules! messages {
-    ($($(#[$doc:meta])* $name:ident($found:ident $(, $argument:ident: $type:ty)*) = $text:literal;)+) => {$(
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($found:ident $(, $argument:ident: $type:ty)*) $({ $($part:ident = $value:expr;)+ })? = $text:literal;
+    )+) => {$(
         $(#[$doc])*
         pub(crate) fn $name($found: impl quote::ToTokens $(, $argument: $type)*) -> syn::Error {
             let $found = $found.into_token_stream();
+            $($(let $part = $value;)+)?
             $crate::diagnostics::at(&$found, format_args!($text))
         }
     )+};
@@ -30,12 +34,14 @@ pub(super) fn at(tokens: impl ToTokens, message: impl Display) -> Error {
     Error::new_spanned(tokens, message)
 }
 
-/// `text`, and what may have been meant.
-pub(super) fn suggest(text: String, suggestion: Option<&str>) -> String {
-    match suggestion {
-        Some(suggestion) => format!("{text}; did you mean `{suggestion}`?"),
-        None => text,
-    }
+/// What may have been meant, behind a message.
+pub(super) fn suggest(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |suggestion| format!("; did you mean `{suggestion}`?"))
+}
+
+/// Names as a list.
+pub(super) fn quoted(names: impl IntoIterator<Item = impl Display>) -> String {
+    names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 /// The errors so far. It has to be finished: dropping it would lose them.

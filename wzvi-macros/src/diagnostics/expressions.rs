@@ -1,9 +1,6 @@
 //! The messages about the bodies of closures. One function per mistake.
 
-use quote::{ToTokens, quote};
-use syn::Error;
-
-use super::{at, closest, source, suggest};
+use super::{closest, quoted, source, suggest};
 
 messages! {
     unsupported(found, what: &str, remedy: &str) = "{what} cannot be compiled to a symbolic expression; \
@@ -12,6 +9,8 @@ messages! {
         shorten its loops";
     too_deep(found, limit: usize) = "this is nested more than {limit} levels deep; name parts of the \
         expression with `let`";
+    long_integer(found, limit: usize) = "this integer is made of more than {limit} others: indices and lengths are \
+        short expressions of loop variables, sizes and fields";
     vector_as_energy(found, actual: &str) = "a Hamiltonian is one number, the energy; this is {actual}. The \
         equations of motion are derived from it: `|q, p| 0.5 * (p * p + q * q)` has the vector field `[p, \
         -q]`";
@@ -57,20 +56,76 @@ messages! {
         sums may be added, and multiplied by what they do not contain";
     family_count(found) = "the number of noises of a family is an integer, a constant or a field, as in \
         `[|q, p, k| q[k]; N]`";
+    too_many_members(found, limit: i128) = "more than {limit} noises that differ in more than a number: use the number \
+        of the noise as an index, or as a factor";
     friction_closure(closure) = "`friction` is an expression of fields, a list of them by degree of freedom, \
         or a closure of the coordinates, `|q| ...`";
     damping_closure(closure) = "`damping` is a matrix of expressions of fields, or a closure of the coordinates, \
         `|q| [[...]]`";
-}
-
-/// `p ^ 2` or `p**2`.
-pub(crate) fn power(base: &syn::Expr, exponent: &syn::Expr) -> Error {
-    let text = source(exponent);
-    let method = if text.trim_matches(['(', ')', '-']).parse::<u32>().is_ok() { "powi" } else { "powf" };
-    at(
-        quote!(#base #exponent),
-        format!("Rust has no operator for powers; write `{}.{method}({text})`", receiver(base)),
-    )
+    /// `p ^ 2` or `p**2`.
+    power(found, base: &syn::Expr, exponent: &syn::Expr) {
+        text = source(exponent);
+        is_integer = text.trim_matches(['(', ')', '-']).parse::<u32>().is_ok();
+        method = if is_integer { "powi" } else { "powf" };
+        base = receiver(base);
+    } = "Rust has no operator for powers; write `{base}.{method}({text})`";
+    /// `sin(q)`
+    function_as_method(name, method: &str, arguments: &[&syn::Expr]) {
+        call = match arguments {
+            [first, rest @ ..] => {
+                let rest: Vec<String> = rest.iter().copied().map(source).collect();
+                format!("{}.{method}({})", receiver(first), rest.join(", "))
+            }
+            [] => format!("x.{method}()"),
+        };
+    } = "functions of `f64` are methods: write `{call}`";
+    unknown_name(name, fields: &[String], locals: &[String]) {
+        word = name.to_string();
+        list = listed_fields(fields, "the struct has no fields");
+        meant = closest(&word, fields.iter().chain(locals).map(String::as_str));
+        remedy = match meant {
+            Some(_) => suggest(meant),
+            None => "; a Hamiltonian cannot use outside variables: make it a field".to_owned(),
+        };
+    } = "no field or variable named `{name}`; {list}{remedy}";
+    unknown_field(name, fields: &[String]) {
+        list = listed_fields(fields, "it has none");
+        meant = suggest(closest(&name.to_string(), fields.iter().map(String::as_str)));
+    } = "the struct has no field `{name}`; {list}{meant}";
+    field_type(found, name: &str, ty: &str) {
+        remedy = match ty {
+            "f32" => "make it `f64`: all arithmetic is in binary64",
+            _ => "a Hamiltonian can read `f64`, integers, and arrays, `Vec`s and slices of them",
+        };
+    } = "`{name}` has the type `{ty}`; {remedy}";
+    integer_not_real(found) {
+        text = found.to_string();
+        real = if text.parse::<u64>().is_ok() { format!("{text}.0") } else { format!("{text} as f64") };
+    } = "expected an `f64`, found an integer; write `{real}`";
+    function_call(found) { text = found.to_string().replace(' ', ""); } = "`{text}` is opaque to the compiler: only \
+        `f64` functions, local closures and functions with the attribute `#[hamiltonian_fn]` can be differentiated";
+    unknown_method(found, name: &str, receiver: &str, known: &[&str]) {
+        list = quoted(known);
+        meant = synonym(name).filter(|meant| known.contains(meant));
+        meant = suggest(meant.or_else(|| closest(name, known.iter().copied())));
+    } = "`{name}` is not supported on {receiver}; supported are {list}{meant}";
+    argument_count(found, expected: usize, actual: usize) { plural = if expected == 1 { "" } else { "s" }; } =
+        "expected {expected} argument{plural}, found {actual}";
+    index_beyond(found, index: &str, length: &str, excess: i128) {
+        reached = if excess == 0 { length.to_owned() } else { format!("{length} + {excess}") };
+    } = "index {index} is out of range: it reaches {reached}, and there are {length} elements";
+    /// A covector, or a part of it, with another number of entries.
+    entries(found, expected: &str, length: Option<&str>) {
+        has = length.unwrap_or("of a number that is not known");
+        // The length of a list of fields is not that of the state.
+        advice = match expected.parse::<u64>() {
+            Ok(_) => String::new(),
+            Err(_) => {
+                format!("; entries of a field are read one by one, as in `(0..{expected}).map(|i| list[i])`")
+            }
+        };
+    } = "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are \
+        expected here, and these are {has}{advice}";
 }
 
 /// An expression as what a method is called on.
@@ -83,84 +138,6 @@ fn receiver(expr: &syn::Expr) -> String {
         (true, true) => format!("{text}_f64"),
         (false, _) => format!("({text})"),
     }
-}
-
-/// `sin(q)`
-pub(crate) fn function_as_method(name: &syn::Ident, method: &str, arguments: &[&syn::Expr]) -> Error {
-    let call = match arguments {
-        [first, rest @ ..] => {
-            let rest: Vec<String> = rest.iter().copied().map(source).collect();
-            format!("{}.{method}({})", receiver(first), rest.join(", "))
-        }
-        [] => format!("x.{method}()"),
-    };
-    at(name, format!("functions of `f64` are methods: write `{call}`"))
-}
-
-pub(crate) fn unknown_name(name: &syn::Ident, fields: &[String], locals: &[String]) -> Error {
-    let fields_text = match fields {
-        [] => "the struct has no fields".to_owned(),
-        fields => format!("the fields are {}", quoted(fields)),
-    };
-    let suggestion = closest(&name.to_string(), fields.iter().chain(locals).map(String::as_str));
-    let text = format!("no field or variable named `{name}`; {fields_text}");
-    at(
-        name,
-        match suggestion {
-            Some(_) => suggest(text, suggestion),
-            None => format!("{text}; a Hamiltonian cannot use outside variables: make it a field"),
-        },
-    )
-}
-
-pub(crate) fn unknown_field(name: impl ToTokens, fields: &[String]) -> Error {
-    let text = name.to_token_stream().to_string();
-    let list = match fields {
-        [] => "it has none".to_owned(),
-        fields => format!("the fields are {}", quoted(fields)),
-    };
-    let suggestion = closest(&text, fields.iter().map(String::as_str));
-    at(name, suggest(format!("the struct has no field `{text}`; {list}"), suggestion))
-}
-
-fn quoted(names: &[String]) -> String {
-    let quoted: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
-    quoted.join(", ")
-}
-
-pub(crate) fn field_type(found: impl ToTokens, name: &str, ty: &str) -> Error {
-    let remedy = match ty {
-        "f32" => "make it `f64`: all arithmetic is in binary64",
-        _ => "a Hamiltonian can read `f64`, integers, and arrays, `Vec`s and slices of them",
-    };
-    at(found, format!("`{name}` has the type `{ty}`; {remedy}"))
-}
-
-pub(crate) fn integer_not_real(found: impl ToTokens) -> Error {
-    let text = found.to_token_stream().to_string();
-    let remedy = match text.parse::<u64>() {
-        Ok(_) => format!("write `{text}.0`"),
-        Err(_) => format!("write `{text} as f64`"),
-    };
-    at(found, format!("expected an `f64`, found an integer; {remedy}"))
-}
-
-pub(crate) fn function_call(found: impl ToTokens) -> Error {
-    let text = found.to_token_stream().to_string().replace(' ', "");
-    at(
-        found,
-        format!(
-            "`{text}` is opaque to the compiler: only `f64` functions, local closures and functions with the attribute \
-             `#[hamiltonian_fn]` can be differentiated"
-        ),
-    )
-}
-
-pub(crate) fn unknown_method(found: impl ToTokens, name: &str, receiver: &str, known: &[&str]) -> Error {
-    let list: Vec<_> = known.iter().map(|known| format!("`{known}`")).collect();
-    let text = format!("`{name}` is not supported on {receiver}; supported are {}", list.join(", "));
-    let suggestion = synonym(name).filter(|meant| known.contains(meant));
-    at(found, suggest(text, suggestion.or_else(|| closest(name, known.iter().copied()))))
 }
 
 /// What other languages call the same function.
@@ -180,31 +157,6 @@ pub(crate) fn synonym(name: &str) -> Option<&'static str> {
     })
 }
 
-pub(crate) fn argument_count(found: impl ToTokens, expected: usize, actual: usize) -> Error {
-    let plural = if expected == 1 { "" } else { "s" };
-    at(found, format!("expected {expected} argument{plural}, found {actual}"))
-}
-
-pub(crate) fn index_beyond(found: impl ToTokens, index: &str, length: &str, excess: i128) -> Error {
-    let reached = if excess == 0 { length.to_owned() } else { format!("{length} + {excess}") };
-    at(found, format!("index {index} is out of range: it reaches {reached}, and there are {length} elements"))
-}
-
-/// A covector, or a part of it, with another number of entries.
-pub(crate) fn entries(found: impl ToTokens, expected: &str, length: Option<&str>) -> Error {
-    let has = length.unwrap_or("of a number that is not known");
-    // The length of a list of fields is not that of the state.
-    let advice = match expected.parse::<u64>() {
-        Ok(_) => String::new(),
-        Err(_) => {
-            format!("; entries of a field are read one by one, as in `(0..{expected}).map(|i| list[i])`")
-        }
-    };
-    at(
-        found,
-        format!(
-            "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are expected here, and these are \
-             {has}{advice}"
-        ),
-    )
+fn listed_fields(fields: &[String], none: &str) -> String {
+    if fields.is_empty() { none.to_owned() } else { format!("the fields are {}", quoted(fields)) }
 }

@@ -2,9 +2,6 @@
 
 use std::fmt::Display;
 
-use syn::Error;
-
-use super::{Extent, Located, at};
 use crate::symbolic::Graph;
 use crate::symbolic::zero::{Knowledge, Witness};
 
@@ -55,48 +52,32 @@ messages! {
     /// A product with inverse masses whose indices the compiler cannot write.
     damping_of_elements(found) = "this damping cannot be written as a force: its indices exceed 128 bits; write it \
         as `force`";
-}
-
-/// A bare scheme whose limit is not the Stratonovich system.
-pub(crate) fn inconsistent(embedding: &Located<impl Display>, defect: &str, constant: &Knowledge) -> Error {
-    let scheme = &embedding.value;
-    let finding = match constant {
-        Knowledge::Unknown(reason) => {
-            format!("whose defect D = {defect} could not be shown to be constant: {reason}")
-        }
-        _ => format!("with drift Hamiltonian H0 - D, where D = {defect}"),
-    };
-    at(
-        embedding.extent,
-        format!(
-            "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; \
-             write `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
-             (`Midpoint` is consistent with every noise)"
-        ),
-    )
-}
-
-/// A declared first integral that changes along the flow of the drift or of a noise, or may; without `rate` at a boundary, or by the bath.
-pub(crate) fn no_invariant(
-    extent: Extent,
-    along: &str,
-    rate: Option<&str>,
-    knowledge: &Knowledge,
-    graph: &Graph,
-) -> Error {
-    let of = rate.map_or_else(|| along.to_owned(), |rate| format!("{along} = {rate}"));
-    let message = match knowledge {
-        Knowledge::Refuted(witness) => {
-            let is = if rate.is_some() { ", which is" } else { ": it jumps by" };
-            format!("this is not a first integral of {of}{is} {}", at_witness(witness, graph))
-        }
-        Knowledge::Unknown(reason) => format!(
-            "this could not be proven to be a first integral of {of}: {reason}; leave it out and evaluate it \
-             with an observer, or write both sides in the same functions"
-        ),
-        Knowledge::Proven => format!("this is a first integral of {of}"),
-    };
-    at(extent, message)
+    /// A bare scheme whose limit is not the Stratonovich system.
+    inconsistent(found, scheme: &impl Display, defect: &str, constant: &Knowledge) {
+        finding = match constant {
+            Knowledge::Unknown(reason) => {
+                format!("whose defect D = {defect} could not be shown to be constant: {reason}")
+            }
+            _ => format!("with drift Hamiltonian H0 - D, where D = {defect}"),
+        };
+    } = "`{scheme}` does not converge to this Stratonovich system as h -> 0, but to the one {finding}; write \
+        `Corrected<{scheme}>` to add the counter-term, or `Uncorrected<{scheme}>` to keep the scheme as it is \
+        (`Midpoint` is consistent with every noise)";
+    /// A declared first integral that changes along the flow of the drift or of a noise, or may; without `rate` at a boundary, or by the bath.
+    no_invariant(found, along: &str, rate: Option<&str>, knowledge: &Knowledge, graph: &Graph) {
+        of = rate.map_or_else(|| along.to_owned(), |rate| format!("{along} = {rate}"));
+        finding = match knowledge {
+            Knowledge::Refuted(witness) => {
+                let is = if rate.is_some() { ", which is" } else { ": it jumps by" };
+                format!("is not a first integral of {of}{is} {}", at_witness(witness, graph))
+            }
+            Knowledge::Unknown(reason) => format!(
+                "could not be proven to be a first integral of {of}: {reason}; leave it out and evaluate it \
+                 with an observer, or write both sides in the same functions"
+            ),
+            Knowledge::Proven => format!("is a first integral of {of}"),
+        };
+    } = "this {finding}";
 }
 
 fn at_witness(witness: &Witness, graph: &Graph) -> String {

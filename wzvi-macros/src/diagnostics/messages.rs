@@ -2,11 +2,11 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use proc_macro2::{Span, TokenStream};
+use proc_macro2::Span;
 use quote::ToTokens;
 use syn::{Error, Item};
 
-use super::{at, closest, suggest};
+use super::{at, closest, source, suggest};
 use crate::symbolic::Rational;
 
 /// The keys that users know.
@@ -122,6 +122,48 @@ messages! {
         time; write a number here";
     time_is_real(pattern) = "the third parameter is time: a name, of type `f64` if it is given";
     return_type(ty) = "the value of a Hamiltonian is an `f64`";
+    empty_list(list, key: &syn::Ident) {
+        remedy = match key.to_string().as_str() {
+            "embedding" => format!("list at least one scheme of {SCHEMES}"),
+            key => format!("leave `{key}` out if there is none"),
+        };
+    } = "this list is empty; {remedy}";
+    unknown_key(key) {
+        word = key.to_string();
+        meant = suggest(intended_key(&word));
+    } = "unknown key `{word}`; the keys are {KEYS}{meant}";
+    unknown_embedding(name) {
+        word = name.to_string();
+        meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, SCHEME_NAMES)));
+    } = "unknown embedding `{word}`; there are {SCHEMES}{meant}";
+    /// What asks for another sense of the stochastic integral.
+    key_of_ito(key) = "{STRATONOVICH}";
+    embedding_of_ito(name) = "there is no embedding `{name}`: {STRATONOVICH}";
+    unknown_letter(ty) = "the letters of a splitting are `A` (drift), `B` (kick) and `O` (friction and noise of the \
+        bath); `A<1, 4>` and `B<1, 4>` take a quarter of the step";
+    long_word(word, most: usize, letters: usize) = "a splitting has at most {most} letters, this one {letters}";
+    missing_letter(word, letter: &str) = "a splitting needs drifts `A`, kicks `B` and friction `O`: there is no `{letter}`";
+    shares_of_letters(word, letter: &str, total: Option<Rational>) {
+        total = total.map_or("something else".to_owned(), |total| total.to_string());
+    } = "the shares of `{letter}` add to {total}, not to 1: each kind of letter covers the step once";
+    /// A composition is not listed, but its base is.
+    composed(found, base: &syn::Type) { base = base.to_token_stream(); } = "compositions are not listed: list `{base}`, \
+        and its compositions are there";
+    closure_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a Hamiltonian takes \
+        coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: {PATTERNS}";
+    swapped_names(patterns, q: &syn::Pat, p: &syn::Pat) {
+        first = q.to_token_stream();
+        second = p.to_token_stream();
+    } = "coordinates come before momenta: write `|{second}, \
+        {first}|`; if `{first}` are coordinates indeed, give them and the momenta other names";
+    shapes_disagree(pattern, found: &impl Display, drift: &impl Display, is_real: bool) {
+        remedy = match is_real {
+            true => "give both closures one coordinate".to_owned(),
+            false => format!("write it as `q: {drift}` or destructure it"),
+        };
+    } = "this is `{found}`, but the phase space of the drift is `{drift}`; {remedy}";
+    tuple_phase_pattern(pattern, parts: &impl ToTokens) { parts = source(parts); } = "coordinates and momenta are two parameters, not a tuple: write \
+        `|q, p|` for one degree of freedom, or `|[{parts}], ...|` if these are several coordinates";
 }
 
 pub(crate) fn not_a_struct(item: &Item) -> Error {
@@ -135,24 +177,15 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
 }
 
 /// The key that `key` may stand for.
-pub(crate) fn intended_key(key: &syn::Ident) -> Option<&'static str> {
-    let key = key.to_string();
-    closest(&key, KEYS.0.iter().copied()).or_else(|| synonym(&key))
-}
-
-pub(crate) fn unknown_key(key: &syn::Ident) -> Error {
-    if is_of_ito(key) {
-        return at(key, STRATONOVICH);
-    }
-    let suggestion = intended_key(key);
-    at(key, suggest(format!("unknown key `{key}`; the keys are {KEYS}"), suggestion))
+pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
+    closest(key, KEYS.0.iter().copied()).or_else(|| synonym(key))
 }
 
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an equation of Ito, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
                             `a - ½ Σ_k (∂b_k/∂X) b_k`: see \"From Ito to Stratonovich\" in docs/guide/noise.md";
 
 /// Whether a name asks for another sense of the stochastic integral, or for a scheme that has it.
-fn is_of_ito(name: &syn::Ident) -> bool {
+pub(crate) fn is_of_ito(name: &syn::Ident) -> bool {
     let name = name.to_string().to_lowercase();
     ["ito", "itô", "stratonovich", "eulermaruyama", "milstein", "interpretation", "calculus"]
         .contains(&name.as_str())
@@ -177,52 +210,6 @@ pub(crate) fn missing_key(key: &str) -> Error {
     Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
 }
 
-pub(crate) fn empty_list(key: &syn::Ident, list: &TokenStream) -> Error {
-    let remedy = match key.to_string().as_str() {
-        "embedding" => format!("list at least one scheme of {SCHEMES}"),
-        key => format!("leave `{key}` out if there is none"),
-    };
-    at(list, format!("this list is empty; {remedy}"))
-}
-
-pub(crate) fn unknown_letter(ty: &syn::Type) -> Error {
-    let letters =
-        "the letters of a splitting are `A` (drift), `B` (kick) and `O` (friction and noise of the bath)";
-    at(ty, format!("{letters}; `A<1, 4>` and `B<1, 4>` take a quarter of the step"))
-}
-
-pub(crate) fn long_word(word: &syn::TypeTuple, most: usize) -> Error {
-    at(word, format!("a splitting has at most {most} letters, this one {}", word.elems.len()))
-}
-
-pub(crate) fn missing_letter(word: &syn::TypeTuple, letter: &str) -> Error {
-    at(word, format!("a splitting needs drifts `A`, kicks `B` and friction `O`: there is no `{letter}`"))
-}
-
-pub(crate) fn shares_of_letters(word: &syn::TypeTuple, letter: &str, total: Option<Rational>) -> Error {
-    let total = total.map_or("something else".to_owned(), |total| total.to_string());
-    at(
-        word,
-        format!(
-            "the shares of `{letter}` add to {total}, not to 1: each kind of letter covers the step once"
-        ),
-    )
-}
-
-pub(crate) fn unknown_embedding(name: &syn::Ident) -> Error {
-    if is_of_ito(name) {
-        return at(name, format!("there is no embedding `{name}`: {STRATONOVICH}"));
-    }
-    let suggestion = scheme_synonym(&name.to_string()).or_else(|| closest(&name.to_string(), SCHEME_NAMES));
-    at(name, suggest(format!("unknown embedding `{name}`; there are {SCHEMES}"), suggestion))
-}
-
-/// A composition is not listed, but its base is.
-pub(crate) fn composed(found: impl ToTokens, base: &syn::Type) -> Error {
-    let base = base.to_token_stream();
-    at(found, format!("compositions are not listed: list `{base}`, and its compositions are there"))
-}
-
 /// What other texts call the same scheme.
 fn scheme_synonym(name: &str) -> Option<&'static str> {
     Some(match name {
@@ -235,52 +222,6 @@ fn scheme_synonym(name: &str) -> Option<&'static str> {
         "GJI" => "GjI",
         _ => return None,
     })
-}
-
-pub(crate) fn closure_arity(patterns: TokenStream, found: usize) -> Error {
-    let plural = if found == 1 { "" } else { "s" };
-    at(
-        patterns,
-        format!(
-            "a Hamiltonian takes coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: \
-             {PATTERNS}"
-        ),
-    )
-}
-
-pub(crate) fn swapped_names(q: &syn::Pat, p: &syn::Pat) -> Error {
-    let [first, second] = [q, p].map(|pattern| pattern.to_token_stream().to_string());
-    at(
-        quote::quote! { #q #p },
-        format!(
-            "coordinates come before momenta: write `|{second}, {first}|`; if `{first}` are coordinates indeed, give them \
-             and the momenta other names"
-        ),
-    )
-}
-
-pub(crate) fn shapes_disagree(
-    pattern: impl ToTokens,
-    found: &impl Display,
-    (drift, is_real): (&impl Display, bool),
-) -> Error {
-    let remedy = match is_real {
-        true => "give both closures one coordinate".to_owned(),
-        false => format!("write it as `q: {drift}` or destructure it"),
-    };
-    at(pattern, format!("this is `{found}`, but the phase space of the drift is `{drift}`; {remedy}"))
-}
-
-pub(crate) fn tuple_phase_pattern(pattern: &syn::PatTuple) -> Error {
-    let parts: Vec<String> = pattern.elems.iter().map(|part| part.to_token_stream().to_string()).collect();
-    at(
-        pattern,
-        format!(
-            "coordinates and momenta are two parameters, not a tuple: write `|q, p|` for one degree of freedom, or \
-             `|[{}], ...|` if these are several coordinates",
-            parts.join(", ")
-        ),
-    )
 }
 
 /// Names as a sentence lists them.

@@ -141,9 +141,12 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
     for entry in split_entries(attribute, diagnostics) {
         let mut key = entry.key.unraw().to_string();
         if !is_key(&key) {
-            diagnostics.report(messages::unknown_key(&entry.key));
+            diagnostics.report(match messages::is_of_ito(&entry.key) {
+                true => messages::key_of_ito(&entry.key),
+                false => messages::unknown_key(&entry.key),
+            });
             // A misspelled key is not a missing one as well, and its value may have mistakes of its own.
-            match messages::intended_key(&entry.key) {
+            match messages::intended_key(&entry.key.to_string()) {
                 Some(intended) if !seen.iter().any(|known| known == intended) => key = intended.to_owned(),
                 _ => continue,
             }
@@ -228,7 +231,7 @@ impl Entry {
         };
         let Some(mut list) = diagnostics.accept(parsed) else { return Vec::new() };
         if list.is_empty() {
-            diagnostics.report(messages::empty_list(&self.key, &self.value));
+            diagnostics.report(messages::empty_list(&self.value, &self.key));
         }
         if matches!(role, Role::Noise | Role::NoiseForce)
             && let Some(name) = list.iter().find_map(|hamiltonian| hamiltonian.name.as_ref())
@@ -249,7 +252,7 @@ impl Entry {
     fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<(Located<Embedding>, syn::Type)> {
         let Some(schemes) = diagnostics.accept(self.parse(scheme_list)) else { return Vec::new() };
         if schemes.is_empty() {
-            diagnostics.report(messages::empty_list(&self.key, &self.value));
+            diagnostics.report(messages::empty_list(&self.value, &self.key));
         }
         embeddings::read_embeddings(schemes, diagnostics)
     }

@@ -144,6 +144,7 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
         ("Thermostat", ..) if is_whole => {
             return Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>"));
         }
+        _ if messages::is_of_ito(name) => return Err(messages::embedding_of_ito(name)),
         _ => return Err(messages::unknown_embedding(name)),
     })
 }
@@ -153,7 +154,7 @@ fn splitting(tuple: &TypeTuple) -> syn::Result<Word> {
     let letters = tuple.elems.iter().map(letter).collect::<syn::Result<Vec<_>>>()?;
     let word = Word(letters);
     if word.0.len() > MOST_LETTERS {
-        return Err(messages::long_word(tuple, MOST_LETTERS));
+        return Err(messages::long_word(tuple, MOST_LETTERS, tuple.elems.len()));
     }
     for kind in Kind::ALL {
         match word.total(kind) {

@@ -233,7 +233,7 @@ fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
         }
         match shape(pattern)? {
             Some(found) if found != *expected => {
-                return Err(messages::shapes_disagree(pattern, &found, (expected, *expected == Shape::Real)));
+                return Err(messages::shapes_disagree(pattern, &found, expected, *expected == Shape::Real));
             }
             _ => {}
         }
@@ -258,10 +258,10 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
         inputs.pop();
     }
     match *inputs.as_slice() {
-        [q, p] | [q, p, _] if are_swapped(q, p) => Err(messages::swapped_names(q, p)),
+        [q, p] | [q, p, _] if are_swapped(q, p) => Err(messages::swapped_names(quote! { #q #p }, q, p)),
         [q, p] => Ok((q, p, None)),
         [q, p, t] => Ok((q, p, Some(t))),
-        [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple)),
+        [Pat::Tuple(tuple)] => Err(messages::tuple_phase_pattern(tuple, &tuple.elems)),
         _ => {
             let (begin, end) = (&closure.closure.inputs_begin, &closure.closure.inputs_end);
             let inputs = &closure.closure.inputs;
@@ -319,7 +319,7 @@ fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
                 }
             }
         }
-        Pat::Tuple(tuple) => Err(messages::tuple_phase_pattern(tuple)),
+        Pat::Tuple(tuple) => Err(messages::tuple_phase_pattern(tuple, &tuple.elems)),
         other => Err(messages::unsupported_phase_pattern(other)),
     }
 }

@@ -290,7 +290,7 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(len, &syntax.len) {
             return None;
         }
-        self.bounded(Value::list(vec![value; len]), syntax)
+        Some(Value::list(vec![value; len]))
     }
 }
 

@@ -31,12 +31,7 @@ impl Space<'_> {
     }
 
     /// `Σ_i γ_i δq_i p_i` of one rate for all degrees of freedom, one for each point, or one for each.
-    fn rates<'a>(
-        &self,
-        interpreter: &mut Interpreter<'a, '_>,
-        value: Value,
-        at: &'a Syntax,
-    ) -> Option<Expr> {
+    fn rates<'a>(&self, interpreter: &mut Interpreter<'a, '_>, value: Value, at: &'a Syntax) -> Option<Expr> {
         self.entries(interpreter, value, true, at, |interpreter, rate, i| bilinear(interpreter, rate, i, i))
     }
 

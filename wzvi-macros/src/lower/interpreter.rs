@@ -23,6 +23,9 @@ const MAX_DEPTH: usize = 128;
 /// Variables in scope: every closure keeps the scope it was made in.
 const MAX_VARIABLES: usize = 1024;
 
+/// Integers that one integer may be made of.
+const MAX_ATOMS: usize = 4096;
+
 /// What `while` and `loop` are, and what to write instead.
 const UNKNOWN_TURNS: (&str, &str) =
     ("a loop without a known number of turns", "use `for i in a..b` or an iterator");
@@ -158,7 +161,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.depth += 1;
         let value = self.read(syntax);
         self.depth -= 1;
-        value.unwrap_or_default()
+        value.and_then(|value| self.bounded(value, syntax)).unwrap_or_default()
     }
 
     /// Which rule reads which expression.
@@ -186,14 +189,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Syntax::Field(field) => self.field(field),
             Syntax::Index(index) => self.index(index),
             Syntax::Range(range) => self.range(range),
-            Syntax::Tuple(tuple) => {
-                let items = self.elements(&tuple.elems);
-                self.bounded(Value::tuple(items), syntax)
-            }
-            Syntax::Array(array) => {
-                let items = self.elements(&array.elems);
-                self.bounded(Value::list(items), syntax)
-            }
+            Syntax::Tuple(tuple) => Some(Value::tuple(self.elements(&tuple.elems))),
+            Syntax::Array(array) => Some(Value::list(self.elements(&array.elems))),
             Syntax::Repeat(repeat) => self.repeat(repeat),
             _ => self.unsupported(syntax),
         }
@@ -206,12 +203,14 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         elements.iter().map(|element| self.evaluate(element)).collect()
     }
 
-    /// `value`, unless it is a list too deep to be dropped safely.
+    /// `value`, unless it is too deep to be dropped safely, or its integers double with each `let`.
     pub(super) fn bounded(&mut self, value: Value, at: &dyn ToTokens) -> Option<Value> {
-        match value.depth() as usize > MAX_DEPTH {
-            true => self.refuse(expressions::too_deep(at, MAX_DEPTH)),
-            false => Some(value),
-        }
+        let error = match &value {
+            value if value.depth() as usize > MAX_DEPTH => expressions::too_deep(at, MAX_DEPTH),
+            value if value.atoms() > MAX_ATOMS => expressions::long_integer(at, MAX_ATOMS),
+            _ => return Some(value),
+        };
+        self.refuse(error)
     }
 
     fn unsupported(&mut self, syntax: &Syntax) -> Option<Value> {

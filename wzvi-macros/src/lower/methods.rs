@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use quote::ToTokens;
-use syn::{Expr as Syntax, ExprMethodCall, GenericArgument, Type};
+use syn::{BinOp, Expr as Syntax, ExprMethodCall, GenericArgument, Type};
 
 use super::interpreter::Interpreter;
 use super::sequences::{Sequence, Source};
@@ -98,11 +98,10 @@ impl<'a> Interpreter<'a, '_> {
                 Value::sequence(self.adapted(name, sequence, argument, (from, &syntax.args))?)
             }
         };
-        let value = match value {
+        Some(match value {
             Value::Sequence(list) if makes_list && self.has_mutation => Value::list(self.items(&list, from)?),
             value => value,
-        };
-        self.bounded(value, syntax)
+        })
     }
 
     /// `sum`: of real numbers a loop, of integers term by term.
@@ -126,17 +125,12 @@ impl<'a> Interpreter<'a, '_> {
     fn total(&mut self, product: bool, items: Vec<Value>, syntax: &'a ExprMethodCall) -> Option<Value> {
         let are_integers = items.iter().all(Value::is_integer);
         if are_integers && (!items.is_empty() || asks_for_integers(syntax)) {
-            let mut total = Index::integer(i128::from(product));
-            for item in &items {
-                let item = self.as_index(item, &syntax.receiver)?;
-                match if product { total.multiply(&item) } else { total.add(&item) } {
-                    Some(next) => total = next,
-                    None => {
-                        return self.refuse(expressions::integer_arithmetic(&syntax.method));
-                    }
-                }
-            }
-            return Some(Value::index(total));
+            let operator =
+                if product { BinOp::Mul(Default::default()) } else { BinOp::Add(Default::default()) };
+            return items.iter().try_fold(Value::integer(product.into()), |total, item| {
+                let total = self.integer_operation(&total, &operator, item, &syntax.method)?;
+                self.bounded(total, syntax)
+            });
         }
         let reals: Vec<Option<Expr>> =
             items.into_iter().map(|item| self.real(item, &syntax.receiver)).collect();

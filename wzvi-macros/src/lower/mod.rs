@@ -42,6 +42,9 @@ use value::Value;
 
 pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
 
+/// Members of a family that may be noises of their own.
+const MOST_MEMBERS: i128 = 10_000;
+
 /// A field with the name of a variable of a closure could be meant where the variable is read: it is reported once.
 fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {
     let mut names = patterns::Names::default();
@@ -191,7 +194,11 @@ impl<'s> Space<'s> {
         if !interpreter.takes_turns(variable) {
             return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
         }
-        let members = (0..count.as_integer()?).map(|member| {
+        let count = count.as_integer()?;
+        if count > MOST_MEMBERS {
+            return interpreter.refuse(expressions::too_many_members(&noise.family, MOST_MEMBERS));
+        }
+        let members = (0..count).map(|member| {
             let term = self.term(interpreter, noise, Some(Member::Known(member)))?;
             Some(Noise { term, family: None, is_force })
         });

@@ -80,7 +80,7 @@ impl<'a> Interpreter<'a, '_> {
         }
         if matches!(syntax.op, BinOp::BitXor(_)) {
             let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
-            self.report(expressions::power(base, exponent));
+            self.report(expressions::power(quote!(#base #exponent), base, exponent));
             // The left side may have others.
             if let Syntax::Binary(_) = &*syntax.left {
                 self.evaluate(&syntax.left);
@@ -103,7 +103,10 @@ impl<'a> Interpreter<'a, '_> {
         let mut chain = self.evaluate(first).known().map(Chain::Value);
         for &link in spine.iter().rev() {
             let right = match power_of(link) {
-                Some(exponent) => self.refuse(expressions::power(last_operand(&link.left), exponent)),
+                Some(exponent) => {
+                    let base = last_operand(&link.left);
+                    self.refuse(expressions::power(quote!(#base #exponent), base, exponent))
+                }
                 None => self.evaluate(&link.right).known(),
             };
             chain = self.extend(chain, &link.op, right, link);

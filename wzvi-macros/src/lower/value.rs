@@ -119,7 +119,17 @@ impl Value {
     pub(super) fn depth(&self) -> u32 {
         match self {
             Self::Tuple(items) => items.depth,
-            Self::Sequence(sequence) => sequence.depth,
+            Self::Sequence(sequence) => sequence.depth.max(sequence.length.as_ref().map_or(0, Index::depth)),
+            Self::Index(index) => index.depth(),
+            _ => 0,
+        }
+    }
+
+    /// The number of integers that an integer, or a length, is made of.
+    pub(super) fn atoms(&self) -> usize {
+        match self {
+            Self::Index(index) => index.atoms(),
+            Self::Sequence(sequence) => sequence.length.as_ref().map_or(0, Index::atoms),
             _ => 0,
         }
     }

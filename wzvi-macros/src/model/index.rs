@@ -4,6 +4,7 @@
 //! What the compiler can decide about them decides how systems are solved: the difference of two indices of one element
 //! is a constant (a band), wraps around (a ring), or is known to the running program only (a table).
 
+use std::cell::Cell;
 use std::collections::BTreeSet;
 
 /// What an index is made of besides integers.
@@ -69,8 +70,9 @@ pub(crate) struct Loop {
     pub(crate) end: Index,
 }
 
-/// Nested substitutions that a proof may take.
+/// Nested substitutions that a proof may take, and substitutions in all: each may be tried for each atom.
 const PROOF_DEPTH: u32 = 12;
+const PROOF_STEPS: u32 = 4096;
 
 impl Index {
     pub(crate) fn integer(constant: i128) -> Self {
@@ -170,6 +172,19 @@ impl Index {
         }
     }
 
+    /// The number of atoms, those inside of others included.
+    pub(crate) fn atoms(&self) -> usize {
+        let mut count = 0;
+        self.visit(&mut |_| count += 1);
+        count
+    }
+
+    /// Levels of atoms inside of others.
+    pub(crate) fn depth(&self) -> u32 {
+        let inner = self.terms.iter().flat_map(|(atom, _)| atom.indices());
+        inner.map(|index| index.depth() + 1).max().unwrap_or(0)
+    }
+
     fn any(&self, f: impl Fn(&Atom) -> bool) -> bool {
         let mut found = false;
         self.visit(&mut |atom| found |= f(atom));
@@ -255,7 +270,7 @@ impl Index {
     /// The index with a loop variable, where it occurs linearly, replaced.
     fn replaced(&self, atom: &Atom, by: &Self) -> Option<Self> {
         let coefficient = self.terms.iter().find(|(known, _)| known == atom).map_or(0, |(_, c)| *c);
-        self.plus(&Self::atom(atom.clone()), -coefficient)?.plus(by, coefficient)
+        self.plus(&Self::atom(atom.clone()), coefficient.checked_neg()?)?.plus(by, coefficient)
     }
 }
 
@@ -269,19 +284,19 @@ pub(crate) struct Bounds<'a> {
 impl Bounds<'_> {
     /// Whether `index >= 0` wherever the loops go; `false` if that cannot be shown.
     pub(crate) fn is_nonnegative(&self, index: &Index) -> bool {
-        self.proves(index, PROOF_DEPTH)
+        self.proves(index, PROOF_DEPTH, &Cell::new(PROOF_STEPS))
     }
 
     /// Bounds an atom that hides what is inside of it, innermost loops first.
-    fn proves(&self, index: &Index, depth: u32) -> bool {
+    fn proves(&self, index: &Index, depth: u32, left: &Cell<u32>) -> bool {
         if index.terms.is_empty() {
             return index.constant >= 0;
         }
-        if depth == 0 {
+        if depth == 0 || left.replace(left.get().saturating_sub(1)) == 0 {
             return false;
         }
         let replaced = |atom: &Atom, by: &Index| index.replaced(atom, by);
-        let proves = |image: Option<Index>| image.is_some_and(|image| self.proves(&image, depth - 1));
+        let proves = |image: Option<Index>| image.is_some_and(|image| self.proves(&image, depth - 1, left));
         // Loops are bounded by those around them: the innermost goes first.
         for known in self.loops.iter().rev() {
             let atom = Atom::Loop(known.variable);
@@ -306,7 +321,7 @@ impl Bounds<'_> {
                 Atom::Size | Atom::Given(..) => false,
                 Atom::Of(Operation::Quotient, both) => match both.1.as_integer() {
                     // For a nonnegative numerator `0 <= a / b <= a`.
-                    Some(divisor) if divisor > 0 && self.proves(&both.0, depth - 1) => {
+                    Some(divisor) if divisor > 0 && self.proves(&both.0, depth - 1, left) => {
                         let bound = if positive { Index::default() } else { both.0.clone() };
                         proves(replaced(atom, &bound))
                     }
@@ -314,7 +329,7 @@ impl Bounds<'_> {
                 },
                 Atom::Of(Operation::Remainder, both) => {
                     let bound = if positive { Some(Index::default()) } else { both.1.shifted(-1) };
-                    self.proves(&both.0, depth - 1)
+                    self.proves(&both.0, depth - 1, left)
                         && bound.is_some_and(|bound| proves(replaced(atom, &bound)))
                 }
                 Atom::Of(extreme, both) => {

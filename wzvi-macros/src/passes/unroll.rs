@@ -72,8 +72,8 @@ fn unroll_all(system: &mut System) -> bool {
         let range = match family {
             None => 0..1,
             Some(Family { count, .. }) => match count.as_integer() {
-                Some(count) => 0..count,
-                None => return false,
+                Some(count) if count <= OPERATIONS as i128 => 0..count,
+                _ => return false,
             },
         };
         writer.spent = 0;

@@ -24,17 +24,12 @@ impl Rational {
     pub(crate) const HALF: Self = Self { numerator: 1, denominator: 2 };
 
     pub(crate) fn new(numerator: i128, denominator: i128) -> Option<Self> {
-        if denominator == 0 {
-            return None;
-        }
-        if denominator == 1 {
-            return (numerator.abs() <= LIMIT)
-                .then_some(Self { numerator: numerator as i64, denominator: 1 });
-        }
-        let divisor = gcd(numerator.unsigned_abs(), denominator.unsigned_abs()) as i128;
-        let sign = denominator.signum();
-        let (n, d) = (sign * numerator / divisor, sign * denominator / divisor);
-        (n.abs() <= LIMIT && d <= LIMIT).then_some(Self { numerator: n as i64, denominator: d as i64 })
+        let (n, d) = (numerator.unsigned_abs(), denominator.unsigned_abs());
+        let divisor = if d == 1 { 1 } else { gcd(n, d) };
+        let (n, d) = (n / divisor, d / divisor);
+        let sign = (numerator.signum() * denominator.signum()) as i64;
+        let is_small = d > 0 && n.max(d) <= LIMIT.unsigned_abs();
+        is_small.then_some(Self { numerator: sign * n as i64, denominator: d as i64 })
     }
 
     pub(crate) const fn integer(value: i32) -> Self {
@@ -192,6 +187,13 @@ mod tests {
         assert_eq!(large.add(Rational::ONE), None);
         assert_eq!(Rational::HALF.power(-3), Some(Rational::integer(8)));
         assert_eq!(Rational::integer(3).power(60), None);
+        for (n, d) in
+            [(i128::MIN, 1), (1, i128::MIN), (i128::MIN, -1), (i128::MIN, i128::MAX), (1, 0), (0, 0)]
+        {
+            assert_eq!(Rational::new(n, d), None);
+        }
+        assert_eq!(Rational::new(i128::MIN, i128::MIN), Some(Rational::ONE));
+        assert_eq!(Rational::new(0, i128::MIN), Some(Rational::ZERO));
     }
 
     #[test]

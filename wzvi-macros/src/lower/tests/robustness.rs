@@ -345,6 +345,50 @@ fn malformed_inputs_never_panic() {
     }
 }
 
+/// Integers that grow with each turn, families of any size, and names that are keywords.
+#[test]
+fn integers_are_bounded() {
+    let repeated = |line: &str, times: usize| {
+        format!(
+            "(0..q.len()).map(|i| {{ let mut k = i; for _ in 0..{times} {{ {line} }} q[k] * p[i] }}).sum::<f64>()"
+        )
+    };
+    let extremes = |by: &str| {
+        let sum: Vec<String> = (0..24).map(|j| format!("{by}(i + {j} * n as usize, i * {j})")).collect();
+        format!("(0..q.len()).map(|i| if {} < i {{ q[i] }} else {{ p[i] }}).sum::<f64>()", sum.join(" + "))
+    };
+    let bodies = [
+        repeated("k = k / 2;", 5000),
+        repeated("k = next[k];", 5000),
+        repeated("k = k * k;", 60),
+        repeated("k = k.min(k / 3) + k.max(k % 5);", 60),
+        repeated("k = k.pow(7);", 60),
+        format!(
+            "{{ let v = q; {} v.len() as f64 * p[0] }}",
+            "let v = v.iter().skip(a_few).zip(v.iter().skip(some)).map(|(x, y)| x * y);".repeat(50)
+        ),
+        "(0..20000).map(|j| next[j] + 1).product::<usize>() as f64 * q[0] * p[0]".to_owned(),
+        extremes("usize::min"),
+        extremes("Ord::max"),
+        (0..24).fold("i".to_owned(), |k, j| format!("({k}).min(i / {} + some)", j + 2)),
+        "(-170141183460469231731687303715884105727 - 1) as f64 * q[0]".to_owned(),
+        "q[0] * (p.len() * (-170141183460469231731687303715884105727 - 1)) as f64".to_owned(),
+        "(0..q.len()).map(|i| q[i * (-170141183460469231731687303715884105727 - 1)]).sum()".to_owned(),
+        "q[0].r#match() + f64::r#type(q[0])".to_owned(),
+    ];
+    let item = "struct System { n: i32, a_few: usize, some: usize, next: Vec<usize> }";
+    for body in bodies {
+        let attribute = format!("drift = |q: &[f64], p: &[f64]| {body}, embedding = Midpoint");
+        expands(attribute.parse().unwrap(), item.parse().unwrap());
+    }
+    for (closure, count) in [("q * k as f64", "200000"), ("q.powi(k)", "9999999999"), ("q.powi(k)", "20001")]
+    {
+        let attribute =
+            format!("drift = |q, p| q * p, noise = [|q, p, k| {closure}; {count}], embedding = Midpoint");
+        expands(attribute.parse().unwrap(), item.parse().unwrap());
+    }
+}
+
 /// Streams that nest as deeply as the guard lets through, or deeper, in a thread of the usual 2 MiB.
 #[test]
 fn deep_inputs_do_not_overflow_the_stack() {
