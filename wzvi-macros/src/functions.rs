@@ -11,9 +11,9 @@ mod calls;
 mod define;
 
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
-use quote::{ToTokens, format_ident, quote};
+use quote::{format_ident, quote};
 use syn::parse::{Parse, ParseStream, Parser};
-use syn::{ImplItem, Item, ItemFn, ItemImpl, Path, braced};
+use syn::{Block, ImplItem, Item, Path, Signature, braced};
 
 use crate::diagnostics::{Diagnostics, messages};
 use crate::input::{self, Function, Library};
@@ -34,6 +34,16 @@ pub(crate) struct Question {
 }
 
 impl Question {
+    pub(super) fn new(
+        kind: Ident,
+        crate_path: Path,
+        attribute: TokenStream,
+        item: TokenStream,
+        asked: Vec<Path>,
+    ) -> Self {
+        Self { kind, crate_path, attribute, item, stand_ins: TokenStream::new(), asked, answers: Vec::new() }
+    }
+
     /// The next definition that is missing, asked for.
     pub(super) fn ask(&self) -> TokenStream {
         let position = self.answers.len();
@@ -48,7 +58,7 @@ impl Question {
         };
         let callback = quote! { { #crate_path::__private::__continue } };
         let is_of_function = is_function(kind);
-        if is_of_function && is_owner(path) {
+        if is_of_function && owner_of(path).is_some() {
             return quote! { #path! { #callback #state } };
         }
         let asker = asker(item).map_or_else(String::new, |asker| format!("_to_be_called_by_{asker}"));
@@ -65,7 +75,7 @@ impl Question {
         // A macro of the same name farther out is found where that of the function is not. Neither import may stand beside the call, which may define
         // any name for all that `rustc` knows.
         let missing = format_ident!("__wzvi_missing_{position}");
-        let error = (!is_owner(path)).then(|| messages::unmarked_function(name).to_compile_error());
+        let error = owner_of(path).is_none().then(|| messages::unmarked_function(name).to_compile_error());
         quote! {
             const _: () = {
                 #[allow(unused_macros)]
@@ -98,22 +108,21 @@ impl Parse for Question {
 
 /// What `item` asked for, by the paths of the calls.
 fn library(asked: &[Path], answers: &[TokenStream], item: &TokenStream) -> syn::Result<Library> {
+    let own = asker(item);
     let mut library = Library::default();
     for (path, answer) in asked.iter().zip(answers) {
-        match syn::parse2::<Answer>(answer.clone())? {
-            Answer::Function(mut function) => {
-                function.name = key(path);
-                library.functions.push(*function);
-            }
-            Answer::Methods(methods) => match other_owner(path, item) {
-                None => library.methods.extend(methods),
-                Some(name) => {
-                    let functions = methods.into_iter().filter(|method| !method.reads_self);
-                    let named = functions
-                        .map(|function| Function { name: format!("{name}::{}", function.name), ..function });
-                    library.functions.extend(named);
+        let owner = owner_of(path);
+        for function in syn::parse2::<Answer>(answer.clone())?.0 {
+            let name = match &owner {
+                None => key(path),
+                Some(owner) if own.as_ref().is_some_and(|own| own == owner) => {
+                    library.methods.push(function);
+                    continue;
                 }
-            },
+                Some(_) if function.reads_self => continue,
+                Some(owner) => format!("{owner}::{}", function.name),
+            };
+            library.functions.push(Function { name, ..function });
         }
     }
     Ok(library)
@@ -141,40 +150,31 @@ fn groups(tokens: TokenStream) -> impl Iterator<Item = TokenStream> {
     })
 }
 
-/// What a macro of a shared function hands over: `{ item } { the paths it calls } { their definitions }`.
-enum Answer {
-    Function(Box<Function>),
-    Methods(Vec<Function>),
-}
+/// What a macro of a shared function, or of the methods of a struct, hands over: `{ item } { the paths it calls } { their definitions }`.
+struct Answer(Vec<Function>);
 
 impl Parse for Answer {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
         let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
-        let library = || {
-            let answers: Vec<TokenStream> = groups(answers.clone()).collect();
-            library(&paths(asked.clone())?, &answers, &TokenStream::new())
+        let (asked, answers) = (paths(asked)?, groups(answers).collect::<Vec<_>>());
+        let bodies: Vec<(Signature, Block)> = match syn::parse2(item)? {
+            Item::Fn(function) => vec![(function.sig, *function.block)],
+            Item::Impl(methods) => {
+                let methods = methods.items.into_iter().filter_map(|item| match item {
+                    ImplItem::Fn(method) => Some((method.sig, method.block)),
+                    _ => None,
+                });
+                methods.collect()
+            }
+            _ => Vec::new(),
         };
-        if let Ok(ItemFn { sig: signature, block, .. }) = syn::parse2(item.clone()) {
-            let function = Function {
-                name: String::new(),
-                signature,
-                block: *block,
-                library: library()?,
-                reads_self: false,
-            };
-            return Ok(Self::Function(Box::new(function)));
-        }
-        let methods = syn::parse2::<ItemImpl>(item)?.items.into_iter().filter_map(|item| match item {
-            ImplItem::Fn(method) => Some(method),
-            _ => None,
+        let functions = bodies.into_iter().map(|(signature, block)| {
+            let name = signature.ident.to_string();
+            let reads_self = reads_self(quote! { #signature #block });
+            let library = library(&asked, &answers, &TokenStream::new())?;
+            Ok(Function { name, signature, block, library, reads_self })
         });
-        let methods = methods.map(|method| {
-            let name = method.sig.ident.to_string();
-            let reads_self =
-                reads_self(method.sig.to_token_stream()) || reads_self(method.block.to_token_stream());
-            Ok(Function { name, signature: method.sig, block: method.block, library: library()?, reads_self })
-        });
-        methods.collect::<syn::Result<_>>().map(Self::Methods)
+        functions.collect::<syn::Result<_>>().map(Self)
     }
 }
 
@@ -194,11 +194,9 @@ fn owner(name: &Ident, span: Span) -> Path {
     format_ident!("{name}{OWNER}", span = span).into()
 }
 
-/// The type whose functions were asked for, where it is not the struct `item`, whose methods are read with its fields.
-fn other_owner(path: &Path, item: &TokenStream) -> Option<String> {
-    let name = path.get_ident()?.to_string();
-    let name = name.strip_suffix(OWNER)?;
-    asker(item).is_none_or(|own| own != name).then(|| name.to_owned())
+/// The type whose functions a path asks for.
+fn owner_of(path: &Path) -> Option<String> {
+    path.get_ident()?.to_string().strip_suffix(OWNER).map(str::to_owned)
 }
 
 fn reads_self(tokens: TokenStream) -> bool {
@@ -207,10 +205,6 @@ fn reads_self(tokens: TokenStream) -> bool {
         TokenTree::Group(group) => reads_self(group.stream()),
         _ => false,
     })
-}
-
-fn is_owner(path: &Path) -> bool {
-    path.get_ident().is_some_and(|name| name.to_string().ends_with(OWNER))
 }
 
 fn is_function(kind: &Ident) -> bool {
@@ -227,9 +221,7 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Q
     let closures = declaration.in_order().map(|hamiltonian| &hamiltonian.closure);
     let asked = calls::of_closures(closures, &system.item.ident);
     let kind = syn::parse_quote!(hamiltonian);
-    let (attribute, item, crate_path) = (attribute.clone(), item.clone(), declaration.crate_path);
-    let stand_ins = TokenStream::new();
-    let question = Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() };
+    let question = Question::new(kind, declaration.crate_path, attribute.clone(), item.clone(), asked);
     (!question.asked.is_empty()).then_some(question)
 }
 

@@ -43,9 +43,7 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
             Vec::new()
         }
     };
-    let kind = syn::parse_quote!(function);
-    let (item, stand_ins) = (item.clone(), TokenStream::new());
-    Some(Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() })
+    Some(Question::new(syn::parse_quote!(function), crate_path, attribute, item.clone(), asked))
 }
 
 fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {
@@ -70,21 +68,26 @@ fn of_impl(methods: &ItemImpl, diagnostics: &mut Diagnostics) -> Vec<Path> {
     if let Some((path, _)) = &methods.trait_ {
         diagnostics.report(messages::methods_of_trait(path));
     }
-    let own = match &*methods.self_ty {
-        Type::Path(path) => path.path.segments.last().map(|last| last.ident.clone()),
-        _ => None,
-    };
+    let own = own_type(methods);
     let mut asked: Vec<Path> = Vec::new();
     for item in &methods.items {
         let ImplItem::Fn(method) = item else { continue };
         check_signature(&method.sig, diagnostics);
-        for path in calls::of_function(own.as_ref(), &method.sig, &method.block).paths(None) {
+        for path in calls::of_function(own, &method.sig, &method.block).paths(None) {
             if !asked.iter().any(|known| key(known) == key(&path)) {
                 asked.push(path);
             }
         }
     }
     asked
+}
+
+/// The name of the type that has the methods.
+fn own_type(methods: &ItemImpl) -> Option<&Ident> {
+    match &*methods.self_ty {
+        Type::Path(path) => path.path.segments.last().map(|last| &last.ident),
+        _ => None,
+    }
 }
 
 fn check_signature(signature: &Signature, diagnostics: &mut Diagnostics) {
@@ -107,17 +110,12 @@ fn check_signature(signature: &Signature, diagnostics: &mut Diagnostics) {
 pub(super) fn carrier(question: &Question) -> TokenStream {
     let Question { asked, answers, .. } = question;
     let (name, visibility, item) = match syn::parse2::<Item>(question.item.clone()) {
-        Ok(Item::Fn(function)) => {
-            let ItemFn { vis, sig, block, .. } = function;
-            (sig.ident.clone(), vis, quote! { #sig #block })
+        Ok(Item::Fn(ItemFn { vis, sig, block, .. })) => (sig.ident.clone(), vis, quote! { #sig #block }),
+        Ok(Item::Impl(methods)) => {
+            let Some(own) = own_type(&methods) else { return TokenStream::new() };
+            let name = format_ident!("{own}{}", super::OWNER, span = Span::call_site());
+            (name, Visibility::Inherited, methods.to_token_stream())
         }
-        Ok(Item::Impl(methods)) => match &*methods.self_ty {
-            Type::Path(path) => match path.path.segments.last() {
-                Some(last) => (methods_name(&last.ident), Visibility::Inherited, methods.to_token_stream()),
-                None => return TokenStream::new(),
-            },
-            _ => return TokenStream::new(),
-        },
         _ => return TokenStream::new(),
     };
     let hidden = hidden_name(&name, &question.item);
@@ -136,10 +134,6 @@ pub(super) fn carrier(question: &Question) -> TokenStream {
         #[allow(unused_imports)]
         #visibility use #hidden as #name;
     }
-}
-
-fn methods_name(name: &Ident) -> Ident {
-    format_ident!("{name}{}", super::OWNER, span = Span::call_site())
 }
 
 /// A name that no other function of the crate has: exported macros live at its root.

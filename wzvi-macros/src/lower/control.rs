@@ -30,23 +30,8 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn statement(&mut self, statement: &'a Stmt) -> Value {
-        let (at, what, remedy): (&dyn ToTokens, _, _) = match statement {
-            Stmt::Local(Local { init: Some(init), pat, .. }) if init.diverge.is_none() => {
-                let value = self.evaluate(&init.expr);
-                self.bind(pat, value);
-                return Value::unit();
-            }
-            Stmt::Local(local) => {
-                // Assigned before it is read, or `rustc` says so.
-                self.bind(&local.pat, Value::Poison);
-                match local.init {
-                    Some(_) => (&local.let_token, "`let ... else`", "use `let` without `else`"),
-                    None => {
-                        let remedy = "give the variable its value where it is declared";
-                        (local, "a `let` without a value", remedy)
-                    }
-                }
-            }
+        let (pattern, value) = match statement {
+            Stmt::Local(Local { init: Some(init), pat, .. }) if init.diverge.is_none() => (pat, &*init.expr),
             Stmt::Expr(syntax, None) => return self.evaluate(syntax),
             Stmt::Expr(syntax, Some(_)) => {
                 self.evaluate(syntax);
@@ -57,10 +42,28 @@ impl<'a> Interpreter<'a, '_> {
                 self.declare(item.ident.clone(), value);
                 return Value::unit();
             }
-            Stmt::Item(item) => (item, "an item inside a Hamiltonian", "move it out of the closure"),
+            _ => return self.unsupported_statement(statement),
+        };
+        let value = self.evaluate(value);
+        self.bind(pattern, value);
+        Value::unit()
+    }
+
+    fn unsupported_statement(&mut self, statement: &'a Stmt) -> Value {
+        let (at, what, remedy): (&dyn ToTokens, _, _) = match statement {
+            Stmt::Local(Local { init: Some(_), let_token, .. }) => {
+                (let_token, "`let ... else`", "use `let` without `else`")
+            }
+            Stmt::Local(local) => {
+                (local, "a `let` without a value", "give the variable its value where it is declared")
+            }
             Stmt::Macro(call) => (call, "a macro call", "write out what it stands for"),
+            item => (item, "an item inside a Hamiltonian", "move it out of the closure"),
         };
         self.report(expressions::unsupported(at, what, remedy));
+        if let Stmt::Local(local) = statement {
+            self.poison(&local.pat);
+        }
         Value::Poison
     }
 

@@ -1,6 +1,7 @@
 //! Fields are references where a user destructures the struct, and copies where the closures are type-checked. This
 //! turns the `*a` of the first spelling into the `a` of the second, wherever `a` is the field.
 
+use proc_macro2::TokenStream;
 use syn::visit::Visit;
 use syn::visit_mut::{self, VisitMut};
 use syn::{Block, Expr, ExprClosure, ExprForLoop, Ident, Pat, Stmt, UnOp};
@@ -8,9 +9,9 @@ use syn::{Block, Expr, ExprClosure, ExprForLoop, Ident, Pat, Stmt, UnOp};
 use super::patterns::Names;
 use crate::input::peeled;
 
-/// The closure with `*a` written `a` for `scalars`, if there is such a thing.
-pub(super) fn dereferenced(closure: &ExprClosure, scalars: &[&Ident]) -> Option<ExprClosure> {
-    let mut closure = closure.clone();
+/// The closure with `*a` written `a` for `scalars`, if there is such a thing. It is read again: copies of long sums take more of the stack.
+pub(super) fn dereferenced(closure: &TokenStream, scalars: &[&Ident]) -> Option<ExprClosure> {
+    let mut closure = syn::parse2(closure.clone()).ok()?;
     let mut pass = Dereference { scalars, shadowed: Names::default(), is_needed: false };
     pass.visit_expr_closure_mut(&mut closure);
     pass.is_needed.then_some(closure)

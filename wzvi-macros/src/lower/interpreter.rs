@@ -159,9 +159,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             return Value::Poison;
         }
         self.depth += 1;
-        let value = self.read(syntax);
+        let value = self.read(syntax).unwrap_or_default();
         self.depth -= 1;
-        value.and_then(|value| self.bounded(value, syntax)).unwrap_or_default()
+        self.bounded(value, syntax).unwrap_or_default()
     }
 
     /// Which rule reads which expression.

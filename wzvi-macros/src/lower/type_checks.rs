@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
-use syn::{GenericParam, Generics, Member};
+use syn::{ExprClosure, GenericParam, Generics, Member};
 
 use super::dereference::dereferenced;
 use super::scope::context;
@@ -27,16 +27,14 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
         }
     };
     let closures = declaration.in_order().map(|closure| {
-        takers.check(
-            system,
-            closure,
-            match closure.role.is_covector() {
-                true => with_entries(system, closure, &entries),
-                // Untouched, token for token, where nothing is written in another way.
-                false => plain_scalars(system, closure)
-                    .map_or_else(|| closure.tokens.clone(), |plain| plain.to_token_stream()),
-            },
-        )
+        let plain = plain_scalars(system, closure);
+        let rewritten = match (plain, closure.role.is_covector()) {
+            (plain, true) => with_entries(plain.as_ref().unwrap_or(&closure.closure), &entries),
+            (Some(plain), false) => plain.into_token_stream(),
+            // Token for token.
+            (None, false) => closure.tokens.clone(),
+        };
+        takers.check(system, closure, rewritten)
     });
     let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
     let given = given.map(|given| takers.check_given(system, given));
@@ -115,12 +113,9 @@ fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
 }
 
 /// A closure whose entries are taken by a function inside, so that what it maps may borrow its parameters.
-fn with_entries(system: &Container, covector: &Hamiltonian, entries: &TokenStream) -> TokenStream {
-    let mut closure = plain_scalars(system, covector).unwrap_or_else(|| covector.closure.clone());
-    let body = &closure.body;
-    *closure.body = syn::parse_quote!({ #entries(#body) });
-    closure.output = syn::ReturnType::Default;
-    closure.to_token_stream()
+fn with_entries(closure: &ExprClosure, entries: &TokenStream) -> TokenStream {
+    let ExprClosure { lifetimes, capture, inputs_begin, inputs, inputs_end, body, .. } = closure;
+    quote! { #lifetimes #capture #inputs_begin #inputs #inputs_end { #entries(#body) } }
 }
 
 /// `let a = self.a;`, with the span of a use: if the closure comes out of a macro, its names are from there. Names
@@ -173,7 +168,7 @@ fn identifiers(tokens: TokenStream, into: &mut Vec<Ident>) {
 }
 
 /// The closure with `*a` written `a` for scalar fields, if there is such a thing.
-fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<syn::ExprClosure> {
+fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<ExprClosure> {
     let scalars = system.fields.iter().filter(|field| is_scalar(field));
     let scalars: Vec<&Ident> = scalars
         .filter_map(|field| match &field.member {
@@ -181,5 +176,5 @@ fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<syn::E
             Member::Unnamed(_) => None,
         })
         .collect();
-    dereferenced(&hamiltonian.closure, &scalars)
+    dereferenced(&hamiltonian.tokens, &scalars)
 }

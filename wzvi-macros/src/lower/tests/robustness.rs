@@ -354,7 +354,7 @@ fn integers_are_bounded() {
         )
     };
     let extremes = |by: &str| {
-        let sum: Vec<String> = (0..24).map(|j| format!("{by}(i + {j} * n as usize, i * {j})")).collect();
+        let sum: Vec<String> = (2..24).map(|j| format!("(i + {j} * some).{by}(i * {j} + a_few)")).collect();
         format!("(0..q.len()).map(|i| if {} < i {{ q[i] }} else {{ p[i] }}).sum::<f64>()", sum.join(" + "))
     };
     let bodies = [
@@ -368,8 +368,8 @@ fn integers_are_bounded() {
             "let v = v.iter().skip(a_few).zip(v.iter().skip(some)).map(|(x, y)| x * y);".repeat(50)
         ),
         "(0..20000).map(|j| next[j] + 1).product::<usize>() as f64 * q[0] * p[0]".to_owned(),
-        extremes("usize::min"),
-        extremes("Ord::max"),
+        extremes("min"),
+        extremes("max"),
         (0..24).fold("i".to_owned(), |k, j| format!("({k}).min(i / {} + some)", j + 2)),
         "(-170141183460469231731687303715884105727 - 1) as f64 * q[0]".to_owned(),
         "q[0] * (p.len() * (-170141183460469231731687303715884105727 - 1)) as f64".to_owned(),
@@ -458,6 +458,8 @@ fn deep_inputs_do_not_overflow_the_stack() {
         cases.push(lets);
         cases.push(format!("q as {}f64{}", "Vec<".repeat(depth), " >".repeat(depth)));
         cases.push(format!("|{}x{}| q", "(".repeat(depth), ")".repeat(depth)));
+        cases.push(format!("*a{}", " + q".repeat(depth)));
+        cases.push(format!("q, force = |q, p| q{}", " + q".repeat(depth)));
     }
     for case in cases {
         let attribute = format!("drift = |q, p| {case}, embedding = Midpoint");
