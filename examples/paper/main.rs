@@ -4,6 +4,7 @@
 //! its parameters, and what it leaves open: what the approximations of the noise cost, for which step size.
 
 mod additive;
+mod diagram;
 mod kubo;
 mod linear;
 mod wong_zakai;
@@ -22,6 +23,7 @@ fn main() -> Result<(), wzvi::Error> {
     let document = linear::append(document)?;
     let document = kubo::append(document)?;
     let document = additive::append(document)?;
+    let document = diagram::append(document)?;
     let document = wong_zakai::append(document)?;
     let report = kubo::work_precision()?;
     report.print();

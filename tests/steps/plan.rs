@@ -282,6 +282,8 @@ fn equations_are_those_of_the_paper() {
         "p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW",
         "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
         "converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2",
+        "h → 0, then ε → 0: X_{ε,n} → X_ε → X",
+        "ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving",
     ] {
         assert!(has_line(text, line), "no line {line:?} in\n{text}");
     }
@@ -292,7 +294,11 @@ fn equations_are_those_of_the_paper() {
         "p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2",
         "p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp",
         "converges to the Stratonovich system; D = 0",
+        "ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving",
+        "each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one",
     ] {
         assert!(has_line(text, line), "no line {line:?} in\n{text}");
     }
+    let without_noise = <Pendulum as Discretized<Midpoint>>::EQUATIONS;
+    assert!(!without_noise.contains("X_"), "{without_noise}");
 }

@@ -30,6 +30,8 @@ Step
 
 Facts
   converges to the Stratonovich system; D = q p sigma²/2
+  h → 0, then ε → 0: X_{ε,n} → X_ε → X
+  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving
   {H1, H0} = q² sigma - p² sigma
   H0 is not a first integral
 
@@ -269,7 +271,7 @@ const _: () = {
     #[automatically_derived]
     impl Listed<Corrected<DeltaPlus>> for Multiplicative {
         type Scheme = Straight<Corrected<DeltaPlus>, 1, 1>;
-        const TEXT: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
+        const TEXT: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
     }
     /// The names that are bound above, so that no constant around can stand for them.
     use ::wzvi::__private::{

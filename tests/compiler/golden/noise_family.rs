@@ -35,6 +35,8 @@ Step
 
 Facts
   converges to the Stratonovich system; D = 0
+  h → 0, then ε → 0: X_{ε,n} → X_ε → X
+  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving
   {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]
   the noises commute up to a constant
   H0 is not a first integral
@@ -371,7 +373,7 @@ const _: () = {
     #[automatically_derived]
     impl Listed<Midpoint> for Bath {
         type Scheme = Loops<Midpoint>;
-        const TEXT: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [q[i]²/2] + Σ_(i=0..n - 1) [p[i]²/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
     }
     #[automatically_derived]
     impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Bath {
@@ -383,7 +385,7 @@ const _: () = {
             Midpoint,
             General,
             W,
-            { 957 + ROOM },
+            { 1083 + ROOM },
         >::ALL;
     }
     /// The names that are bound above, so that no constant around can stand for them.

@@ -164,6 +164,9 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
             let defect = facts.force_defect(graph, noise_l);
             line(text, format_args!("  noise forces add the force d, d·δq = {defect}"));
         }
+        if !embedding.is_thermostat() {
+            limits(facts, embedding, text);
+        }
         for (number, rate) in facts.numbers.iter().zip(&facts.energy_rates) {
             let rate = facts.space.display(graph, rate, Rational::ONE);
             line(text, format_args!("  {{H{number}, H0}} = {rate}"));
@@ -192,6 +195,28 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         let name = if invariant.name.is_empty() { String::new() } else { format!("{} = ", invariant.name) };
         line(text, format_args!("  first integral {name}{value}: {keeps}"));
     }
+    let has_integrals = !facts.invariants.is_empty() || matches!(facts.conserves_energy, Knowledge::Proven);
+    if has_noise && has_integrals {
+        line(
+            text,
+            format_args!(
+                "  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one"
+            ),
+        );
+    }
+}
+
+/// Both ways around the diagram of the Wong-Zakai approximation: `X` is the Stratonovich system, `X_ε` that of `H0 + Σ_k H_k dW_{ε,k}/dt`, and
+/// `n` marks the scheme, driven by the increments of `W_ε` or of `W`. For a smooth `W_ε` every scheme is consistent, and at fixed `h` the increments
+/// converge: only the last arrow depends on the quadrature.
+fn limits(facts: &Facts, embedding: &Embedding, text: &mut String) {
+    let last = match (facts.converges(embedding), &facts.defect_is_constant) {
+        (true, _) => "X: asymptotically preserving",
+        (false, Knowledge::Unknown(_)) => "X is not known",
+        (false, _) => "the system with H0 - D, not X: not asymptotically preserving",
+    };
+    line(text, format_args!("  h → 0, then ε → 0: X_{{ε,n}} → X_ε → X"));
+    line(text, format_args!("  ε → 0, then h → 0: X_{{ε,n}} → X_n → {last}"));
 }
 
 /// The points that the user gave, and what is known of them.
