@@ -198,6 +198,51 @@ mod plots {
     }
 
     #[test]
+    fn any_two_variables_have_an_orbit() {
+        let path = kepler();
+        let orbit = path.plot().orbit("x", "y").unwrap();
+        assert!(points(&orbit, 0).iter().copied().eq(path.iter().map(|state| (state.q[0], state.q[1]))));
+        assert!(orbit.has_equal_axes && !path.plot().orbit("t", "py").unwrap().has_equal_axes);
+        let error = path.plot().orbit("x", "z").unwrap_err();
+        assert_eq!(error.to_string(), "no variable has the name `z`: there are `x`, `y`, `px`, `py`, `t`");
+    }
+
+    #[test]
+    fn statistics_show_means_histograms_and_sweeps() {
+        let amplitude = |path: u64| 0.1 * path as f64;
+        let run = Shaken { sigma: 0.3 }
+            .ensemble::<DeltaPlus>(0.1)
+            .start(State::new([0.5], [0.0]))
+            .paths(20)
+            .seed(7);
+        let run = run
+            .until(1.0)
+            .record_every(5)
+            .observe("angle", |state| state.q[0])
+            .histogram("angle", -3.0, 3.0, 8);
+        let statistics = run.keep_paths(1 << 16).run().unwrap();
+        let plot = statistics.plot();
+        let means = plot.means();
+        let of_nodes = |value: fn(&wzvi::ensemble::StatisticsNode) -> f64| {
+            statistics.nodes().iter().map(|node| (node.time(), value(node))).collect::<Vec<_>>()
+        };
+        assert_eq!(points(&means, 0), of_nodes(|node| node.mean(0)));
+        assert_eq!(points(&means, 2), of_nodes(|node| node.mean(0) + 2.0 * node.standard_error(0)));
+        let histogram = plot.histogram("angle").unwrap();
+        assert_eq!(
+            histogram.series.iter().map(|series| series.name.as_str()).collect::<Vec<_>>(),
+            ["t = 0.5", "t = 1"]
+        );
+        let kept = statistics.histogram("angle").unwrap();
+        assert!(points(&histogram, 1).iter().enumerate().all(|(bin, point)| point.1 == kept.density(bin)));
+        let sweep = plot.sweep("angle", 2, amplitude).unwrap();
+        let paths = statistics.paths().unwrap();
+        assert_eq!(points(&sweep, 0).len(), 40);
+        assert_eq!(points(&sweep, 0)[39], (amplitude(19), paths.at(19, 2).unwrap()[0]));
+        assert!(plot.histogram("energy").is_err() && plot.sweep("energy", 1, amplitude).is_err());
+    }
+
+    #[test]
     fn sections_show_the_crossings() {
         let start = State::new([0.5, 0.0], [0.0, 3.0_f64.sqrt()]);
         let run = Kepler.simulate::<Verlet>(0.01).start(start).until(20.0).record_every(0);

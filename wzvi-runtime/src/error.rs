@@ -88,7 +88,7 @@ pub enum ConfigError {
     },
     /// An integer of the system is out of range.
     Index(IndexError),
-    /// Friction, temperature or masses make no sense.
+    /// Friction, temperature or masses are invalid.
     Bath(BathError),
     /// A matrix that does not change from step to step is singular.
     Singular {
@@ -99,7 +99,7 @@ pub enum ConfigError {
         /// Largest absolute value in the matrix.
         scale: f64,
     },
-    /// The builder was not told something that it needs.
+    /// A setting that the builder needs is missing.
     Missing(&'static str),
     /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be counted.
     End {
@@ -126,7 +126,7 @@ pub enum ConfigError {
         /// What is wrong.
         cause: Box<ConfigError>,
     },
-    /// A setting of a noise or a builder that makes no sense, with what to do.
+    /// A setting of a noise or a builder is invalid; the message says what to do.
     Setting(String),
 }
 
@@ -245,7 +245,7 @@ impl std::error::Error for PathError {}
 /// A name that nothing has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
-    /// What was asked for: `observable` or `event`.
+    /// What was asked for: `observable`, `event` or `variable`.
     pub kind: &'static str,
     /// The name.
     pub name: String,

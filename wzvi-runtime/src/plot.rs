@@ -4,10 +4,12 @@
 //! let path = kubo.simulate::<Midpoint>(0.02)./* ... */run()?;
 //! path.plot().phase_portrait().write("portrait.svg")?;
 //! path.plot().energy_drift(&kubo).write("drift.png")?;
+//! path.plot().orbit("q", "p")?.write("orbit.svg")?;
+//! statistics.plot().histogram("q")?.write("density.svg")?;
 //! ```
 //!
-//! [`Trajectory::plot`](crate::path::trajectory::Trajectory::plot) makes the figures that a path is looked at with; a [`Figure`] of your own takes any points, and a [`Sheet`] puts
-//! several into one file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
+//! [`Trajectory::plot`](crate::path::trajectory::Trajectory::plot) and `Statistics::plot` make figures of paths and of ensembles. A [`Figure`] of your own takes any points,
+//! and a [`Sheet`] puts several into one file. Colours are those of Okabe and Ito, which every kind of colour vision tells apart.
 
 mod axes;
 mod drawing;
@@ -15,6 +17,8 @@ mod figure;
 mod layout;
 mod path;
 mod sheet;
+#[cfg(feature = "ensemble")]
+mod statistics;
 mod ticks;
 
 pub use crate::error::PlotError;
@@ -25,6 +29,8 @@ pub use figure::{Axis, Colour, Figure, Look, Series};
 pub(crate) use layout::Layout;
 pub use path::PathPlot;
 pub use sheet::Sheet;
+#[cfg(feature = "ensemble")]
+pub use statistics::StatisticsPlot;
 
 /// A number with three significant digits, for people.
 pub fn number(value: f64) -> String {

@@ -120,24 +120,27 @@ fn a_browser_shows_it() {
     assert_eq!(found, Some(answers), "{log}");
     assert!(!log.contains("CONSOLE"), "{log}");
 
-    for (width, plots) in [(390, "narrow"), (1280, "wide")] {
+    for (width, columns) in [(390, 1), (768, 1), (1280, 2)] {
         for (scheme, ground) in [("light", [255, 255, 255]), ("dark", [22, 24, 27])] {
-            shows_all_of_it(&browser, &folder, (width, plots), (scheme, ground));
+            shows_all_of_it(&browser, &folder, (width, columns), (scheme, ground));
         }
     }
 }
 
-/// Asks whether all of the page is beside each other without scrolling, and which drawing is seen.
+/// Asks whether all of the page is seen without scrolling sideways, all columns of its tables too where there is room, and how many figures are side
+/// by side.
 const FITS: &str = "<script>
-const seen = (kind) => [...document.querySelectorAll('.' + kind)].every((plot) => plot.clientWidth > 0);
-const root = document.documentElement;
-document.body.setAttribute('data-fits', [root.scrollWidth <= innerWidth, seen('narrow') ? 'narrow' : 'wide'].join(' '));
+const root = document.documentElement, [first, second] = [...document.querySelectorAll('figure')].slice(-2);
+const fits = (table) => innerWidth < 1000 || table.closest('details') || table.scrollWidth <= table.clientWidth;
+const tables = [...document.querySelectorAll('.table')].every(fits);
+const columns = first.offsetTop === second.offsetTop ? 2 : 1;
+document.body.setAttribute('data-fits', [root.scrollWidth <= innerWidth, tables, columns].join(' '));
 </script>";
 
 fn shows_all_of_it(
     browser: &Path,
     folder: &Path,
-    (width, plots): (u32, &str),
+    (width, columns): (u32, u32),
     (scheme, ground): (&str, [u8; 3]),
 ) {
     let html = fs::read_to_string(folder.join("index.html")).unwrap();
@@ -149,7 +152,7 @@ fn shows_all_of_it(
     let size = format!("--window-size={width},1600");
     let (dom, log) = open(browser, &asked, &["--dump-dom", &size, &colours]);
     let found = dom.split("data-fits=\"").nth(1).and_then(|rest| rest.split('"').next());
-    assert_eq!(found, Some(format!("true {plots}").as_str()), "{width} px: {log}");
+    assert_eq!(found, Some(format!("true true {columns}").as_str()), "{width} px: {log}");
     let screenshot = format!("--screenshot={}", shot.display());
     let (_, log) = open(browser, &folder.join("index.html"), &[&screenshot, &size, &colours]);
     assert!(!log.contains("CONSOLE"), "{log}");

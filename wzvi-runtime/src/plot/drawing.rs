@@ -16,9 +16,6 @@ use super::layout::{Entry, INDENT, KEY, Layout};
 use super::ticks::{Tick, ticks};
 use crate::error::PlotError;
 
-/// Pixels of a PNG of one figure for one of its SVG.
-#[cfg(feature = "report")]
-const PIXELS: i32 = 2;
 /// A line is drawn through about so many points at most.
 const DRAWN: usize = 2500;
 /// Told apart with every kind of colour vision (Okabe and Ito), in the order of [`Colour`]. A page maps them to lighter ones in the dark.
@@ -171,12 +168,6 @@ impl<'a> Plot<'a> {
         drawn_svg(self.size(), &[((0, 0), self.clone())])
     }
 
-    #[cfg(feature = "report")]
-    pub(crate) fn png(&self) -> Result<Vec<u8>, PlotError> {
-        let larger = Plot { scale: PIXELS, ..self.clone() };
-        drawn_png(larger.size(), &[((0, 0), larger)])
-    }
-
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Outcome<B::ErrorType> {
         if let Some((x, y)) = self.layout.title {
             let at = (self.scale * x, self.scale * y);
@@ -195,13 +186,13 @@ impl<'a> Plot<'a> {
         let line = |from: (i32, i32), to: (i32, i32), colour: RGBColor| {
             area.draw(&PathElement::new(vec![from, to], colour.stroke_width(s as u32)))
         };
-        let [across, along] = self.layout.marks;
-        for Tick { place, label } in ticks(self.x, self.figure.x.logarithmic, across) {
+        let [across, along] = self.layout.marks();
+        for Tick { place, label } in ticks(self.x, &self.figure.x, across) {
             let x = self.horizontal(place);
             line((x, top), (x, bottom), GRID)?;
             self.text(area, &label, (x, bottom + 8 * s), 13, HPos::Center, VPos::Top)?;
         }
-        for Tick { place, label } in ticks(self.y, self.figure.y.logarithmic, along) {
+        for Tick { place, label } in ticks(self.y, &self.figure.y, along) {
             let y = self.vertical(place);
             line((left, y), (right, y), GRID)?;
             self.text(area, &label, (left - 8 * s, y), 13, HPos::Right, VPos::Center)?;
@@ -317,11 +308,7 @@ impl<'a> Plot<'a> {
         let (x, y) = (s * entry.at.0, s * entry.at.1);
         self.stroke(area, series, vec![(x, y), (x + KEY * s, y)])?;
         self.mark(area, entry.series, series, (x + KEY / 2 * s, y))?;
-        for (row, line) in entry.lines.iter().enumerate() {
-            let at = (x + INDENT * s, y + Layout::line() * s * row as i32);
-            self.text(area, line, at, 14, HPos::Left, VPos::Center)?;
-        }
-        Ok(())
+        self.text(area, &series.name, (x + INDENT * s, y), 14, HPos::Left, VPos::Center)
     }
 }
 

@@ -16,17 +16,19 @@ pub struct Axis {
     pub logarithmic: bool,
     /// From where to where it goes; `None` for all points and a margin.
     pub range: Option<(f64, f64)>,
+    /// The names of 0, 1, 2, ..., in the place of numbers; empty for an axis of numbers.
+    pub names: Vec<String>,
 }
 
 impl Axis {
     /// A linear axis.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), logarithmic: false, range: None }
+        Self { label: label.into(), logarithmic: false, range: None, names: vec![] }
     }
 
     /// A logarithmic axis.
     pub fn logarithmic(label: impl Into<String>) -> Self {
-        Self { label: label.into(), logarithmic: true, range: None }
+        Self { logarithmic: true, ..Self::linear(label) }
     }
 
     /// Where a value is along the axis, before scaling; `None` if it is nowhere.
@@ -167,6 +169,13 @@ impl Figure {
     #[must_use]
     pub fn log_y(mut self) -> Self {
         self.y.logarithmic = true;
+        self
+    }
+
+    /// With a name at 0, 1, 2, ... of the vertical axis in the place of numbers.
+    #[must_use]
+    pub fn y_names(mut self, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.y.names = names.into_iter().map(Into::into).collect();
         self
     }
 

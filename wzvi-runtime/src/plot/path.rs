@@ -2,11 +2,12 @@
 
 use super::figure::{Colour, Figure, Look};
 use crate::algebra::state::{State, Vector};
+use crate::error::UnknownName;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
 /// Degrees of freedom that are shown unless asked otherwise: as many as there are colours.
-const SHOWN: usize = 6;
+pub(super) const SHOWN: usize = 6;
 
 /// A path to look at: [`Trajectory::plot`] begins it. Each method makes a [`Figure`], which [`Figure::write`] draws as SVG or PNG, a
 /// [`Sheet`](super::Sheet) puts beside others, and you may add to.
@@ -15,6 +16,14 @@ const SHOWN: usize = 6;
 pub struct PathPlot<'a, V, E> {
     path: &'a Trajectory<V, E>,
     degrees: Vec<usize>,
+}
+
+/// What an axis can be.
+#[derive(Clone, Copy)]
+enum Variable {
+    Coordinate(usize),
+    Momentum(usize),
+    Time,
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
@@ -48,6 +57,38 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
             figure = figure.line(name, colour, points);
         }
         figure
+    }
+
+    /// One variable against another, by their names in the closure: coordinates, momenta or time, of any degree of freedom. Two coordinates, or two
+    /// momenta, have equal axes.
+    ///
+    /// `path.plot().orbit("x", "y")?.write("orbit.svg")?` draws the orbit of a particle in a plane.
+    ///
+    /// # Errors
+    /// [`UnknownName`] for a name that does not exist.
+    pub fn orbit(&self, x: &str, y: &str) -> Result<Figure, UnknownName> {
+        let [across, along] = [self.variable(x)?, self.variable(y)?];
+        let value = |state: &State<V>, variable: Variable| match variable {
+            Variable::Time => state.t,
+            Variable::Coordinate(degree) => pair(state, degree).0,
+            Variable::Momentum(degree) => pair(state, degree).1,
+        };
+        let points = self.path.iter().map(|state| (value(state, across), value(state, along)));
+        let mut figure = Figure::panel("Orbit", x, y).line("", Colour::BLUE, points);
+        figure.has_equal_axes = std::mem::discriminant(&across) == std::mem::discriminant(&along);
+        Ok(figure)
+    }
+
+    /// The variable of this name.
+    fn variable(&self, name: &str) -> Result<Variable, UnknownName> {
+        let names = self.path.variables();
+        let degrees = 0..self.path.last().q.components().len();
+        let coordinates = degrees.clone().map(|i| (names.q.name(i), Variable::Coordinate(i)));
+        let momenta = degrees.map(|i| (names.p.name(i), Variable::Momentum(i)));
+        let all = || coordinates.clone().chain(momenta.clone()).chain([(names.t.to_owned(), Variable::Time)]);
+        let found = all().find(|(known, _)| known == name).map(|(_, variable)| variable);
+        let known = || all().map(|(known, _)| known).collect();
+        found.ok_or_else(|| UnknownName { kind: "variable", name: name.to_owned(), known: known() })
     }
 
     /// Coordinates (lines) and momenta (dashed) against time.

@@ -75,7 +75,7 @@ impl Sheet {
         let (width, height) = (self.size.0 as i32, self.size.1 as i32);
         let place =
             |number: usize| ((number % self.columns) as i32 * width, (number / self.columns) as i32 * height);
-        let plot = |figure| Plot::new(figure, Layout::panel(figure, (width / SCALE, height / SCALE)), SCALE);
+        let plot = |figure| Plot::new(figure, Layout::titled(figure, (width / SCALE, height / SCALE)), SCALE);
         self.figures.iter().enumerate().map(|(number, figure)| (place(number), plot(figure))).collect()
     }
 }

@@ -1,5 +1,6 @@
 //! Where an axis has its marks.
 
+use super::figure::Axis;
 use crate::ground::digits::{number, power_of_ten};
 
 /// One mark of an axis.
@@ -9,9 +10,17 @@ pub(crate) struct Tick {
     pub(crate) label: String,
 }
 
-/// Marks within a range of places, about so many.
-pub(crate) fn ticks((low, high): (f64, f64), logarithmic: bool, wanted: usize) -> Vec<Tick> {
-    let mut ticks = if logarithmic { decades(low, high, wanted) } else { linear(low, high, wanted) };
+/// Marks of an axis within a range of places: those with a name, or about so many numbers.
+pub(crate) fn ticks((low, high): (f64, f64), axis: &Axis, wanted: usize) -> Vec<Tick> {
+    let mut ticks = match axis {
+        Axis { names, .. } if !names.is_empty() => {
+            let named =
+                names.iter().enumerate().map(|(n, name)| Tick { place: n as f64, label: name.clone() });
+            return named.filter(|tick| (low..=high).contains(&tick.place)).collect();
+        }
+        Axis { logarithmic: true, .. } => decades(low, high, wanted),
+        _ => linear(low, high, wanted),
+    };
     // The sign, not the hyphen.
     ticks.iter_mut().for_each(|tick| tick.label = tick.label.replace('-', "−"));
     ticks
@@ -73,7 +82,8 @@ mod tests {
     use super::*;
 
     fn labels(range: (f64, f64), logarithmic: bool, wanted: usize) -> Vec<String> {
-        ticks(range, logarithmic, wanted).into_iter().map(|tick| tick.label).collect()
+        let axis = Axis { logarithmic, ..Axis::linear("") };
+        ticks(range, &axis, wanted).into_iter().map(|tick| tick.label).collect()
     }
 
     #[test]
@@ -83,5 +93,8 @@ mod tests {
         assert_eq!(labels((-2e6, 2.1e6), false, 4), ["−2·10⁶", "0", "2·10⁶"]);
         assert_eq!(labels((-4.2, 1.1), true, 6), ["10⁻⁴", "0.001", "0.01", "0.1", "1", "10"]);
         assert_eq!(labels((-5.1, -4.2), true, 6), ["10⁻⁵", "2·10⁻⁵", "5·10⁻⁵"]);
+        let named = Axis { names: ["a-b", "c", "d"].map(str::to_owned).to_vec(), ..Axis::linear("") };
+        let places = ticks((-0.5, 1.5), &named, 6).into_iter().map(|tick| (tick.place, tick.label));
+        assert_eq!(places.collect::<Vec<_>>(), [(0.0, "a-b".to_owned()), (1.0, "c".to_owned())]);
     }
 }

@@ -8,6 +8,8 @@ use crate::plot::{Figure, Layout, Plot};
 
 /// A table is cut to about so many rows on the page; its file has all.
 const ROWS: usize = 120;
+/// Width and height of a drawing without its legend. Half the width of a large screen and all of a small one show its letters at a legible size.
+const DRAWN: (i32, i32) = (480, 330);
 
 /// A page in the making: [`Document::write`] writes it with the files of its figures.
 #[derive(Clone, Debug, Default)]
@@ -131,10 +133,9 @@ impl Document {
         create_folder(folder)?;
         for part in &self.parts {
             if let Part::Figure(figure) = part {
-                let plot = Plot::new(figure, Layout::wide(figure), 1);
                 let file = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
-                write_file(&file("svg"), plot.svg()?.as_bytes())?;
-                write_file(&file("png"), &plot.png()?)?;
+                figure.write(file("svg"))?;
+                figure.write(file("png"))?;
                 write_file(&file("csv"), &figure.csv())?;
             }
         }
@@ -145,10 +146,7 @@ impl Document {
 /// A figure: plot, sentence, table.
 fn drawn(figure: &Figure) -> Result<String, ReportError> {
     let (id, title) = (escaped(&figure.id), escaped(&figure.title));
-    let plots = [
-        svg(figure, &Plot::new(figure, Layout::wide(figure), 1), "wide")?,
-        svg(figure, &Plot::new(figure, Layout::narrow(figure), 1), "narrow")?,
-    ];
+    let plot = svg(figure, &Plot::new(figure, Layout::untitled(figure, DRAWN), 1))?;
     let (headings, rows) = figure.table();
     let stride = rows.len().div_ceil(ROWS).max(1);
     let caption = match stride {
@@ -160,16 +158,15 @@ fn drawn(figure: &Figure) -> Result<String, ReportError> {
     let rows: Vec<_> = rows.into_iter().step_by(stride).collect();
     Ok(format!(
         "<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h3 id=\"{id}-title\">{title}</h3>\n\
-         {}<figcaption>{}</figcaption>\n\
+         {plot}<figcaption>{}</figcaption>\n\
          <details><summary>Numbers</summary>\n{}<p class=\"files\">Files: {id}.csv, {id}.svg, {id}.png</p></details>\n</figure>\n",
-        plots.concat(),
         escaped(&figure.shows),
         table(&caption, &headings, &rows)
     ))
 }
 
-/// A drawing for screens of one kind, with the numbers of its points for who points at them.
-fn svg(figure: &Figure, plot: &Plot<'_>, screens: &str) -> Result<String, ReportError> {
+/// A drawing with the numbers of its points for who points at them.
+fn svg(figure: &Figure, plot: &Plot<'_>) -> Result<String, ReportError> {
     let alternative = format!(
         "Plot of {} against {}: {}. The numbers are in the table below.",
         figure.y.label,
@@ -200,7 +197,7 @@ fn svg(figure: &Figure, plot: &Plot<'_>, screens: &str) -> Result<String, Report
     }
     let (width, height) = plot.size();
     Ok(format!(
-        "<div class=\"plot {screens}\"><svg viewBox=\"0 0 {width} {height}\" role=\"group\" aria-label=\"{}\">\n\
+        "<div class=\"plot\"><svg viewBox=\"0 0 {width} {height}\" role=\"group\" aria-label=\"{}\">\n\
          <g aria-hidden=\"true\">{inner}</g>\n<g>{points}</g></svg></div>\n",
         escaped(&alternative)
     ))

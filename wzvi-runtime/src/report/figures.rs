@@ -68,16 +68,16 @@ impl Report {
         figure
     }
 
-    /// This measurement at the end of a page: table, conclusions and figures.
+    /// This measurement at the end of a page: figures, conclusions and table.
     #[must_use]
     pub fn append_to(&self, document: Document, id: &str) -> Document {
         let (headings, rows) = self.rows();
-        let document = document
+        let document = self.figures(id).into_iter().fold(document, Document::figure);
+        document
+            .list(self.conclusions())
             .table(format!("{}: what was measured", self.title), headings, rows)
             .list(self.terms())
-            .list(self.conclusions())
-            .text(self.conditions());
-        self.figures(id).into_iter().fold(document, Document::figure)
+            .text(self.conditions())
     }
 
     /// Writes `measurements.csv`, `measurements.json`, plots as SVG and PNG with their numbers as CSV, and `index.html` into a

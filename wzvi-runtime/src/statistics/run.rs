@@ -24,6 +24,11 @@ use crate::ground::numbers::Tape;
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
 
+const NO_HISTOGRAM: StatisticsError = StatisticsError::NotComputed {
+    what: "histogram of this observable",
+    remedy: ".histogram(name, lower, upper, bins)",
+};
+
 /// What a run is to find out.
 #[derive(Debug, Default)]
 pub(crate) struct Wanted {
@@ -79,12 +84,12 @@ impl PathFailure {
     }
 }
 
-/// What an ensemble found out.
+/// The statistics of an ensemble.
 ///
-/// A path that fails counts until the last node that it reached, and is missing after that: [`Statistics::failed`] says of
-/// how many that is true, [`StatisticsNode::lost`] at each time, and printing the statistics shows both beside each mean.
+/// A path that fails counts up to the last node that it reached, and is missing after that. [`Statistics::failed`] is the number of such
+/// paths, [`StatisticsNode::lost`] their number at each time. Printing the statistics shows both beside each mean.
 ///
-/// Questions by name are about the end of the paths; a name that does not exist is an error that lists those that do.
+/// Methods that take a name answer for the end of the paths. A name that does not exist is an error that lists those that do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
     names: Vec<String>,
@@ -104,18 +109,18 @@ pub struct Statistics {
     pub(crate) unsaved: Option<FileError>,
 }
 
-/// What became of a standard error that a run was to reach ([`Ensemble::until_error`](crate::ensemble::Ensemble::until_error)).
+/// Whether a run reached the standard error that [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetStatus {
     /// It was reached.
     Met,
-    /// It was not: the number of paths, or whoever stopped the run, was in the way.
+    /// It was not reached within the number of paths, or before the run was stopped.
     NotMet,
-    /// The error is small enough by its estimate, but one path has more than a tenth of the variance ([`StatisticsNode::largest_share`]): the mean of
-    /// such a heavy tail rests on paths that are too rare to have been seen.
+    /// The estimate of the error is small enough, but one path contributes more than a tenth of the variance
+    /// ([`StatisticsNode::largest_share`]). The mean of such a heavy tail depends on paths that are too rare to have been seen.
     Dominated,
-    /// The observable is the same number on every path, so that nothing is known of its error: either it is a constant, or what changes it is
-    /// rarer than `3 / paths` (with 95 % confidence).
+    /// The observable is the same number on every path, so that its error is unknown. Either it is constant, or what changes it is rarer
+    /// than `3 / paths` (with 95 % confidence).
     Constant,
 }
 
@@ -206,7 +211,7 @@ impl Statistics {
     }
 
     /// The index of an observable.
-    fn known(&self, name: &str) -> Result<usize, StatisticsError> {
+    pub(crate) fn known(&self, name: &str) -> Result<usize, StatisticsError> {
         let known = || self.names.clone();
         let unknown = || UnknownName { kind: "observable", name: name.to_owned(), known: known() };
         self.index(name).ok_or_else(|| StatisticsError::Unknown(unknown()))
@@ -287,11 +292,14 @@ impl Statistics {
     /// # Errors
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for one.
     pub fn histogram(&self, name: &str) -> Result<&Histogram, StatisticsError> {
+        let position = self.histogram_position(name)?;
+        self.nodes.last().and_then(|end| end.histograms().get(position)).ok_or(NO_HISTOGRAM)
+    }
+
+    /// Where the first histogram of an observable is among those of a node.
+    pub(crate) fn histogram_position(&self, name: &str) -> Result<usize, StatisticsError> {
         let observable = self.known(name)?;
-        let position = self.histogrammed.iter().position(|&known| known == observable);
-        let histogram = position.and_then(|position| self.nodes.last()?.histograms().get(position));
-        let remedy = ".histogram(name, lower, upper, bins)";
-        histogram.ok_or(StatisticsError::NotComputed { what: "histogram of this observable", remedy })
+        self.histogrammed.iter().position(|&known| known == observable).ok_or(NO_HISTOGRAM)
     }
 
     /// When paths passed, event by event.
@@ -320,19 +328,20 @@ impl Statistics {
         self.paths.as_ref()
     }
 
-    /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](crate::ensemble::Ensemble::stop_when), before it was done: these
-    /// are the paths with the numbers that it had finished from 0 on, none left out. Without any, all means are NaN.
+    /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](crate::ensemble::Ensemble::stop_when), before it was done. The
+    /// statistics then cover all paths from number 0 up to the last one that was finished. If there are none, all means are NaN.
     pub fn is_partial(&self) -> bool {
         self.is_partial
     }
 
-    /// Why the last [checkpoint](crate::ensemble::Ensemble::checkpoint) of the run could not be written: what has happened since the one before is in these
-    /// statistics only. `None` if it was written, and without a checkpoint.
+    /// Why the last [checkpoint](crate::ensemble::Ensemble::checkpoint) of the run could not be written. Only these statistics then contain
+    /// the paths since the previous one. `None` if it was written, and for a run without checkpoints.
     pub fn unsaved(&self) -> Option<&FileError> {
         self.unsaved.as_ref()
     }
 
-    /// Whether all standard errors are what [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) asked for; `None` if it was not called.
+    /// Whether all standard errors meet the targets of [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error); `None` if it was
+    /// not called.
     pub fn met_targets(&self) -> Option<bool> {
         let met = self.targets.iter().all(|(_, status)| *status == TargetStatus::Met);
         (!self.targets.is_empty()).then_some(met)
