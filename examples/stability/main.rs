@@ -15,11 +15,17 @@ use std::path::PathBuf;
 
 use wzvi::report::{Document, Machine};
 
+/// What a case measures that has no exact solution to compare with: how large its state becomes.
+pub(crate) const SIZE: &str = "size";
+
 /// One line of the table.
 pub(crate) struct Row {
     pub(crate) case: String,
     pub(crate) scheme: &'static str,
-    pub(crate) outcome: String,
+    /// What ended the run, and where.
+    pub(crate) error: Option<String>,
+    /// The parts that its steps were divided into.
+    pub(crate) parts: u64,
     pub(crate) steps: u64,
     /// Newton iterations per step: mean and largest.
     pub(crate) iterations: Option<(f64, u32)>,
@@ -30,6 +36,18 @@ pub(crate) struct Row {
 }
 
 impl Row {
+    /// The outcome in words, with a mark, so that colour is not all that tells.
+    fn outcome(&self) -> String {
+        let word = match (&self.error, self.drift) {
+            (Some(error), _) => return format!("✗ {error}"),
+            (None, (SIZE, _)) => "solved",
+            (None, (_, error)) if error <= 1e-3 => "✓ accurate",
+            (None, (_, error)) if error <= 0.1 => "◐ rough",
+            (None, _) => "✗ wrong",
+        };
+        if self.parts > 1 { format!("{word}, {} parts", self.parts) } else { word.to_owned() }
+    }
+
     fn cells(&self) -> [String; 7] {
         let iterations = match self.iterations {
             Some((mean, largest)) => format!("{mean:.2} ({largest})"),
@@ -38,7 +56,7 @@ impl Row {
         [
             self.case.clone(),
             self.scheme.to_owned(),
-            self.outcome.clone(),
+            self.outcome(),
             self.steps.to_string(),
             iterations,
             format!("{} {:.1e}", self.drift.0, self.drift.1),
@@ -49,29 +67,58 @@ impl Row {
 
 const HEADS: [&str; 7] = ["case", "scheme", "outcome", "steps", "Newton mean (max)", "worst", "ns/step"];
 
+/// The columns of the map.
+const SCHEMES: [&str; 5] = ["DeltaPlus", "Verlet", "Midpoint", "Gauss<4>", "Gauss<8>"];
+
+/// The outcome of each scheme on each case, where it was run.
+fn map(rows: &[Row]) -> Vec<Vec<String>> {
+    let mut lines: Vec<Vec<String>> = vec![];
+    for row in rows {
+        let case = powers(&row.case);
+        let line = match lines.iter().position(|line| line.first() == Some(&case)) {
+            Some(known) => known,
+            None => {
+                lines.push([case].into_iter().chain(SCHEMES.map(|_| String::new())).collect());
+                lines.len() - 1
+            }
+        };
+        if let Some(column) = SCHEMES.iter().position(|scheme| *scheme == row.scheme) {
+            // Where it ended is in the tables.
+            let outcome = row.outcome().replace("error: ", "");
+            lines[line][1 + column] = outcome.split(" at t").next().unwrap_or("").to_owned();
+        }
+    }
+    lines
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut lines = vec![HEADS.map(str::to_owned)];
     let mut page = Document::new("Where the schemes hold and where they stop")
         .text(
-            "Stiff and extreme cases, each run once by the scheme that stands beside it. A case survives if every step has a solution that \
-             continues its state; what does not is a typed error, which leaves the state as it was. docs/guide/stability.md explains each way to \
-             fail, and what to do.",
+            "Stiff and extreme cases, each run once by the scheme beside it. A run that reaches its end is judged by the worst error on the way; \
+             a step without a solution that continues its state is a typed error, which leaves the state as it was. docs/guide/stability.md explains \
+             each way to fail, and what to do.",
         )
         .list([
-            "outcome: ✓ survived; ◐ survived in so many parts of a step, after retries; ✗ the error that ended the run, and where",
+            "✓ accurate: an error of 10⁻³ at most; ◐ rough: of 0.1 at most; ✗ wrong: above; solved: every step has a solution, and there is nothing to compare it with",
+            "✗ with another word: the error that ended the run; parts: how many parts each step was divided into by a retry",
             "steps: those that were taken; Newton mean (max): iterations in a step, where there are any",
-            "worst: the largest of what the case measures, such as the error of the energy, relative to its size at the start",
+            "worst: the largest error on the way: of the energy (dH) relative to its size at the start, of a radius, a place, an angle; or the size of the state",
             "ns/step: nanoseconds of a step in this run, on a machine that may do other things",
         ])
         .text(format!("{}.", Machine::here().line()));
-    for (title, rows) in cases::all()? {
+    let tables = cases::all()?;
+    let heads = ["case"].into_iter().chain(SCHEMES).map(str::to_owned).collect();
+    let cases = tables.iter().flat_map(|(_, rows)| map(rows)).collect();
+    page = page.heading("Scheme by case").table("Outcome of each scheme on each case", heads, cases);
+    page = page.heading("What was measured");
+    for (title, rows) in tables {
         let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
         println!("\n{title}\n");
         let shown: Vec<[String; 7]> =
             cells.iter().map(|line| line.each_ref().map(|cell| powers(cell))).collect();
         table::print(HEADS, &shown);
-        let rows = shown.iter().map(marked).collect();
-        page = page.table(title, HEADS.map(str::to_owned).to_vec(), rows);
+        page = page.table(title, HEADS.map(str::to_owned).to_vec(), shown.iter().map(Into::into).collect());
         lines.extend(cells);
     }
     let folder = PathBuf::from("target/wzvi/stability");
@@ -112,18 +159,4 @@ fn powers(text: &str) -> String {
         }
     }
     shown
-}
-
-/// The cells of a line for the page: with a mark before the outcome, so that colour is not all that tells.
-fn marked(cells: &[String; 7]) -> Vec<String> {
-    let mut cells = cells.to_vec();
-    if let Some(outcome) = cells.get_mut(2) {
-        let mark = match outcome.as_str() {
-            outcome if outcome.starts_with("survived") => '✓',
-            outcome if outcome.starts_with("error") => '✗',
-            _ => '◐',
-        };
-        *outcome = format!("{mark} {outcome}");
-    }
-    cells
 }
