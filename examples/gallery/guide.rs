@@ -10,7 +10,7 @@ use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
 
 use crate::Drawn;
-use crate::systems::{Chain, Driven, Kubo, Oscillator, Pendulum, Simpson, WarmWells};
+use crate::systems::{Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, WarmWells};
 
 pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
     Ok(vec![
@@ -23,6 +23,10 @@ pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
         ("order_noise", order_noise()?),
         ("order_chain", order_chain()?),
         ("order_bath", order_bath()),
+        ("diagram", diagram()?),
+        ("standard_map", standard_map()?),
+        ("paths", paths()?),
+        ("unresolved", unresolved()?),
     ])
 }
 
@@ -42,13 +46,15 @@ fn embeddings() -> Figure {
         ("Gauss<2>", gauss[0]),
         ("Gauss<4>", gauss[1]),
     ];
-    let mut figure = Figure::panel("Quadrature points within a step", "l", "").x_range(-0.05..1.05);
-    for (row, (name, points)) in rows.into_iter().enumerate() {
-        let height = (rows.len() - row) as f64;
+    let names = rows.iter().rev().map(|(name, _)| *name);
+    let mut figure =
+        Figure::panel("Quadrature points within a step", "l", "").x_range(-0.05..1.05).y_names(names);
+    for (height, (_, points)) in rows.iter().rev().enumerate() {
+        let height = height as f64;
         figure = figure.line("", Colour::GREY, [(0.0, height), (1.0, height)]);
-        figure = figure.points(Look::Marks, name, row, points.iter().map(|l| (*l, height)));
+        figure = figure.points(Look::Dots, "", Colour::BLUE, points.iter().map(|l| (*l, height)));
     }
-    figure.y_range(0.0..rows.len() as f64 + 1.0)
+    figure.y_range(-0.7..rows.len() as f64 - 0.3)
 }
 
 /// Verlet keeps another energy nearly.
@@ -111,6 +117,33 @@ fn ito() -> Drawn {
         .line("Stratonovich, by Midpoint", Colour::BLUE, path.iter().map(|state| (state.q[0], state.p[0]))))
 }
 
+/// Wong-Zakai to t = 1 as h goes to 0: with a smooth driver and without.
+fn diagram() -> Drawn {
+    let title = "Kubo oscillator to t = 1: distance from the solution, 100 paths";
+    Ok(Figure::panel(title, "step size h", "root mean square distance")
+        .log_log()
+        .points(
+            Look::Joined,
+            "left point, smooth noise (ε = 1/16)",
+            0,
+            approximated::<Uncorrected<DeltaPlus>>()?,
+        )
+        .points(Look::Joined, "mid-point, smooth noise", 1, approximated::<Midpoint>()?)
+        .points(Look::Joined, "left point, Wiener noise", 2, strong::<Uncorrected<DeltaPlus>>()?)
+        .points(Look::Joined, "mid-point, Wiener noise", 3, strong::<Midpoint>()?))
+}
+
+/// The distance from the solution of the Wong-Zakai equation, driven by the exact increments of its noise.
+fn approximated<E>() -> Result<Vec<(f64, f64)>, wzvi::Error>
+where
+    Kubo: Discretized<E, Vector = SVector<f64, 1>>,
+{
+    distances::<E, _>(
+        |path| WongZakai::averaged(0.0625).seed(7).path(path).exact(),
+        |noise| Ok(noise.value(0, 1.0)? - noise.value(0, 0.0)?),
+    )
+}
+
 /// Positions by Baoab beside the law of Boltzmann.
 fn thermostat() -> Drawn {
     let kt = 0.2;
@@ -127,12 +160,12 @@ fn thermostat() -> Drawn {
     let weight = |q: f64| (-0.25 * (q * q - 1.0).powi(2) / kt).exp();
     let places = (0..=500).map(|k| -2.5 + 0.01 * f64::from(k));
     let total = places.clone().map(|q| 0.01 * weight(q)).sum::<f64>();
-    let histogram = statistics.histogram("q")?;
-    let middle = |bin| 0.5 * (histogram.edge(bin) + histogram.edge(bin + 1));
-    let found = (0..histogram.counts().len()).map(|bin| (middle(bin), histogram.density(bin)));
-    Ok(Figure::panel("Two wells in a heat bath, kT = 0.2: density of the position", "q", "density")
-        .line("law of Boltzmann", Colour::GREY, places.map(|q| (q, weight(q) / total)))
-        .points(Look::Dots, "Baoab, h = 0.3", Colour::BLUE, found))
+    let mut figure = statistics.plot().histogram("q")?;
+    figure.title = "Two wells in a heat bath, kT = 0.2: density of the position".into();
+    for series in &mut figure.series {
+        (series.look, series.name) = (Look::Dots, "Baoab, h = 0.3".into());
+    }
+    Ok(figure.line("law of Boltzmann", Colour::GREY, places.map(|q| (q, weight(q) / total))))
 }
 
 /// Period doublings and chaos of a driven pendulum.
@@ -150,20 +183,15 @@ fn sweep() -> Drawn {
         .keep_paths(1 << 26)
         .quiet()
         .run()?;
-    let paths = sweep.paths().ok_or("paths are kept")?;
-    let nodes = sweep.nodes().len();
-    let points = (0..paths.count()).flat_map(|path| {
-        let velocities = (nodes - 100..nodes).filter_map(move |node| Some(paths.at(path, node)?[0]));
-        velocities.map(move |velocity| (amplitude(path as u64), velocity))
-    });
-    let figure =
-        Figure::panel("Driven pendulum: velocity once per period", "amplitude of the drive", "velocity");
-    Ok(figure.points(Look::FineDots, "", Colour::BLUE, points.collect::<Vec<_>>()))
+    let mut figure = sweep.plot().sweep("velocity", 100, amplitude)?;
+    figure.title = "Driven pendulum: velocity once per period".into();
+    figure.x.label = "amplitude of the drive".into();
+    Ok(figure)
 }
 
-/// Strong error against the step: root mean square over 200 paths.
+/// Strong error against the step.
 fn order_noise() -> Drawn {
-    let title = "Kubo oscillator to t = 1: root mean square error over 200 paths";
+    let title = "Kubo oscillator to t = 1: root mean square error over 100 paths";
     Ok(Figure::panel(title, "step size h", "error of (q, p)")
         .log_log()
         .points(Look::Joined, "Uncorrected<DeltaPlus>", 0, strong::<Uncorrected<DeltaPlus>>()?)
@@ -173,7 +201,19 @@ fn order_noise() -> Drawn {
         .slope("order 1", 1.0, 0.3, [2f64.powi(-9), 0.25]))
 }
 
+/// The distance from the Stratonovich solution on a Wiener path.
 fn strong<E>() -> Result<Vec<(f64, f64)>, wzvi::Error>
+where
+    Kubo: Discretized<E, Vector = SVector<f64, 1>>,
+{
+    distances::<E, _>(|path| Wiener::seed(7).path(path), |noise| noise.value(0, 1.0))
+}
+
+/// Root mean square distances at t = 1 from the rotation by `a + σ w`, over 100 paths, for each step size.
+fn distances<E, N: wzvi::increments::Noise>(
+    noise: impl Fn(u64) -> N,
+    w: impl Fn(&mut N) -> Result<f64, wzvi::error::NoiseError>,
+) -> Result<Vec<(f64, f64)>, wzvi::Error>
 where
     Kubo: Discretized<E, Vector = SVector<f64, 1>>,
 {
@@ -182,16 +222,72 @@ where
     for k in 2..=9 {
         let h = 2f64.powi(-k);
         let mut sum = 0.0;
-        for path in 0..200 {
-            let run = kubo.simulate::<E>(h).start(State::new([0.0], [1.0])).noise(Wiener::seed(7).path(path));
-            let path = run.until(1.0).run()?;
-            let angle = kubo.a + kubo.sigma * path.wiener(0).last().copied().unwrap_or(f64::NAN);
+        for path in 0..100 {
+            let mut noise = noise(path);
+            let angle = kubo.a + kubo.sigma * w(&mut noise)?;
+            let run = kubo.simulate::<E>(h).start(State::new([0.0], [1.0])).noise(noise).until(1.0);
+            let path = run.record_every(0).run()?;
             let (q, p) = (path.last().q[0] - angle.sin(), path.last().p[0] - angle.cos());
             sum += q * q + p * p;
         }
-        points.push((h, (sum / 200.0).sqrt()));
+        points.push((h, (sum / 100.0).sqrt()));
     }
     Ok(points)
+}
+
+/// Kicks between steps of free flight: the standard map at K = 0.97.
+fn standard_map() -> Drawn {
+    let mut figure = Figure::panel("Standard map, K = 0.97: a kick after each step", "q", "p").equal_axes();
+    for orbit in 0..60 {
+        let mut stepper = Rotor.stepper::<Verlet>(1.0)?;
+        let part = f64::from(orbit) / 60.0;
+        let mut state: SystemState<Rotor> = State::new([TAU * (7.0 * part).fract()], [TAU * part]);
+        let mut points = Vec::new();
+        for _ in 0..800 {
+            state.p[0] += 0.97 * state.q[0].sin();
+            stepper.step(&mut state, &[])?;
+            points.push((state.q[0].rem_euclid(TAU), state.p[0].rem_euclid(TAU)));
+        }
+        figure = figure.points(Look::FineDots, "", orbit as usize % 6, points);
+    }
+    Ok(figure.x_range(0.0..TAU).y_range(0.0..TAU))
+}
+
+/// What more paths buy: the standard error of a mean.
+fn paths() -> Drawn {
+    let kubo = Kubo { a: 1.5, sigma: 1.0 };
+    let (mut found, mut off) = (Vec::new(), Vec::new());
+    let exact = (-0.5f64).exp() * 1.5f64.sin();
+    for k in 4..=16 {
+        let run = kubo.ensemble::<Midpoint>(0.02).start(State::new([0.0], [1.0])).paths(1 << k).seed(7);
+        let run = run.until(1.0).observe("q", |state| state.q[0]).quiet().run()?;
+        let paths = f64::from(1u32 << k);
+        found.push((paths, run.standard_error("q")?));
+        off.push((paths, (run.mean("q")? - exact).abs()));
+    }
+    Ok(Figure::panel("Kubo oscillator: error of the mean of q at t = 1", "number of paths", "error")
+        .log_log()
+        .points(Look::Joined, "standard error", Colour::BLUE, found)
+        .points(Look::Marks, "distance from the exact mean", Colour::VERMILION, off)
+        .slope("1/√paths", -0.5, 0.7, [10.0, 1e5]))
+}
+
+/// What a failed run looks like: the energy of steps that are too long, up to the alarm.
+fn unresolved() -> Drawn {
+    let start = State::new([1.9, 0.0], [0.0, (0.1f64 / 1.9).sqrt()]);
+    let mut figure =
+        Figure::panel("Kepler, e = 0.9, by Midpoint: relative change of the energy", "t", "change of H")
+            .log_y()
+            .y_range(1e-8..100.0);
+    for (colour, h) in [0.001, 0.01, 0.1].into_iter().enumerate() {
+        let (path, error) = Kepler.simulate::<Midpoint>(h).start(start).until(30.0).run_partial()?;
+        let first = Kepler.energy(&start);
+        let change = path.iter().skip(1).map(|state| (state.t, (Kepler.energy(state) / first - 1.0).abs()));
+        let change = change.collect::<Vec<_>>();
+        let ends = if error.is_some() { "refused" } else { "accepted" };
+        figure = figure.line(format!("h = {h}, {ends}"), colour, change);
+    }
+    Ok(figure)
 }
 
 /// Error against time of explicit schemes on a chain.

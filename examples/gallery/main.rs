@@ -152,15 +152,8 @@ fn wells() -> Drawn {
         .histogram("q", -2.5, 2.5, 100)
         .quiet()
         .run()?;
-    let mut figure = Figure::panel("Two wells, 100 000 paths: density of the place", "q", "density");
-    for (colour, node) in statistics.nodes().iter().skip(1).enumerate() {
-        for histogram in node.histograms() {
-            let bins = 0..histogram.counts().len();
-            let middle = |bin| 0.5 * (histogram.edge(bin) + histogram.edge(bin + 1));
-            let density = bins.map(|bin| (middle(bin), histogram.density(bin)));
-            figure = figure.line(format!("t = {}", node.time()), colour, density);
-        }
-    }
+    let mut figure = statistics.plot().histogram("q")?;
+    figure.title = "Two wells, 100 000 paths: density of the position".into();
     Ok(figure)
 }
 

@@ -16,6 +16,10 @@ pub(crate) struct Kubo {
 #[hamiltonian(drift = |angle, momentum| 0.5 * momentum * momentum - angle.cos(), embedding = [Midpoint, Verlet])]
 pub(crate) struct Pendulum;
 
+/// Free rotation.
+#[hamiltonian(drift = |q, p| 0.5 * p * p, embedding = Verlet)]
+pub(crate) struct Rotor;
+
 /// A star in a galaxy (M. Hénon, C. Heiles, 1964).
 #[hamiltonian(
     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py + x * x + y * y) + x * x * y - y * y * y / 3.0,
