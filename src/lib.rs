@@ -145,7 +145,28 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
+/// The attribute that derives everything: facts, discrete Lagrangian, equations and steps of a system.
+///
+/// | key | value |
+/// |---|---|
+/// | `drift` | the Hamiltonian `H_0`, a closure; or its two parts `[H_A, H_B]`, for [splittings](embedding::Composed) that solve each exactly |
+/// | `noise` | a list of Hamiltonians `H_k`, each driven by a Wiener process in the sense of Stratonovich; `[\|q, p, k\| ...; N]` is a family of `N` |
+/// | `force` | a force beside the Hamiltonian: a closure that returns one entry for each degree of freedom |
+/// | `noise_force` | a list of such forces, each driven by a Wiener process |
+/// | `friction` | rates in 1/time: an expression of fields, a list by degree of freedom, or a closure of the coordinates |
+/// | `damping` | in its place, a matrix in mass/time that acts on the velocities |
+/// | `temperature` | `kT` of the [heat bath](bath), in units of energy: an expression of fields |
+/// | `embedding` | a [scheme](embedding), or a list of schemes; only these are generated |
+/// | `invariant` | a list of first integrals, which the compiler must prove; `[name = \|q, p\| ...]` names them |
+/// | `crate` | the path of this crate, if you renamed it |
+///
+/// Only `drift` and `embedding` are required. The struct implements [`Hamiltonian`](system::Hamiltonian), and [`Discretized<E>`](system::Discretized) for each
+/// scheme `E`, with its [`PLAN`](plan::Plan) and its `EQUATIONS`. The trait [`Integrate`](integrate::Integrate) of the prelude begins its runs.
+///
+/// # Example and phase spaces
+///
+pub use wzvi_macros::hamiltonian;
+pub use wzvi_macros::hamiltonian_fn;
 pub use wzvi_runtime::algebra::{lanes, memory, scalar, state};
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::ensemble;

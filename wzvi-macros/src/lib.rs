@@ -34,15 +34,28 @@ mod symbolic;
 /// struct Kubo { a: f64, sigma: f64 }
 /// ```
 ///
-/// The parameters of a closure are the coordinates, the momenta and, if it is named, time: `|q, p|` is one degree of
-/// freedom, `|[x, y], [px, py]|` names several, `|q: [f64; 3], p: [f64; 3]|` indexes them. The size may be a constant or a
-/// const generic, `|q: &[f64], p: &[f64]|` has that of the state, and `[[f64; 3]; N]` are points: sums then stay loops, and
-/// `noise = [|q, p, k| sigma * q[k]; N]` is one noise for each `k`. The fields of the struct
-/// are in scope by name. Bodies are Rust expressions and are type-checked as such.
+/// The other keys are `force`, `noise_force`, `friction`, `damping` and `temperature`.
+///
+/// The patterns of a closure declare the phase space. They are the coordinates, the momenta and, if it is named, time:
+///
+/// | pattern | phase space |
+/// |---|---|
+/// | `\|q, p\|` | one degree of freedom |
+/// | `\|[x, y], [px, py]\|` | named degrees of freedom |
+/// | `\|q: [f64; 3], p: [f64; 3]\|` | indexed; the length may be a constant or a const generic of the struct |
+/// | `\|q: [[f64; 3]; N], p: [[f64; 3]; N]\|` | points |
+/// | `\|q: &[f64], p: &[f64]\|` | the size is that of the state |
+/// | `\|q, p, t\|` | any of these with explicit time |
+///
+/// In `noise = [|q, p, k| sigma * q[k]; N]` the last parameter is the index of the noise. The fields of the struct are in
+/// scope by name. Bodies are Rust expressions and are type-checked as such; sums over sites stay loops.
 ///
 /// A type of the program is an embedding by its quadrature points `l` in `q_l = (1 - l) q_i + l q_{i+1}` and their weights,
 /// which add up to 1: `embedding = [Midpoint, Trapezoidal = [(0, 1/2), (1, 1/2)]]` with `struct Trapezoidal;`. Numbers are
 /// exact: integers, fractions and decimals.
+///
+/// Mistakes are compile errors at the tokens that they are about. One is a scheme whose limit is not the Stratonovich
+/// system, another an `invariant` that is not conserved.
 #[proc_macro_attribute]
 pub fn hamiltonian(
     attribute: proc_macro::TokenStream,
@@ -69,11 +82,16 @@ pub fn hamiltonian(
 /// }
 /// ```
 ///
-/// The function stays what it was. In a Hamiltonian its body stands at the place of the call, as that of a local closure
-/// would: facts and derivatives are those of the inlined expression. It may come from another module or crate, by a path or
-/// an import (of the function, by its own name), and call other such functions, not itself. Its parameters are numbers,
-/// arrays and slices. Constants are named from a root (`crate::units::KB`, `std::f64::consts::PI`) or declared inside.
-/// Methods stand in one `impl` in the module of the struct. `#[hamiltonian_fn(crate = path)]` names the facade crate.
+/// The function itself does not change. A Hamiltonian inlines its body at the call, like that of a local closure: facts and
+/// derivatives are those of the inlined expression.
+///
+/// * It may come from another module or crate, by a path or by an import under its own name.
+/// * It may call other such functions, but not itself.
+/// * Its parameters are numbers, arrays and slices.
+/// * Constants are named from a root (`crate::units::KB`, `std::f64::consts::PI`) or declared inside.
+/// * Methods belong to one `impl` in the module of the struct.
+///
+/// `#[hamiltonian_fn(crate = path)]` names the facade crate.
 #[proc_macro_attribute]
 pub fn hamiltonian_fn(
     attribute: proc_macro::TokenStream,

@@ -1,18 +1,19 @@
 //! Many paths at once: their statistics at the price of their noise.
 //!
-//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in blocks of fixed size that threads take one after the
-//! other; blocks are merged in the order of their numbers. So the result is the same, bit for bit, for any number of
-//! threads, any width of the lanes and any [`InstructionSet`]. Increments are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for
-//! each (seed, step size, process, path, step), truncated where that is asked for, unless another noise is given
-//! ([`Ensemble::noise`]). They are no Wiener tree: another step size is another sample, except beside each other on the levels of
-//! [`Multilevel`].
+//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in blocks of fixed size. Threads take the blocks, and their
+//! statistics are merged in the order of their numbers. The result is the same, bit for bit, for any number of threads, any width of the
+//! lanes and any [`InstructionSet`].
 //!
-//! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments: to the last bit if `H` has
-//! arithmetic and roots only; elementary functions of lanes ([`crate::algebra::lanes`]) are not those of `std`. A step that the
-//! short way does not solve is the one that the stepper then takes, with the functions of `std`.
+//! The increments of a seed are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for each (seed, step size, process, path, step),
+//! truncated where the plan or the caller asks for it. They do not form a Wiener tree: another step size is another sample, except between
+//! the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
 //!
-//! A path whose step fails is halved there if that is allowed ([`Ensemble::retry`]), and ends there if not, with its number and error in
-//! [`Statistics::failures`]; its neighbours do not notice. [`Ensemble::replay`] runs a single one of them again.
+//! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments. The bits are equal if `H` has only
+//! arithmetic and roots, since lanes have elementary functions of their own ([`crate::algebra::lanes`]). Hard steps are taken by the
+//! stepper, with the functions of `std`.
+//!
+//! A step that fails is halved if [`Ensemble::retry`] allows it. Otherwise its path ends there, with its number and error in
+//! [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a single path again.
 
 mod account;
 mod block;
@@ -80,9 +81,9 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
 ///
-/// A start, an end and a number of paths are needed, and a seed or a noise if the system has any. A later setting replaces an
-/// earlier one. `N` is the type of the noise, `R` whether steps may be halved, and `P` whether each path has a system of its own: what makes no
-/// sense together does not compile.
+/// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A later setting replaces an
+/// earlier one. `N` is the type of the noise, `R` says whether steps may be halved, and `P` whether each path has a system of its own.
+/// Settings that contradict each other do not compile.
 #[must_use = "nothing happens before `run`"]
 pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSystem> {
     setup: Setup<'a, H>,
@@ -170,17 +171,16 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
 }
 
 impl<'a, H: Hamiltonian, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
-    /// Whether the increments of a seed are truncated; if this is not called, with `k = 4` where
-    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments). Another noise truncates by itself, as in
-    /// `Wiener::seed(7).truncated(4)`.
+    /// Sets whether the increments of a seed are truncated. The default is `k = 4` where
+    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds, and no truncation elsewhere. Other noises have
+    /// a truncation of their own, as in `Wiener::seed(7).truncated(4)`.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
         self.setup.settings.truncation = truncation;
         self
     }
 
-    /// Paths in pairs with negated normals: `2k` and `2k + 1`. An observable that is odd in the noise has the exact mean
-    /// then, for one that is even nothing is won. Standard errors are those of independent pairs
-    /// ([`StatisticsNode::standard_error`]).
+    /// Runs paths `2k` and `2k + 1` as pairs with negated normals. An observable that is odd in the noise then has the exact mean; one that
+    /// is even gains nothing. Standard errors are those of independent pairs ([`StatisticsNode::standard_error`]).
     pub fn antithetic(mut self) -> Self {
         self.setup.settings.is_antithetic = true;
         self
@@ -203,8 +203,8 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self.observe(name, elsewhere)
     }
 
-    /// The first state of each path, at one time for all: that of [`Draw::path`], or drawn at random by the seed of the ensemble (0 if it has
-    /// none). It is called once for each path, from several threads, and has to depend on nothing but its argument.
+    /// Sets the first state of each path, at one time for all. It may depend on [`Draw::path`], or be drawn at random by the seed of the
+    /// ensemble (0 if it has none). The function is called once for each path, from several threads, and must depend on its argument alone.
     ///
     /// ```ignore
     /// // A Gaussian cloud of path after path, whatever the scheme and the step size.
@@ -216,16 +216,17 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self
     }
 
-    /// The first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
-    /// [`Ensemble::paths`] says fewer; systems that are listed, too, have to be as many.
+    /// Sets the first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
+    /// [`Ensemble::paths`] says fewer. A list of systems must have the same length.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
         let states = ByPath::Listed(states.into_iter().collect());
         (self.setup.span.start, self.setup.starts) = (None, Some(states));
         self
     }
 
-    /// The system of each path, in the place of the one that began the ensemble: of the parameters that belong to [`Draw::path`], or drawn at
-    /// random by the seed of the ensemble, independently of the starts. They have the same number of degrees of freedom and of noises.
+    /// Sets the system of each path, in place of the one that began the ensemble. Its parameters may depend on [`Draw::path`], or be drawn
+    /// at random by the seed of the ensemble, independently of the starts. All systems have the same number of degrees of freedom and of
+    /// noises.
     ///
     /// ```ignore
     /// // 21 × 21 parameters.
@@ -233,7 +234,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
     /// ```
     ///
-    /// What is observed by default is then the energy of the path's own system.
+    /// The default observable is then the energy of the path's own system.
     pub fn systems(
         mut self,
         system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
@@ -242,8 +243,8 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self.marked()
     }
 
-    /// The system of each path, in the order of their numbers, as with [`Ensemble::systems`]. There are as many paths as systems, unless
-    /// [`Ensemble::paths`] says fewer; starts that are listed, too, have to be as many.
+    /// Sets the system of each path, in the order of their numbers, as [`Ensemble::systems`] does. There are as many paths as systems,
+    /// unless [`Ensemble::paths`] says fewer. A list of starts must have the same length.
     pub fn systems_from(
         mut self,
         systems: impl IntoIterator<Item = H>,
@@ -252,22 +253,22 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self.marked()
     }
 
-    /// How many paths; with [`Ensemble::until_error`], how many at most.
+    /// Sets the number of paths; with [`Ensemble::until_error`], the largest number.
     pub fn paths(mut self, paths: u64) -> Self {
         self.setup.paths = Some(paths);
         self
     }
 
-    /// The noise `StepNormals::seed(seed)`, the fast one.
+    /// Drives the paths by `StepNormals::seed(seed)`, the fast noise.
     pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R, P> {
         self.setup.source = Some(Source::new(StepNormals::seed(seed)));
         self.marked()
     }
 
-    /// Where the increments come from: path `n` of the ensemble has path `n` of the noise, and [`Increments`](crate::increments::Increments)
-    /// are those of every path. A system without noise takes any and asks it for nothing.
+    /// Drives path `n` of the ensemble by path `n` of this noise; given [`Increments`](crate::increments::Increments) drive every path. A
+    /// system without noise accepts any noise and does not use it.
     ///
-    /// [`StepNormals`] are drawn in lanes; any other noise is asked for each path's increments one by one, and costs what it costs in a
+    /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other, and costs as much as in a
     /// single run.
     pub fn noise<M: PathsOfNoise + Clone + Send + Sync + 'a>(
         mut self,
@@ -278,32 +279,34 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self.marked()
     }
 
-    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for, and not with
-    /// a noise that has no increments between the nodes.
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not to. The noise must have
+    /// increments between the nodes.
     ///
-    /// Where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)) its path ends, and so does one
-    /// whose energy has changed for good: it does not start again in shorter steps, as a single run does, because it has been counted.
+    /// A path ends where the halves of a step do not agree ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), and where
+    /// its energy has changed permanently. A single run starts again in shorter steps; a path of an ensemble does not, because its nodes
+    /// have been counted.
     pub fn retry(mut self, retry: Retry) -> Ensemble<'a, H, E, N, Halved, P> {
         self.setup.retry = retry;
         self.marked()
     }
 
-    /// How many paths may fail, as a fraction of all; 0.01 if this is not called. More are an error ([`LossError`]), which has the
-    /// statistics of the others. Where all fail, there are none, and the run returns the error of the first, whatever is allowed.
+    /// Sets the fraction of paths that may fail, 0.01 by default. If more fail, the run returns a [`LossError`] with the statistics of the
+    /// others. If all fail, it returns the error of the first path.
     pub fn allow_losses(mut self, fraction: f64) -> Self {
         self.setup.control.losses = Some(fraction);
         self
     }
 
-    /// Calls `see(path, state)` for every path at each recorded node that it reaches, start and end included: a path in order, different ones from
-    /// several threads at once. A run that is stopped or ends early may have shown paths that its statistics do not have.
+    /// Calls `see(path, state)` for every path at each recorded node that it reaches, start and end included. The nodes of a path come in
+    /// order; different paths come from several threads at once. A run that is stopped early may have shown paths that its statistics do not
+    /// contain.
     pub fn inspect(mut self, see: impl Fn(u64, &State<H::Vector>) + Send + Sync + 'a) -> Self {
         self.setup.inspector = Some(Box::new(see));
         self
     }
 
-    /// When does `event`, a function of the state, cross zero for the first time? It is asked at every node; what that
-    /// means for the times is in [`Passages`]. All crossings are found by [`Ensemble::section`]. More than one may be asked.
+    /// Records when `event`, a function of the state, first crosses zero. It is evaluated at every node, which limits the accuracy of the
+    /// times ([`Passages`]). [`Ensemble::section`] finds all crossings. May be called more than once.
     pub fn first_passage(
         mut self,
         name: impl Into<String>,
@@ -313,57 +316,59 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self
     }
 
-    /// Whether covariances of all pairs of observables are computed, as they are if this is not called: half the square of the
-    /// number of observables in time and memory, at each recorded time. Variances always are.
+    /// Sets whether covariances of all pairs of observables are computed, which is the default. Their cost in time and memory is half the
+    /// square of the number of observables, at each recorded time. Variances are always computed.
     pub fn covariances(mut self, are_computed: bool) -> Self {
         self.setup.wanted.covariances = Some(are_computed);
         self
     }
 
-    /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy: what
-    /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) are of a single
-    /// one. For systems with a bath, forces or friction; each path is then stepped by itself, which takes the time of single paths. Not together with
-    /// `retry`, `exactly`, or times between nodes.
+    /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy, as
+    /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and
+    /// [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) do for a single path. It is for systems with a bath, forces or
+    /// friction. Each path is then stepped by itself, which takes the time of single paths. It excludes `retry`, `exactly`, and times
+    /// between nodes.
     pub fn observe_work(mut self) -> Self {
         self.setup.wanted.has_work = true;
         self
     }
 
-    /// Quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].
+    /// Computes quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].
     pub fn quantiles(mut self) -> Self {
         self.setup.wanted.quantiles = true;
         self
     }
 
-    /// A histogram of the observable with this name at every recorded time, in so many bins from `lower` to `upper`.
+    /// Computes a histogram of the observable with this name at every recorded time, with `bins` bins from `lower` to `upper`.
     pub fn histogram(mut self, observable: impl Into<String>, lower: f64, upper: f64, bins: usize) -> Self {
         self.setup.wanted.histograms.push((observable.into(), [lower, upper], bins));
         self
     }
 
-    /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and when it passed each event
-    /// ([`Passages::by_path`]), if that takes `bytes` of memory at most.
+    /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and the time of each event
+    /// ([`Passages::by_path`]), if that takes at most `bytes` of memory.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
         self.setup.wanted.most_bytes = Some(bytes);
         self
     }
 
-    /// Keeps the first `most` crossings of each path and section with their states; if this is not called, they are counted only
-    /// ([`Crossings`]).
+    /// Keeps the first `most` crossings of each path and section with their states. By default they are only counted ([`Crossings`]).
     pub fn keep_crossings(mut self, most: u64) -> Self {
         self.setup.wanted.most_crossings = most;
         self
     }
 
-    /// Ends the run when the standard error of the mean of an observable at the end of the paths is `target` (units of the
-    /// observable) or less; [`Ensemble::paths`] are then a limit, and [`Statistics::met_targets`] says whether they were
-    /// enough. Asked more than once, all errors must be that small.
+    /// Ends the run when the standard error of the mean of an observable at the end of the paths is at most `target` (units of the
+    /// observable). [`Ensemble::paths`] is then a limit, and [`Statistics::met_targets`] says whether it was enough. If this is called more
+    /// than once, all targets must be met.
     ///
-    /// That is looked at after each 512 paths, in the order of their numbers, from 1024 on: the result is the same for any
-    /// number of threads. An error that is itself estimated is now and then too small by chance, and that would end the run: compared
-    /// is an upper estimate ([`StatisticsNode::error_bound`]), and an observable that has been the same number on all paths is not done before
-    /// the limit ([`TargetStatus::Constant`]). The mean is then within 1.96 targets of the true one in 95 % of the runs or more, also for
-    /// events of probability 0.001 and for the heavy tail of `exp(2 W)`, which `docs/guide/ensembles.md` shows.
+    /// The test is made after each 512 paths, in the order of their numbers, from 1024 on, so that the result is the same for any number of
+    /// threads. An estimated error is sometimes too small by chance, which would end the run too early. The test therefore uses an upper
+    /// estimate ([`StatisticsNode::error_bound`]). An observable that was the same number on all paths continues to the limit
+    /// ([`TargetStatus::Constant`]).
+    ///
+    /// The mean is then within 1.96 targets of the true one in at least 95 % of the runs. `docs/guide/ensembles.md` shows this for events of
+    /// probability 0.001 and for the heavy tail of `exp(2 W)`.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
         self.setup.control.targets.push((observable.into(), target));
         self
@@ -384,10 +389,11 @@ where
     /// Runs all paths.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Noise`] if a noise that was given has no increments,
-    /// [`Error::Step`] if all paths fail: the first failure, [`Error::Losses`] if more fail than are allowed. Fewer failures are in the
-    /// [`Statistics`]. `Error::Checkpoint` if there is a checkpoint that cannot be
-    /// written or gone on from.
+    /// * [`Error::Config`] if a setting is missing or invalid.
+    /// * [`Error::Noise`] if the given noise has no increments.
+    /// * [`Error::Step`] if all paths fail: the first failure.
+    /// * [`Error::Losses`] if more paths fail than are allowed; fewer failures are in the [`Statistics`].
+    /// * `Error::Checkpoint` if a checkpoint cannot be written, or the run cannot resume from it.
     pub fn run(self) -> Result<Statistics, Error>
     where
         N: Serves<R>,
@@ -395,8 +401,7 @@ where
         self.run_in::<0>()
     }
 
-    /// [`Ensemble::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the
-    /// same.
+    /// [`Ensemble::run`] with `WIDTH` paths in lanes; 0 means as many as suit the instructions. The result is the same.
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error>
     where

@@ -24,11 +24,11 @@ pub trait Integrate: Hamiltonian {
         Stepper::new(self, h)
     }
 
-    /// The modified energy of a state for steps of size `h`, in units of energy: the energy that steps of the scheme keep nearly
-    /// exactly, to its first terms in `h` ([`ModifiedHamiltonian`], which serves many states). NaN where the energy is.
+    /// The modified energy of a state for steps of size `h`, in units of energy. Steps of the scheme conserve it nearly exactly; these are
+    /// its first terms in `h`. [`ModifiedHamiltonian`] evaluates it for many states. It is NaN where the energy is.
     ///
-    /// A run whose modified energy drifts much less than its energy is one to which the theory of symplectic methods applies; where both
-    /// drift alike the step is too long for it.
+    /// If the modified energy drifts much less than the energy, the theory of symplectic methods applies to the run. If both drift alike,
+    /// the step is too long.
     fn shadow_energy<Scheme>(&self, state: &State<Self::Vector>, h: f64) -> f64
     where
         Self: Discretized<Scheme> + Conservative + Sized,
@@ -37,8 +37,7 @@ pub trait Integrate: Hamiltonian {
         ModifiedHamiltonian::<Scheme>::new(h).energy(self, state)
     }
 
-    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards). Whatever is wrong with
-    /// the settings, [`Simulation::run`] says it.
+    /// One path in steps of size `h` (time units of the Hamiltonian; negative runs backwards). [`Simulation::run`] reports invalid settings.
     fn simulate<Scheme>(&self, h: f64) -> Simulation<'_, Self, Scheme>
     where
         Self: Discretized<Scheme> + Sized,
@@ -46,8 +45,8 @@ pub trait Integrate: Hamiltonian {
         Simulation::new(self, h)
     }
 
-    /// Many paths in steps of size `h` (time units of the Hamiltonian; negative runs backwards), for their statistics.
-    /// Whatever is wrong with the settings, [`Ensemble::run`] says it.
+    /// Many paths in steps of size `h` (time units of the Hamiltonian; negative runs backwards), for their statistics. [`Ensemble::run`]
+    /// reports invalid settings.
     #[cfg(feature = "ensemble")]
     fn ensemble<Scheme>(&self, h: f64) -> Ensemble<'_, Self, Scheme>
     where
@@ -56,8 +55,8 @@ pub trait Integrate: Hamiltonian {
         Ensemble::new(self, h)
     }
 
-    /// The mean of one observable at the end, from coupled paths in steps of `h, h/2, h/4, ...` (time units of the Hamiltonian):
-    /// cheaper than an ensemble where the error is to be small. Whatever is wrong with the settings, [`Multilevel::run`] says it.
+    /// The mean of one observable at the end, from coupled paths in steps of `h, h/2, h/4, ...` (time units of the Hamiltonian). It is
+    /// cheaper than an ensemble where the error must be small. [`Multilevel::run`] reports invalid settings.
     #[cfg(feature = "ensemble")]
     fn multilevel<Scheme>(&self, h: f64) -> Multilevel<'_, Self, Scheme>
     where
@@ -66,8 +65,7 @@ pub trait Integrate: Hamiltonian {
         Multilevel::new(self, h)
     }
 
-    /// How much error several schemes and step sizes make for how much time. Whatever is wrong with the settings,
-    /// [`WorkPrecision::run`] says it.
+    /// Error against run time for several schemes and step sizes. [`WorkPrecision::run`] reports invalid settings.
     #[cfg(feature = "report")]
     fn work_precision(&self) -> WorkPrecision<'_, Self>
     where

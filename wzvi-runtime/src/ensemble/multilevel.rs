@@ -79,8 +79,8 @@ pub enum Observed {}
 /// A multilevel run: the mean of one observable at the end, to a root mean square error, from coupled paths in steps of
 /// `h, h/2, h/4, ...`. [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) begins it, [`Multilevel::run`] runs it.
 ///
-/// A start, an end, a seed, an observable and a target are needed. `O` says whether there is an observable: exactly one is observed.
-/// What an [`Ensemble`](super::Ensemble) has besides, such as quantiles or checkpoints, has no meaning here and is not offered.
+/// A run needs a start, an end, a seed, one observable and a target. `O` says whether there is an observable. Other settings of an
+/// [`Ensemble`](super::Ensemble), such as quantiles or checkpoints, have no meaning here.
 #[must_use = "nothing happens before `run`"]
 pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
     setup: Setup<'a, H>,
@@ -105,7 +105,7 @@ struct Setup<'a, H: Hamiltonian> {
 }
 
 impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
-    /// A run of `system` whose coarsest steps have size `h`: take one with which a path just makes sense.
+    /// A run of `system` whose coarsest steps have size `h`: the largest step with which a path is still meaningful.
     pub fn new(system: &'a H, h: f64) -> Self {
         let setup = Setup {
             system,
@@ -144,8 +144,8 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         self
     }
 
-    /// Whether increments are truncated; if this is not called, with `k = 4` where
-    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments).
+    /// Sets whether increments are truncated. The default is `k = 4` where
+    /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
         self.setup.truncation = truncation;
         self
@@ -163,14 +163,14 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         self
     }
 
-    /// The weak order of the scheme, from which the bias that is left is estimated; 1 if this is not called, which is what
-    /// every consistent scheme has at least.
+    /// Sets the weak order of the scheme, from which the remaining bias is estimated. The default is 1, which every consistent scheme has at
+    /// least.
     pub fn weak_order(mut self, order: f64) -> Self {
         self.setup.weak_order = order;
         self
     }
 
-    /// The finest level that may be used: its steps are `2^-level` times the coarsest; 20 if this is not called.
+    /// Sets the finest level, 20 by default. Its steps are `2^-level` times the coarsest.
     pub fn finest(mut self, level: u32) -> Self {
         self.setup.finest = level;
         self
@@ -184,8 +184,8 @@ where
     /// Runs as many paths on as many levels as it takes. The result is the same, bit for bit, for any number of threads.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or makes no sense, or if a level has no step; [`Error::Level`] if a path fails or
-    /// its observable is not finite: without it, the mean would be that of those that do not.
+    /// [`Error::Config`] if a setting is missing or invalid, or if a level has no step. [`Error::Level`] if a path fails or its observable
+    /// is not finite, since the mean without it would be biased.
     pub fn run(self) -> Result<MultilevelEstimate, Error> {
         self.run_in::<0>()
     }

@@ -21,23 +21,23 @@ pub enum StepFailure {
         /// Largest absolute value in the matrix.
         scale: f64,
     },
-    /// The solution that is connected with the state could not be followed from no step at all to the whole one.
+    /// The solution that continues the state could not be followed from a step of size zero to the whole step.
     NoSolution {
         /// Fraction of the step, of `h` and of the increments, up to which there is one.
         reached: f64,
     },
-    /// The steps are too long for the motion: the energy has changed by more than a tenth of the size of the motion, and has stayed so for 64
-    /// steps; or the halves of a step that was divided do not agree.
+    /// The steps are too long for the motion. Either the energy has been off by more than a tenth of the size of the motion for 64 steps, or
+    /// the halves of a divided step do not agree.
     Unresolved {
-        /// By how much the energy has changed, at least, over these steps; what the halves disagree by. In units of energy.
+        /// The smallest change of the energy over these steps, or the difference between the halves, in units of energy.
         energy_error: f64,
         /// The mean of `|p · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
     },
-    /// Of a [derivative by the start](crate::path::simulate::Simulation::tangent): dual numbers, which solve each step anew and do not follow its solution, end at
-    /// another one than the step.
+    /// Only in a [derivative by the start](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew, and found another
+    /// solution than the step.
     OtherSolution {
-        /// By how much the two differ, relative to the way of the step, largest component.
+        /// The difference between the two relative to the length of the step, largest component.
         apart: f64,
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
@@ -58,12 +58,12 @@ pub enum StepFailure {
     },
     /// An integer of the system is out of range.
     Index(IndexError),
-    /// Friction, temperature or masses make no sense at this state.
+    /// Friction, temperature or masses are invalid at this state.
     Bath(BathError),
     /// The state or an increment that was given is NaN or infinite.
     NonFiniteInput,
-    /// Of a step of paths beside each other: those of these lanes could not take it, and are as they were; the others have taken it. Why, each
-    /// of them says alone.
+    /// Only in a step of several paths in lanes: the paths of these lanes could not take the step and are unchanged, the others have taken
+    /// it. A step of one of them alone reports the cause.
     Lanes(FailedLanes),
 }
 

@@ -1,8 +1,8 @@
 //! Long runs: checkpoints, and going on from them (feature `serde`).
 //!
-//! [`Simulation::checkpoint`] has a run write down, now and then, all that its steps change. A run that is stopped at
-//! any moment, by a signal, a crash or a loss of power, and then started again with the same settings goes on from
-//! its last checkpoint, and its trajectory is bit for bit that of a run that was never stopped:
+//! [`Simulation::checkpoint`] saves the state of a run from time to time. A run may be stopped at any moment, by a signal, a crash or a loss
+//! of power. Started again with the same settings, it resumes from its last checkpoint. Its trajectory is bit for bit that of a run that was
+//! never stopped:
 //!
 //! ```ignore
 //! let path = kepler
@@ -23,57 +23,56 @@
 //! | is of this run, and that has finished | returns the same trajectory at once; with a later end, goes on to it |
 //! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file stays as it is |
 //!
-//! Two runs are the same if system, parameters, scheme, step size, start, noise and `record_every` are, and the
-//! version of this crate; sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that the step computes from them, and by energies
-//! and forces at the start and at the checkpoint. Only the end may differ, and one that is reached exactly
-//! ([`exactly`](Simulation::exactly)) may not: nothing goes on from there. To repeat a run from its start, remove its files.
+//! Two runs are the same if they have the same system, parameters, scheme, step size, start, noise, `record_every` and version of this
+//! crate. Sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that
+//! the step computes from them, and by energies and forces at the start and at the checkpoint. Only the end may differ, unless it is reached
+//! exactly ([`exactly`](Simulation::exactly)), since no run resumes from there. To repeat a run from its start, remove its files.
 //!
 //! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
 //!
 //! # Files
 //!
-//! A checkpoint is written to a temporary file in the same folder (`.wzvi-....part`), which is flushed to the disk and then renamed;
-//! the folder is flushed after that. A process that is killed there leaves its temporary file, which the next one
-//! removes. If the name is a symbolic link, the file that it leads to is the checkpoint, and the link stays; a device, a
-//! pipe or a folder is refused. The file is one line, `wzvi-checkpoint <version> <length> <checksum>`, and that many
-//! bytes of JSON, in which every number is its 64 bits in hexadecimal digits. Nodes that are recorded
-//! ([`record_every`](Simulation::record_every) above 0) go to a second file, named like the first with `.nodes` at its end: each is appended
-//! once, so that a checkpoint costs what is new, however long the path is. The two belong together; move or remove
-//! both. Only one process at a time should use them; one that finds the checkpoint changed by another stops with
-//! [`CheckpointError::Taken`].
+//! A checkpoint is written to a temporary file in the same folder (`.wzvi-....part`), which is flushed to the disk and then renamed; the
+//! folder is flushed after that. A process that is killed there leaves its temporary file, which the next one removes. A symbolic link is
+//! followed and stays a link; a device, a pipe or a folder is refused. The file has one line, `wzvi-checkpoint <version> <length>
+//! <checksum>`, and that many bytes of JSON, in which every number is its 64 bits in hexadecimal digits.
+//!
+//! Recorded nodes ([`record_every`](Simulation::record_every) above 0) go to a second file, named like the first with `.nodes` at its end.
+//! Each node is appended once, so that the cost of a checkpoint does not grow with the path. Move or remove both files together. Only one
+//! process at a time should use them; one that finds the checkpoint changed by another stops with [`CheckpointError::Taken`].
 //!
 //! # Cost
 //!
-//! A checkpoint of a small system is about a kilobyte, and takes as long as the disk takes to confirm it: about a
-//! millisecond on a solid-state disk, more on others. Between two of them a step costs one comparison more. Recorded
-//! nodes take `8 (1 + 2 d + K)` bytes each on the disk, `d` degrees of freedom and `K` noises, as in memory. Crossings of sections are in the
-//! checkpoint itself, which grows with their number.
+//! A checkpoint of a small system has about a kilobyte. It takes the time in which the disk confirms it, about a millisecond on a
+//! solid-state disk. Between two checkpoints a step costs one comparison more. With `d` degrees of freedom and `K` noises, a recorded node
+//! takes `8 (1 + 2 d + K)` bytes on the disk, as in memory. Crossings of sections are in the checkpoint itself, which grows with their
+//! number.
 //! `cargo run --release --example long_run -- cost` measures it.
 //!
-//! A checkpoint that cannot be written, on a disk that is full, say, does not end the run: it warns once on the standard error stream, goes on, and tries again at
-//! the next one. If the last one failed, the result says so: [`Trajectory::unsaved`](crate::path::trajectory::Trajectory::unsaved),
-//! [`Statistics::unsaved`](crate::ensemble::Statistics::unsaved). The first one is written before the first step, and has to succeed.
+//! A checkpoint that cannot be written, for example on a full disk, does not end the run. The run warns once on the standard error stream,
+//! continues, and tries again at the next one. If the last one failed, [`Trajectory::unsaved`](crate::path::trajectory::Trajectory::unsaved)
+//! or [`Statistics::unsaved`](crate::ensemble::Statistics::unsaved) says why. The first one is written before the first step, and must
+//! succeed.
 //!
 //! # Observers
 //!
-//! What an observer has seen is not kept: one that is attached to a run which goes on sees the nodes after the
-//! checkpoint, with the sums of the increments from the start. A node between the last checkpoint and the moment of
-//! the stop is seen twice, once before and once after it.
+//! A checkpoint does not keep what an observer has seen. The observer of a resumed run sees the nodes after the checkpoint, with the sums of
+//! the increments from the start. Nodes between the last checkpoint and the stop are seen twice.
 //!
 //! # Ensembles
 //!
-//! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) has what is known of its first blocks of paths, and a run that
-//! goes on merges the others in the same order: the same table, the same promise, in a file of its own kind
-//! (`wzvi-ensemble`) and without a second one. The number of paths may grow; a last block that is not whole is run
-//! again. Observables and events are compared by their names and by their values
-//! at the start and at the next three nodes of path 0. The file grows with
-//! the number of recorded times, observables and bins, not with that of the paths unless they are kept.
+//! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) holds the statistics of its first blocks of paths, and a resumed run merges
+//! the others in the same order. The table and the guarantee above hold as well. The file has its own kind (`wzvi-ensemble`), and there is
+//! no second one. The number of paths may grow; an incomplete last block is run again.
+//!
+//! Observables and events are compared by their names and by their values at the start and at the next three nodes of path 0. The file grows
+//! with the number of recorded times, observables and bins, and with that of the paths only if they are kept.
 //!
 //! # Sources of noise
 //!
-//! [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and given increments need no state: what they
-//! are is in the file, and they are asked for step `n` as in a run that was never stopped. A source of your own says
-//! what it is by [`Noise::identity`](crate::increments::Noise::identity), or takes no checkpoints.
+//! [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and given increments need no state: the file identifies them,
+//! and they give the increments of step `n` as in a run that was never stopped. A source of your own needs
+//! [`Noise::identity`](crate::increments::Noise::identity); without it, runs take no checkpoints.
 
 #[cfg(feature = "ensemble")]
 mod blocks;
@@ -96,8 +95,8 @@ use crate::scheme::system::Discretized;
 pub(crate) use blocks::{BlockKeeper, Described, Extent};
 pub(crate) use keeper::Keeper;
 
-/// Where a run writes itself down, and how often: after some time, or after so many of what it counts, `C`. A [`Simulation`] counts
-/// [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) [`Paths`]; both take one that says neither.
+/// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run counts, `C`. A [`Simulation`]
+/// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) counts [`Paths`]; both accept one that says neither.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
 pub struct Checkpoint<C = Anything> {

@@ -46,7 +46,7 @@ any_of! {
     Noise(NoiseError),
     /// A recorded path cannot answer.
     Path(PathError),
-    /// A run was asked for something by a name that it does not have.
+    /// A name that the run does not have.
     Name(UnknownName),
     /// A discrete function was evaluated off its time scale, or combined with one on another.
     Domain(DomainError),

@@ -82,10 +82,10 @@ macro_rules! options {
         }
     };
     (@ end) => {
-        /// Runs to time `end` (time units of the Hamiltonian): the first node at or beyond it.
+        /// Runs to the first node at or beyond time `end` (time units of the Hamiltonian).
         ///
-        /// That is `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000. Together with `steps` it is
-        /// an error.
+        /// These are `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000. It is an error
+        /// together with `steps`.
         pub fn until(mut self, end: f64) -> Self {
             self.setup.span.end_at(crate::path::span::End::Time(end));
             self
@@ -98,26 +98,26 @@ macro_rules! options {
         }
     };
     (@ exact) => {
-        /// Ends exactly at the time of `until`, with a last step that is shorter than the others where the time is not that of a node.
+        /// Ends exactly at the time of `until`. The last step is shorter than the others if that time is not a node.
         ///
-        /// The last step is prepared once, as the others are, and is not halved ([`crate::path::retry`]). Its increments are those of its own interval: of
-        /// `Wiener` and `WongZakai` those of the path, of `StepNormals` and seeds of ensembles normals of their own, of `Increments` the last
-        /// row. Another noise has them, or the run does not start
-        /// ([`Noise::increments_of_part`](crate::increments::Noise::increments_of_part)).
+        /// The last step is prepared once, like the others, and is not halved ([`crate::path::retry`]). Its increments belong to its own
+        /// interval: `Wiener` and `WongZakai` give those of the path, `StepNormals` and seeds of ensembles draw separate normals, and
+        /// `Increments` give the last row. Another noise must implement
+        /// [`Noise::increments_of_part`](crate::increments::Noise::increments_of_part), or the run does not start.
         pub fn exactly(mut self) -> Self {
             self.setup.span.is_exact = true;
             self
         }
     };
     (@ section) => {
-        /// Finds the crossings of the section on which `value`, a function of the state, is zero, to both sides: see [`crate::path::section`]. More than one
-        /// may be asked for; they are numbered from 0.
+        /// Finds the crossings, in both directions, of the section on which `value`, a function of the state, is zero
+        /// ([`crate::path::section`]). May be called more than once; sections are numbered from 0.
         pub fn section(mut self, value: impl Fn(&crate::algebra::state::State<H::Vector>) -> f64 + Send + Sync + 'a) -> Self {
             self.setup.sections.push(None, value);
             self
         }
 
-        /// The same, of crossings to one side only.
+        /// Finds crossings in one direction only.
         pub fn section_towards(
             mut self,
             direction: crate::path::section::Direction,
@@ -128,23 +128,23 @@ macro_rules! options {
         }
     };
     (@ record) => {
-        /// Records every `stride`-th node, besides the start and the last one; with 0 only these two. If neither this nor `record_at` is
-        /// called, a single path records all nodes, and an ensemble the start and the last one.
+        /// Records every `stride`-th node, the start and the last node; 0 records only these two. Without this and `record_at`, a single
+        /// path records all nodes, and an ensemble the start and the last one.
         pub fn record_every(mut self, stride: u64) -> Self {
             self.setup.recorded.every = Some(stride);
             self
         }
 
-        /// Records the states at these times, too: a time that is that of a node up to rounding is the node, others are on the dense output of their
-        /// step ([`crate::scheme::dense`]). They come in the order of the run, each once, and no two of them are the same node. Without `record_every`, only these, the start and the
-        /// end.
+        /// Records the states at these times as well. A time equal to a node up to rounding is that node; others are on the dense output of
+        /// their step ([`crate::scheme::dense`]). The states come in the order of the run. Two times at the same node are an error. Without
+        /// `record_every`, the run records only these, the start and the end.
         pub fn record_at(mut self, times: impl IntoIterator<Item = f64>) -> Self {
             self.setup.recorded.times.extend(times);
             self
         }
     };
     (@ observe) => {
-        /// One more observable, a function of the state, under a name by which the result has its values at the recorded nodes.
+        /// Adds an observable, a function of the state. The result has its values at the recorded nodes under this name.
         pub fn observe(
             mut self,
             name: impl Into<String>,
@@ -155,8 +155,8 @@ macro_rules! options {
         }
     };
     (@ temperatures) => {
-        /// Observes `kinetic temperature` and `configurational temperature`, in units of energy: `p · ∂H/∂p / d` and `q · ∂H/∂q / d`, whose averages are the
-        /// temperature under the Gibbs measure, the second where the system is confined; of the system of the path.
+        /// Observes `kinetic temperature`, `p · ∂H/∂p / d`, and `configurational temperature`, `q · ∂H/∂q / d`, in units of energy, with the
+        /// Hamiltonian of the path. Under the Gibbs measure their averages are the temperature, the second one if the system is confined.
         pub fn observe_temperatures(self) -> Self
         where
             H: Sync,
@@ -186,39 +186,39 @@ macro_rules! options {
         }
     };
     (@ watch) => {
-        /// Goes on where the energy has changed and stays so ([`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved)), which no
-        /// other run does of a system that keeps its energy: for whoever looks at the energy himself.
+        /// Continues where the energy has changed permanently; without it, a run of a system that conserves its energy ends there with
+        /// [`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved). Use it if you check the energy yourself.
         pub fn unwatched(mut self) -> Self {
             self.setup.is_watched = false;
             self
         }
     };
     (@ execution) => {
-        /// On so many threads; all cores if this is not called. The result is the same.
+        /// Sets the number of threads; the default is all cores. The result is the same.
         pub fn threads(mut self, threads: usize) -> Self {
             self.setup.execution.threads = Some(threads);
             self
         }
 
-        /// Ends the run early when `stop` says so: a deadline, for one. The result is then that of what is done, and says that it is
+        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers what is done, and says that it is
         /// partial.
         ///
-        /// It is asked from all threads, about every 10 ms, and after each step or observed path that takes longer. With the feature
-        /// `interrupt`, Ctrl-C stops a run, too.
+        /// All threads call it about every 10 ms, and after each step or observed path that takes longer. With the feature `interrupt`,
+        /// Ctrl-C also stops a run.
         pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
             self.setup.execution.stop = Some(Box::new(stop));
             self
         }
 
-        /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+        /// Shows no progress. By default progress appears after a second if standard error is a terminal.
         pub fn quiet(mut self) -> Self {
             self.setup.execution.is_quiet = true;
             self
         }
     };
     (@ instructions) => {
-        /// With these vector instructions, or the baseline's where the machine does not have them; the best that it has if
-        /// this is not called. The result is the same.
+        /// Uses these vector instructions, or the baseline's where the machine does not have them. The default is the best that the machine
+        /// has. The result is the same.
         pub fn instructions(mut self, set: crate::algebra::lanes::instructions::InstructionSet) -> Self {
             self.setup.execution.instructions = set;
             self

@@ -1,12 +1,11 @@
 //! Sections: where a path crosses a surface of phase space.
 //!
-//! A section is the set on which a function of the state is zero. [`Simulation::section`](crate::path::simulate::Simulation::section) finds the crossings of a path
-//! between and at its nodes, on the dense output of its steps ([`crate::scheme::dense`]), to a few units in the last place of the fraction `θ` of a step:
-//! what is left is the error of the step and of its dense output.
+//! A section is the set on which a function of the state is zero. [`Simulation::section`](crate::path::simulate::Simulation::section) finds
+//! the crossings of a path at and between its nodes, on the dense output of its steps ([`crate::scheme::dense`]). They are accurate to a few
+//! units in the last place of the fraction `θ` of a step, apart from the error of the step and of its dense output.
 //!
-//! **What counts.** A crossing is a change of sign. A path that touches the section and stays on its side does not cross it. One that starts on the
-//! section, or ends there, does not cross it there: it comes from no side, or goes to none. Where the function is NaN the path has no side, and what
-//! is crossed in between is not known.
+//! **What counts.** A crossing is a change of sign. A path that touches the section and stays on its side does not cross it. Neither does
+//! one that starts or ends on the section. Where the function is NaN, the path has no side, and crossings in between are unknown.
 //!
 //! **What is found.** In each step the function is evaluated at equal distances, as many per step as the polynomial has coefficients (4 at least; 8
 //! for `Gauss<8>`). Different signs of neighbouring values are a crossing that is found for sure; of several between the two, an odd number, one is.

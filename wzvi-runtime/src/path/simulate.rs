@@ -29,7 +29,7 @@ use crate::path::watch::Watch;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
-/// What an observer is told of a node besides the state.
+/// What an observer sees of a node besides the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node<'a> {
     /// Steps from the start, 0 for the start itself.
@@ -71,13 +71,13 @@ impl<V> Observer<V> for Unobserved {
     fn observe(&mut self, _state: &State<V>, _node: &Node<'_>) {}
 }
 
-/// As far as a run went: the trajectory up to the last good state and, if that is not the end, what stopped it.
+/// The result of a partial run: the trajectory up to the last good state and, if that is not the end, the error that stopped it.
 pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 
 /// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it, [`Simulation::run`]
 /// runs it.
 ///
-/// A start and an end are needed, and a noise if the system has any. A later setting replaces an earlier one.
+/// A run needs a start and an end, and a noise if the system has noise. A later setting replaces an earlier one.
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `run`"]
 pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Whole> {
@@ -140,39 +140,37 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         self.observe(name, move |state| observable(system, state))
     }
 
-    /// Where the increments come from; [`Increments`](crate::increments::Increments) for given ones. A `&mut` to a
-    /// source leaves it with the caller, to continue with. A system without noise takes any source and asks it
-    /// for nothing.
+    /// Sets the source of the increments; [`Increments`](crate::increments::Increments) holds given ones. With a `&mut` the caller keeps the
+    /// source and can continue with it. A system without noise accepts any source and does not use it.
     pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R> {
         Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
     }
 
-    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. Not done unless asked for.
+    /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not to.
     ///
-    /// A noise then has to know its path between the nodes ([`Divisible`](crate::increments::Divisible)), as all but `Increments` do. A run
-    /// that starts again in shorter steps shows its observer the nodes again, from step 0; one with checkpoints does not
-    /// start again.
+    /// The noise must know its path between the nodes ([`Divisible`](crate::increments::Divisible)), as all but `Increments` do. A run that
+    /// restarts with shorter steps shows its observer all nodes again, from step 0. A run with checkpoints does not restart.
     pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved> {
         self.setup.retry = retry;
         Simulation { setup: self.setup, noise: self.noise, observer: self.observer, types: PhantomData }
     }
 
-    /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
-    /// where that pays. One switches it off. The result is the same, bit for bit.
+    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The default is all cores, from a size
+    /// on where that pays; 1 switches threads off. The result is the same, bit for bit.
     pub fn threads(mut self, threads: usize) -> Self {
         self.setup.threads = Some(threads);
         self
     }
 
-    /// No progress on the terminal. It shows after a second if standard error is one, and never if it is not.
+    /// Shows no progress. By default progress appears after a second if standard error is a terminal.
     pub fn quiet(mut self) -> Self {
         self.setup.is_quiet = true;
         self
     }
 
-    /// Calls `observer(state, node)` at each recorded node (each node with `record_every(0)` or [`Simulation::record_at`] alone), start and
-    /// end included, as the run gets there: for whoever wants to see increments and iterations, or to act on the way. It is not shown what is
-    /// recorded between nodes.
+    /// Calls `observer(state, node)` at each recorded node as the run reaches it, start and end included. With `record_every(0)` or
+    /// [`Simulation::record_at`] alone it is called at each node. Use it to see increments and iterations, or to act during the run. States
+    /// recorded between nodes are not shown.
     pub fn inspect<F>(self, observer: F) -> Simulation<'a, H, E, N, F, R>
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
@@ -197,8 +195,8 @@ where
     /// Runs the path.
     ///
     /// # Errors
-    /// [`Error::Config`] if a setting is missing or makes no sense, [`Error::Noise`] if the source has no increments,
-    /// [`Error::Step`] if a step fails. To keep what was computed before, use [`Simulation::run_partial`].
+    /// [`Error::Config`] if a setting is missing or invalid, [`Error::Noise`] if the source has no increments, [`Error::Step`] if a step
+    /// fails. [`Simulation::run_partial`] keeps what was computed before.
     pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error>
     where
         N: Serves<R>,
@@ -209,12 +207,12 @@ where
         }
     }
 
-    /// Runs the path as far as it goes: the trajectory up to the last good state, and what ended it early, if
-    /// anything did ([`Error::Step`] or [`Error::Noise`]).
+    /// Runs the path as far as possible. It returns the trajectory up to the last good state, and the error that ended it early, if there
+    /// was one ([`Error::Step`] or [`Error::Noise`]).
     ///
     /// # Errors
-    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start:
-    /// then there is no trajectory.
+    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start, so that there is no
+    /// trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
     where
         N: Serves<R>,

@@ -31,19 +31,20 @@ pub struct StepInfo {
     /// How often the step was halved: it is `2^halvings` steps of size `h / 2^halvings`. 0 unless a
     /// [`Retry`](crate::path::retry::Retry) allows more.
     pub halvings: u32,
-    /// Whether the steps before were no guide to this one, so that it was solved from zero with a line search. Many in a row say that the step is
-    /// long for the fastest motion.
+    /// Whether the previous steps did not predict this one, so that it was solved from zero with a line search. Many such steps in a row
+    /// mean that the step is long for the fastest motion.
     pub is_hard: bool,
-    /// Whether the solution could not be followed from the state along the step, so that it is the connected one by the
-    /// orientation of its Jacobian only. Where that happens the step is far too long for a stiff force.
+    /// Whether the solution could not be followed from the state along the step. Only the orientation of its Jacobian then says that it is
+    /// the connected one. The step is far too long for a stiff force.
     pub is_doubtful: bool,
 }
 
-/// A prepared integrator: everything that depends on the system and the step size only is computed once.
+/// A prepared integrator: everything that depends only on the system and the step size is computed once.
 ///
-/// Its steps allocate nothing. Time is `t_0 + n h` for `n` consecutive steps of one state, never accumulated.
+/// Its steps allocate nothing. After `n` consecutive steps of one state the time is `t_0 + n h`; it is not accumulated.
 ///
-/// Nobody looks at the energy of its steps, as that of runs is ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`] with that at the start.
+/// The energy of these steps is not monitored, unlike that of runs ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`] with its
+/// value at the start.
 #[derive(Debug)]
 pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     system: &'a H,
@@ -94,9 +95,9 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     /// Prepares steps of size `h` (time units of the Hamiltonian; negative runs backwards).
     ///
     /// # Errors
-    /// [`ConfigError::StepSize`] unless `h` is finite and not zero; [`ConfigError::Parameter`] and
-    /// [`ConfigError::Singular`] if what is computed once for all steps is not finite or not invertible; [`ConfigError::Bath`] if friction,
-    /// temperature or masses make no sense.
+    /// * [`ConfigError::StepSize`] unless `h` is finite and not zero.
+    /// * [`ConfigError::Parameter`] or [`ConfigError::Singular`] if what is computed once for all steps is not finite or not invertible.
+    /// * [`ConfigError::Bath`] if friction, temperature or masses are invalid.
     pub fn new(system: &'a H, h: f64) -> Result<Self, ConfigError> {
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h));
@@ -120,9 +121,9 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         })
     }
 
-    /// The same steps, but what rounding takes from the state is carried to the next one ([`crate::algebra::carry`]): the drift
-    /// of first integrals by rounding shrinks by about the ratio of a step's increment to the state. Costs six
-    /// additions per component; on from the start where that is less than about 5 % of the step.
+    /// Carries the rounding error of the state from step to step ([`crate::algebra::carry`]). The drift of first integrals by rounding
+    /// shrinks by about the ratio of a step's increment to the state. It costs six additions per component, and is the default where that is
+    /// less than about 5 % of the step.
     pub fn compensated(self) -> Stepper<'a, H, E, <SchemeOf<H, E> as Scheme<H>>::Compensated<f64>> {
         self.carrying()
     }
@@ -173,18 +174,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.h
     }
 
-    /// Pins how implicit steps are iterated, where there is a choice: in systems of elements. Costs or saves time, and no
-    /// digit that counts. A step whose fixed point does not contract is then an error
-    /// ([`StepFailure::NotConverged`]): nothing else is tried.
+    /// Fixes how implicit steps of systems of elements are iterated. This affects the time, and no digit that counts. A step whose fixed
+    /// point does not contract is then an error ([`StepFailure::NotConverged`]), since nothing else is tried.
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {
         self.memory.pin(iteration);
         self
     }
 
-    /// Takes the steps of large systems on so many threads, as far as there are windows for them; without this, on all cores from a size on
-    /// where that pays ([systems of any size](crate::scheme::elements)). One switches it off. The result is the same, bit for bit. Every step then begins
-    /// threads of its own, an implicit one in each iteration, which allocates.
+    /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The default is all cores, from a size
+    /// on where that pays ([systems of any size](crate::scheme::elements)); 1 switches threads off. The result is the same, bit for bit.
+    /// Every step then starts its own threads, an implicit step in each iteration, which allocates.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for zero.
@@ -198,7 +198,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self
     }
 
-    /// How the linear equations of a step are solved where that depends on its size: in systems of elements.
+    /// Sets how the linear equations of a step are solved in systems of elements, where the best way depends on the size.
     pub fn method(&self) -> Option<Method> {
         self.memory.method()
     }
@@ -213,8 +213,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.before + self.clock.ticks
     }
 
-    /// The energy that its successful steps so far took from forces and bath, in units of energy: [work](crate::path::trajectory::Trajectory::work) and
-    /// [heat](crate::path::trajectory::Trajectory::heat). The energy changes by both and by the error of the scheme.
+    /// The [work](crate::path::trajectory::Trajectory::work) and the [heat](crate::path::trajectory::Trajectory::heat) of its successful
+    /// steps so far, in units of energy. The energy changes by both and by the error of the scheme.
     pub fn exchanged(&self) -> Exchange {
         self.exchanged
     }

@@ -32,7 +32,8 @@ pub struct Iterations {
     pub total: u64,
     /// The most that one step took.
     pub largest: u32,
-    /// Steps to which the ones before were no guide ([`StepInfo::is_hard`]): many say that the step is long for the fastest motion.
+    /// Steps that the previous ones did not predict ([`StepInfo::is_hard`]). Many such steps mean that the step is long for the fastest
+    /// motion.
     pub hard: u64,
     /// Steps whose solution is the connected one by its orientation only ([`StepInfo::is_doubtful`]).
     pub doubtful: u64,
@@ -40,15 +41,15 @@ pub struct Iterations {
     pub halved: u64,
     /// The most halvings of a step.
     pub halvings: u32,
-    /// How often the energy was off by more than a tenth of the mean of `p · dq/dt`, of the steps that were looked at, one in eight: excursions that
-    /// returned, or a run that was [`unwatched`](crate::path::simulate::Simulation::unwatched).
+    /// Monitored steps, one in eight, whose energy was off by more than a tenth of the mean of `p · dq/dt`: excursions that returned, or a
+    /// run that was [`unwatched`](crate::path::simulate::Simulation::unwatched).
     #[cfg_attr(feature = "serde", serde(default))]
     pub suspected: u64,
 }
 
 /// A path by the scheme `E`: never empty, its first state is the start.
 ///
-/// It does not hold the system; what depends on it takes it again, as in `path.energy_drift(&kubo)`.
+/// It does not hold the system; methods that need it take it again, as in `path.energy_drift(&kubo)`.
 pub struct Trajectory<V, E> {
     path: Path<V>,
     /// Of no weight: what is read from a file has none.
@@ -156,21 +157,23 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.states.iter()
     }
 
-    /// The work that was done on the path, in units of energy: `H(end) - H(start)` without the [heat](Trajectory::heat), exactly. What the path gave counts
-    /// negative. Forces do work, listed noises, explicit time, and the scheme, whose part is the
-    /// [shadow work](Trajectory::shadow_work). It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which with a
-    /// [bath](crate::scheme::bath) holds exactly at every step size. 0 where a system has no bath, force or friction, and its drift does not read the time.
+    /// The work done on the path, in units of energy: exactly `H(end) - H(start)` without the [heat](Trajectory::heat). Work done by the
+    /// path is negative. Forces, listed noises and explicit time do work, and so does the scheme, whose part is the [shadow
+    /// work](Trajectory::shadow_work).
+    ///
+    /// It is the `W` of Jarzynski's equality, `⟨e^{-W/kT}⟩ = e^{-ΔF/kT}`, which holds exactly at every step size with a
+    /// [bath](crate::scheme::bath). It is 0 for a system without bath, force, friction and explicit time in the drift.
     pub fn work(&self) -> f64 {
         self.path.gained.map_or(0.0, |gained| gained - self.path.exchanged.heat)
     }
 
-    /// The part of the [work](Trajectory::work) that the scheme does: what a quadrature of forces, noises and explicit time along the steps leaves of it. It
-    /// falls with the order of the scheme. `None` without bath, force and friction, where nothing is added up along the steps.
+    /// The part of the [work](Trajectory::work) that the scheme does: the work minus a quadrature of forces, noises and explicit time along
+    /// the steps. It falls with the order of the scheme. `None` without bath, force and friction, where no quadrature is made.
     pub fn shadow_work(&self) -> Option<f64> {
         self.path.is_accounted.then(|| self.work() - self.path.exchanged.work)
     }
 
-    /// The energy that the path took from friction and bath, in units of energy: the kinetic energy that their parts of the steps gained.
+    /// The energy that the path took from friction and bath, in units of energy: the gain of kinetic energy in their parts of the steps.
     pub fn heat(&self) -> f64 {
         self.path.exchanged.heat
     }
@@ -213,8 +216,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         })
     }
 
-    /// Why the last [checkpoint](crate::path::simulate::Simulation::checkpoint) of the run could not be written: what has happened since the one before is in this
-    /// path only. `None` if it was written, and without a checkpoint.
+    /// Why the last [checkpoint](crate::path::simulate::Simulation::checkpoint) of the run could not be written. Only this path then
+    /// contains the steps since the previous one. `None` if it was written, and for a run without checkpoints.
     pub fn unsaved(&self) -> Option<&FileError> {
         self.unsaved.as_ref()
     }
@@ -285,10 +288,10 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.path.iterations
     }
 
-    /// The increments from each recorded node to the next, one row per interval and one number per noise: those of
-    /// the steps where every step was recorded, their sums otherwise.
+    /// The increments from each recorded node to the next, one row per interval and one number per noise. They are those of the steps if
+    /// every step was recorded, and their sums otherwise.
     ///
-    /// Given noise is no more than this, so [`Increments`](crate::increments::Increments) of them repeats the run.
+    /// [`Increments`](crate::increments::Increments) made of them repeat the run.
     pub fn increments(&self) -> impl ExactSizeIterator<Item = &[f64]> + '_ {
         (0..self.len().saturating_sub(1)).map(|interval| self.row(interval))
     }
@@ -311,8 +314,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// `max_i |H_0(z_i, t_i) - H_0(z_0, t_0)|` over the recorded nodes: absolute, in units of energy; NaN if a value
     /// is.
     ///
-    /// Small where the system keeps its energy (`PLAN.conserves_energy`); elsewhere it measures what the noise does.
-    /// Whether it is what the theory of symplectic methods promises says [`Trajectory::shadow_energy_drift`].
+    /// It is small if the system conserves its energy (`PLAN.conserves_energy`); otherwise it measures the effect of the noise.
+    /// [`Trajectory::shadow_energy_drift`] tests whether the theory of symplectic methods applies.
     pub fn energy_drift<H: Hamiltonian<Vector = V>>(&self, system: &H) -> f64 {
         self.drift(|state| system.energy(state))
     }
@@ -320,9 +323,9 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// `max_i |H~(z_i) - H~(z_0)|` over the recorded nodes for the modified Hamiltonian of the scheme with the step size of the run:
     /// absolute, in units of energy; NaN if a value is.
     ///
-    /// Much less than [`Trajectory::energy_drift`] where the run is one that the theory of symplectic methods applies to, and falling
-    /// by its own order with the step size. As large where the step is too long for it. The last step of a run counts as the others,
-    /// and so do those that were halved, although they follow another modified Hamiltonian.
+    /// If the theory of symplectic methods applies to the run, it is much less than [`Trajectory::energy_drift`], and falls with the step
+    /// size by its own order. If the step is too long, it is as large. A shorter last step and halved steps count as well, although they
+    /// follow another modified Hamiltonian.
     pub fn shadow_energy_drift<H>(&self, system: &H) -> f64
     where
         H: Discretized<E, Vector = V> + Conservative,
@@ -377,8 +380,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(Function::new(self.time_scale()?, self.iter().map(value).collect())?)
     }
 
-    /// What is left of the discrete Euler-Lagrange equations at each interior node (T^±): the equation of the node and
-    /// that of the momentum of the step that starts there.
+    /// The residual of the discrete Euler-Lagrange equations at each interior node (T^±): of the equation of the node, and of the momentum
+    /// of the step that starts there.
     ///
     /// # Errors
     /// [`PathError::Gaps`] unless every step was recorded, [`PathError::Empty`] for a path without steps,
@@ -403,9 +406,9 @@ impl<V: Vector, E> Trajectory<V, E> {
         Ok(Function::new(scale, residuals)?)
     }
 
-    /// The largest residual of the discrete Euler-Lagrange equations, in absolute value: over the interior nodes
-    /// `|D_2 L_d(step i-1) + D_1 L_d(step i)|`, over all steps `|∂L_d/∂P|`. NaN if one is, and where steps follow from no Lagrangian: with a [bath](crate::scheme::bath). At rounding level on any
-    /// path that the scheme computed.
+    /// The largest absolute residual of the discrete Euler-Lagrange equations: `|D_2 L_d(step i-1) + D_1 L_d(step i)|` over the interior
+    /// nodes, and `|∂L_d/∂P|` over all steps. It is at rounding level on any path that the scheme computed. It is NaN if a residual is, and
+    /// with a [bath](crate::scheme::bath), whose steps follow from no Lagrangian.
     ///
     /// # Errors
     /// As [`Trajectory::euler_lagrange`].

@@ -7,8 +7,8 @@
 //! dq = M⁻¹ p dt,   dp = -∂H/∂q dt - Γ M⁻¹ p dt + σ dW,   σ σᵀ = 2 kT Γ
 //! ```
 //!
-//! whose noise follows from friction and temperature: the Gibbs measure `exp(-H / kT)` is stationary. Friction and noise alone are an
-//! Ornstein-Uhlenbeck process, which is known exactly: over the time `s`, with standard normals `ξ`,
+//! The noise follows from friction and temperature, so that the Gibbs measure `exp(-H / kT)` is stationary. Friction and noise alone are an
+//! Ornstein-Uhlenbeck process with a known solution. Over the time `s`, with standard normals `ξ`,
 //!
 //! ```text
 //! O:   p <- E p + R ξ,   E = exp(-s Γ M⁻¹),   R Rᵀ = kT (M - E M Eᵀ),   R lower triangular
@@ -29,19 +29,20 @@
 //! dynamics", Phys. Rev. E 75, 2007). With a harmonic force `Baoab` has the exact variance of `q`, `Obabo` that of `p`, and `Thermostat<Midpoint>`
 //! both, whatever step size and friction.
 //!
-//! Distributions are right to order `h²` at any friction, but not how fast they are reached. A particle that nothing holds diffuses with `D = kT/(m γ)` in the
-//! equation, and with all of these but `Gjf` and `GjI` with
+//! Distributions are correct to order `h²` at any friction; the rates at which they are reached are not. A free particle diffuses with `D =
+//! kT/(m γ)` in the equation, and with all of these but `Gjf` and `GjI` with
 //!
 //! ```text
 //! D = kT/(m γ) · (γh/2) coth(γh/2) = kT/(m γ) · (1 + (γh)²/12 - (γh)⁴/720 + ...)
 //! ```
 //!
-//! because the O part lasts `h` and the positions move by half-steps around it; so do rates of passages over barriers where friction is large: by 8 % at `γh = 1`.
-//! `Gjf` and `GjI` have this diffusion and the variance of the positions in a harmonic well both exactly (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct
-//! Langevin simulations", Mol. Phys. 118, 2020).
+//! The cause is that the O part lasts `h` while the positions move by half-steps around it. At large friction, rates of passages over
+//! barriers have the same factor, 8 % at `γh = 1`. `Gjf` and `GjI` have both the exact diffusion and the exact variance of the positions in
+//! a harmonic well (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct Langevin simulations", Mol. Phys.
+//! 118, 2020).
 //!
-//! What drives a step are the increments of the noises that the system lists, and after them `√h` times the standard normals of its O parts: for
-//! each O part, in the order of the step, one for each degree of freedom. A system without temperature has none, which is friction alone.
+//! A step is driven by the increments of the listed noises, followed by `√h` times the standard normals of its O parts: for each O part, in
+//! the order of the step, one for each degree of freedom. A system without temperature has friction alone, and no normals.
 
 mod beside;
 mod diagonal;
@@ -70,11 +71,12 @@ pub use splitting::{Letters, Splitting};
 pub use thermostat::Around;
 pub use word::{A, B, HarmonicLaw, Letter, O, Part, Spelling, Word};
 
-/// Half a kick, half a drift, friction and noise, half a drift, half a kick: one force for each step, explicit, for `T(p) + V(q, t)`. The
-/// positions of a harmonic oscillator have the exact variance, its momenta too little by the factor `1 - h² ω² / 4`; otherwise the
-/// bias of averages is of order 2, and of order 4 where friction is large (B. Leimkuhler, C. Matthews, "Rational construction of stochastic
-/// numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and passages over barriers where friction is large, are too fast by the factor
-/// `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`: where times matter and `γh` is no small number, take [`Gjf`].
+/// Half a kick, half a drift, friction and noise, half a drift, half a kick: explicit, with one force for each step, for `T(p) + V(q, t)`.
+///
+/// The positions of a harmonic oscillator have the exact variance; that of its momenta is too small by the factor `1 - h² ω² / 4`. In
+/// general the bias of averages is of order 2, and of order 4 at large friction (B. Leimkuhler, C. Matthews, "Rational construction of
+/// stochastic numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and passages over barriers at large
+/// friction, are too fast by the factor `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`. Take [`Gjf`] if times matter and `γh` is not small.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Baoab;
 

@@ -1,4 +1,4 @@
-//! What the compiler found out about one scheme of one system.
+//! What the compiler has derived about one scheme of one system.
 
 use std::fmt;
 
@@ -84,7 +84,7 @@ impl Facts {
     }
 }
 
-/// Compile-time facts about a scheme: what the generated step does and what the system keeps.
+/// Compile-time facts about a scheme: what the generated step does and what the system conserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// How the hardest block of the step is solved.
@@ -97,7 +97,7 @@ pub struct Plan {
     pub noise: NoiseClass,
     /// Whether the scheme converges to the Stratonovich system as `h -> 0`.
     pub consistent: bool,
-    /// Whether the continuous system keeps the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, and no explicit time.
+    /// Whether the continuous system conserves the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, and no explicit time.
     pub conserves_energy: Knowledge,
     /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
     pub commuting: Knowledge,
@@ -138,9 +138,9 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
-    /// The order in `h` of the root mean square error of paths that are driven by the same increments; `None` if the scheme does
-    /// not converge to the Stratonovich system. One needs noises whose brackets are known to be constant, else it is
-    /// one half: increments alone say no more of the path.
+    /// The order in `h` of the root mean square error of paths that are driven by the same increments; `None` if the scheme does not
+    /// converge to the Stratonovich system. It is 1 if the brackets of the noises are known to be constant, and 1/2 otherwise, since
+    /// increments alone contain no more of the path.
     pub const fn strong_order(&self) -> Option<f64> {
         match (self.noise, self.consistent, self.commuting) {
             (NoiseClass::None, ..) => Some(self.order as f64),
@@ -161,8 +161,8 @@ impl Plan {
         }
     }
 
-    /// Whether the increments of random paths are truncated unless asked otherwise: the step is implicit and noise
-    /// enters its equations, so that an unbounded increment could hit a pole of the scheme.
+    /// Whether the increments of random paths are truncated by default. They are if the step is implicit and noise enters its equations,
+    /// since an unbounded increment could hit a pole of the scheme.
     pub const fn truncates_increments(&self) -> bool {
         !matches!(self.solver, Solver::Explicit)
             && !matches!(self.noise, NoiseClass::None | NoiseClass::Thermal | NoiseClass::Additive)

@@ -8,13 +8,13 @@ use crate::ground::numbers::Tape;
 
 /// When paths first crossed a zero of a function of the state.
 ///
-/// A path passes between the first two nodes at which the function has different signs, or is zero at the second, and the time is
-/// interpolated linearly; one that starts at zero passes at the start. A path that has not passed at the end is censored
-/// there, one that fails before is lost at its last node.
+/// A path passes between the first two nodes at which the function has different signs, or is zero at the second. The time is interpolated
+/// linearly. A path that starts at zero passes at the start. A path that has not passed at the end is censored there; one that fails before
+/// is lost at its last node.
 ///
-/// A path that crosses and comes back within a step is not seen. For a quantity that diffuses, mean times are therefore too
-/// long by a relative error of order `√h`; not so for one that the noise reaches through a derivative, such as
-/// a position that noise in the momentum moves.
+/// A path that crosses and returns within a step is not seen. For a quantity that diffuses, mean times are therefore too long by a relative
+/// error of order `√h`. A quantity that the noise reaches through a derivative, such as a position under noise in the momentum, does not
+/// have this error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passages {
     name: String,
@@ -194,15 +194,15 @@ impl Passages {
         &self.histogram
     }
 
-    /// Passages per unit of time that a path spent on the way: the rate that makes what was seen most likely, if the rate
-    /// is constant, with censored and lost paths taken into account. NaN if no time was spent.
+    /// Passages per unit of time that paths spent before passing: the maximum-likelihood estimate of a constant rate, including censored and
+    /// lost paths. NaN if no time was spent.
     pub fn rate(&self) -> f64 {
         if self.exposure > 0.0 { self.passed() as f64 / self.exposure } else { f64::NAN }
     }
 
-    /// The standard error of [`Passages::rate`] as a ratio of two means over paths, `√(Σ (d - rate T)²) / Σ T` with `d = 1` for a path that passed, 0 for
-    /// others, and its time `T` on the way: for any law of the times. NaN if none passed: the rate is then below three passages in the time that all
-    /// paths spent, with 95 % confidence.
+    /// The standard error of [`Passages::rate`] as a ratio of two means over paths, `√(Σ (d - rate T)²) / Σ T`, for any law of the times.
+    /// `d` is 1 for a path that passed and 0 for others, and `T` its time before passing. NaN if none passed; the rate is then below three
+    /// passages in the time of all paths, with 95 % confidence.
     pub fn rate_error(&self) -> f64 {
         if self.passed() == 0 {
             return f64::NAN;
