@@ -121,7 +121,7 @@ fn order(curve: &Curve) -> f64 {
 /// An arrow in the table: it holds where the distance falls.
 fn cell(curve: &Curve) -> String {
     let order = order(curve);
-    if order > 0.2 { format!("✓ order {order:.2}") } else { "✗ no limit here".to_owned() }
+    if order > 0.2 { format!("✓ order {order:.2}") } else { "✗ keeps away".to_owned() }
 }
 
 pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
@@ -138,9 +138,10 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
         holds(&arrows.to_smooth) && holds(&arrows.to_scheme) && holds(&arrows.to_system[0]) == is_preserving
     });
     let row = |arrows: &Arrows| {
-        let says = arrows.says.to_owned();
-        let curves = [&arrows.to_smooth, &arrows.to_scheme, &arrows.to_system[0], &arrows.to_system[1]];
-        [arrows.scheme.to_owned()].into_iter().chain(curves.map(cell)).chain([says]).collect()
+        let [right, other] = &arrows.to_system;
+        let other = if holds(right) { "-".to_owned() } else { cell(other) };
+        let cells = [&arrows.to_smooth, &arrows.to_scheme, right].map(cell);
+        [arrows.scheme.to_owned()].into_iter().chain(cells).chain([other, arrows.says.to_owned()]).collect()
     };
     let headings = [
         "embedding",

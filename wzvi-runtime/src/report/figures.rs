@@ -17,11 +17,7 @@ impl Report {
         let (x, y) = (Axis::logarithmic("seconds per path"), Axis::logarithmic("strong error"));
         let mut figure =
             Figure::new(format!("{id}-time"), format!("{}: error against run time", self.title), x, y);
-        let best = self.choices().into_iter().map(|choice| choice.words()).collect::<Vec<_>>().join("; ");
-        figure.shows = format!(
-            "Further left and lower is better. Time is that of the steps and of the increments that drive them. {}",
-            if best.is_empty() { String::new() } else { format!("In words: {best}.") }
-        );
+        figure.shows = "Further left and lower is better. Time is that of the steps and of the increments that drive them.".to_owned();
         for (colour, scheme) in self.schemes().into_iter().enumerate() {
             let timed: Vec<&Cell> = self.of(scheme).filter(|cell| cell.time.is_some()).collect();
             let points = timed.iter().filter_map(|cell| Some((cell.seconds()?, cell.strong.value)));
@@ -48,23 +44,21 @@ impl Report {
         let (x, y) = (Axis::logarithmic("step size h"), Axis::logarithmic("strong error"));
         let mut figure =
             Figure::new(format!("{id}-order"), format!("{}: error against step size", self.title), x, y);
-        let mut slopes = vec![];
+        figure.shows =
+            "Dashed: slopes by weighted least squares, over the part of a curve that is straight.".to_owned();
         for (colour, scheme) in self.schemes().into_iter().enumerate() {
             let points = self.of(scheme).map(|cell| (cell.h, cell.strong.value)).collect();
             let mut series = Series::new(scheme, Look::Marks, colour, points);
             series.notes = self.of(scheme).map(note).collect();
             figure.series.push(series);
-            slopes.push((colour, scheme, self.slope(scheme)));
         }
-        for (colour, scheme, slope) in &slopes {
-            if let Slope::Order { order, factor, used, .. } = slope {
-                let points = used.iter().map(|h| (*h, factor * h.powf(*order))).collect();
+        for (colour, scheme) in self.schemes().into_iter().enumerate() {
+            if let Slope::Order { order, factor, used, .. } = self.slope(scheme) {
+                let points = used.iter().map(|h| (*h, factor * h.powf(order))).collect();
                 let name = format!("slope {order:.2} ({scheme})");
-                figure.series.push(Series::new(name, Look::Dashed, *colour, points));
+                figure.series.push(Series::new(name, Look::Dashed, colour, points));
             }
         }
-        let words = slopes.iter().map(|(_, scheme, slope)| format!("{scheme}: {}", slope.words()));
-        figure.shows = format!("Slopes by weighted least squares. {}.", words.collect::<Vec<_>>().join(". "));
         figure
     }
 
