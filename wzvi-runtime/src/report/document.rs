@@ -9,7 +9,7 @@ use crate::plot::{Figure, Layout, Plot};
 /// A table is cut to about so many rows on the page; its file has all.
 const ROWS: usize = 120;
 /// Width and height of a drawing without its legend. Half the width of a large screen and all of a small one show its letters at a legible size.
-const DRAWN: (i32, i32) = (480, 330);
+const DRAWN: (i32, i32) = (440, 310);
 
 /// A page in the making: [`Document::write`] writes it with the files of its figures.
 #[derive(Clone, Debug, Default)]
