@@ -7,12 +7,12 @@ use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, ExprClosure, ExprMethodCall, ExprPath, Path};
 
-use crate::lower::{is_constant_name, is_self, key, may_be_shared, type_of};
+use crate::lower::{Names, is_constant_name, is_self, key, may_be_shared, type_of};
 
 /// Calls of names that are neither variables nor functions of `f64`.
 #[derive(Default)]
 pub(super) struct Calls {
-    bound: HashSet<String>,
+    bound: Names,
     pub(super) called: Vec<ExprPath>,
     /// The struct whose Hamiltonians call.
     own: Option<Ident>,
@@ -35,7 +35,7 @@ impl Calls {
     }
 
     fn is_bound(&self, path: &Path) -> bool {
-        path.get_ident().is_some_and(|name| self.bound.contains(&name.to_string()))
+        path.get_ident().is_some_and(|name| self.bound.0.contains(name))
     }
 }
 
@@ -43,7 +43,7 @@ pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, n
     let mut all = Calls::default();
     for closure in closures {
         let mut calls = Calls { own: Some(name.clone()), ..Calls::default() };
-        Bound(&mut calls.bound).visit_expr_closure(closure);
+        calls.bound.visit_expr_closure(closure);
         calls.visit_expr_closure(closure);
         all.called.extend(calls.called);
         all.types.extend(calls.types);
@@ -55,8 +55,8 @@ pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, n
 /// The calls of a function with these parameters, which may be one of the type `own`.
 pub(super) fn of_function(own: Option<&Ident>, signature: &syn::Signature, block: &syn::Block) -> Calls {
     let mut calls = Calls { own: own.cloned(), ..Calls::default() };
-    Bound(&mut calls.bound).visit_signature(signature);
-    Bound(&mut calls.bound).visit_block(block);
+    calls.bound.visit_signature(signature);
+    calls.bound.visit_block(block);
     calls.visit_block(block);
     calls
 }
@@ -97,19 +97,5 @@ impl<'s> Visit<'s> for Calls {
         if is_constant && !from_the_root && !self.is_bound(&path.path) {
             self.constants.push(path.clone());
         }
-    }
-}
-
-/// Every name that a pattern or a `const` of the body declares.
-struct Bound<'a>(&'a mut HashSet<String>);
-
-impl<'s> Visit<'s> for Bound<'_> {
-    fn visit_pat_ident(&mut self, pattern: &'s syn::PatIdent) {
-        self.0.insert(pattern.ident.to_string());
-        visit::visit_pat_ident(self, pattern);
-    }
-    fn visit_item_const(&mut self, item: &'s syn::ItemConst) {
-        self.0.insert(item.ident.to_string());
-        visit::visit_item_const(self, item);
     }
 }

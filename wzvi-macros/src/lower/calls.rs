@@ -2,27 +2,28 @@
 
 use quote::ToTokens;
 use syn::punctuated::Punctuated;
-use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, ExprPath, FnArg, Token};
+use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, ExprPath, FnArg, Pat, Token};
 
 use super::floats::meant_method;
 use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, key, may_be_shared, real_function, type_of};
+use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
 use crate::input::Function;
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Option<Value> {
-        if !self.spend(1 + self.scope.len() / 16, &syntax.inputs_begin) {
+        if !self.spend(1 + self.now.scope.len() / 16, &syntax.inputs_begin) {
             return None;
         }
         let scope = match syntax.capture {
-            Some(_) => self.scope.snapshot(),
-            None => self.scope.clone(),
+            Some(_) => self.now.scope.snapshot(),
+            None => self.now.scope.clone(),
         };
-        self.has_mutation |= super::control::assigns_captured(syntax);
-        self.closures.push(Closure { syntax, scope });
-        Some(Value::Closure(self.closures.len() - 1))
+        self.now.has_mutation |= super::control::assigns_captured(syntax);
+        self.now.closures.push(Closure { syntax, scope });
+        Some(Value::Closure(self.now.closures.len() - 1))
     }
 
     pub(super) fn call(&mut self, syntax: &'a ExprCall) -> Option<Value> {
@@ -35,7 +36,7 @@ impl<'a> Interpreter<'a, '_> {
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is not one that can be seen into.
             Syntax::Path(path) => match path.path.get_ident() {
-                Some(name) => match self.scope.find_from_anywhere(name) {
+                Some(name) => match self.now.scope.find_from_anywhere(name) {
                     Some(binding) => binding.value.borrow().clone().known(),
                     None => {
                         let arguments: Vec<&Syntax> = syntax.args.iter().collect();
@@ -65,7 +66,7 @@ impl<'a> Interpreter<'a, '_> {
     /// A path that is that of no variable.
     fn path_of_function<'s>(&self, function: &'s Syntax) -> Option<&'s ExprPath> {
         let Syntax::Path(path) = function else { return None };
-        let variable = path.path.get_ident().and_then(|name| self.scope.find_from_anywhere(name));
+        let variable = path.path.get_ident().and_then(|name| self.now.scope.find_from_anywhere(name));
         variable.is_none().then_some(path)
     }
 
@@ -76,7 +77,7 @@ impl<'a> Interpreter<'a, '_> {
         let is_own = |known: &&syn::Ident| **known == "Self" || **known == self.system.item.ident;
         match type_of(&path.path).filter(is_own).and(path.path.segments.last()) {
             Some(method) => self.method(&method.ident.to_string()),
-            None => self.library?.functions.iter().find(|function| function.name == name),
+            None => self.now.library?.functions.iter().find(|function| function.name == name),
         }
     }
 
@@ -88,11 +89,11 @@ impl<'a> Interpreter<'a, '_> {
 
     /// Whether calls of functions that are not known yet are no mistakes.
     pub(super) fn awaits_definitions(&self) -> bool {
-        self.root.is_some_and(|root| root.is_pending)
+        self.root.is_pending
     }
 
     fn method(&self, name: &str) -> Option<&'a Function> {
-        self.root?.methods.iter().find(|function| function.name == name)
+        self.root.methods.iter().find(|function| function.name == name)
     }
 
     /// The body of a shared function at the place of its call: it sees its parameters, and what its author's names mean.
@@ -106,7 +107,7 @@ impl<'a> Interpreter<'a, '_> {
         let inputs = &function.signature.inputs;
         // A method by its path gets `self` as an argument.
         let has_receiver = matches!(inputs.first(), Some(FnArg::Receiver(_)));
-        let parameters: Vec<&'a syn::Pat> = inputs
+        let parameters: Vec<&'a Pat> = inputs
             .iter()
             .filter_map(|input| match input {
                 FnArg::Typed(typed) => Some(&*typed.pat),
@@ -119,22 +120,33 @@ impl<'a> Interpreter<'a, '_> {
         if parameters.len() != arguments.len() {
             return self.refuse(expressions::argument_count(at, parameters.len(), arguments.len()));
         }
-        if self.calls.iter().any(|active| std::ptr::eq(*active, function)) {
+        if self.now.calls.iter().any(|active| std::ptr::eq(*active, function)) {
             return self.refuse(messages::recursion(at.to_token_stream()));
         }
         if !self.spend(1, &at.to_token_stream()) {
             return None;
         }
-        let (scope, frame) = (std::mem::take(&mut self.scope), std::mem::take(&mut self.frame));
-        let library = self.library.replace(&function.library);
-        self.calls.push(function);
-        for (pattern, argument) in parameters.into_iter().zip(arguments) {
-            self.bind(pattern, argument);
-        }
-        let value = self.block(&function.block);
-        self.calls.pop();
-        self.library = library;
-        (self.scope, self.frame) = (scope, frame);
+        let library = self.now.library.replace(&function.library);
+        self.now.calls.push(function);
+        let body = |this: &mut Self| this.block(&function.block);
+        let value = self.inside_function(Scope::default(), parameters.into_iter().zip(arguments), body);
+        self.now.calls.pop();
+        self.now.library = library;
+        value
+    }
+
+    /// What `body` is where a function has these parameters and captured this scope.
+    fn inside_function(
+        &mut self,
+        captured: Scope,
+        parameters: impl Iterator<Item = (&'a Pat, Value)>,
+        body: impl FnOnce(&mut Self) -> Value,
+    ) -> Option<Value> {
+        let frame = std::mem::replace(&mut self.now.frame, captured.len());
+        let caller = std::mem::replace(&mut self.now.scope, captured);
+        parameters.for_each(|(pattern, argument)| self.bind(pattern, argument));
+        let value = body(self);
+        (self.now.scope, self.now.frame) = (caller, frame);
         value.known()
     }
 
@@ -151,7 +163,7 @@ impl<'a> Interpreter<'a, '_> {
             Value::Closure(id) => *id,
             other => return self.refuse(expressions::not_callable(at, other.describe())),
         };
-        let Closure { syntax, scope } = self.closures.get(id)?;
+        let Closure { syntax, scope } = self.now.closures.get(id)?;
         let (syntax, captured) = (*syntax, scope.clone());
         if syntax.inputs.len() != arguments.len() {
             return self.refuse(expressions::argument_count(at, syntax.inputs.len(), arguments.len()));
@@ -159,14 +171,8 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1 + captured.len() / 16, &at.to_token_stream()) {
             return None;
         }
-        let frame = std::mem::replace(&mut self.frame, captured.len());
-        let caller = std::mem::replace(&mut self.scope, captured);
-        for (pattern, argument) in syntax.inputs.iter().zip(arguments) {
-            self.bind(pattern, argument);
-        }
-        let value = self.evaluate(&syntax.body);
-        (self.scope, self.frame) = (caller, frame);
-        value.known()
+        let parameters = syntax.inputs.iter().zip(arguments);
+        self.inside_function(captured, parameters, |this| this.evaluate(&syntax.body))
     }
 
     pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Option<Value> {

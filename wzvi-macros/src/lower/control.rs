@@ -20,12 +20,12 @@ type Total = (Rc<Binding>, Expr);
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn block(&mut self, block: &'a Block) -> Value {
-        let outer = self.scope.len();
+        let outer = self.now.scope.len();
         let mut value = Value::unit();
         for statement in &block.stmts {
             value = self.statement(statement);
         }
-        self.scope.leave(outer);
+        self.now.scope.leave(outer);
         value
     }
 
@@ -77,11 +77,11 @@ impl<'a> Interpreter<'a, '_> {
             Syntax::Paren(inner) => return self.store(&inner.expr, value),
             _ => None,
         };
-        match name.and_then(|name| self.scope.find_from_anywhere(name)).cloned() {
-            Some(binding) if binding.branch == self.branch => {
+        match name.and_then(|name| self.now.scope.find_from_anywhere(name)).cloned() {
+            Some(binding) if binding.branch == self.now.branch => {
                 if self.is_abandoned() {
                 } else if binding.loops == self.loop_depth() || value.is_poison() {
-                    self.scope.assign(&binding, value, self.frame);
+                    self.now.scope.assign(&binding, value, self.now.frame);
                 } else if !self.request_turns(|_| true) {
                     self.report(expressions::long_for_loop(target));
                 }
@@ -108,8 +108,8 @@ impl<'a> Interpreter<'a, '_> {
 
     /// Both branches, and a choice between their values.
     fn undecided(&mut self, syntax: &'a ExprIf, condition: Option<Expr>) -> Option<Value> {
-        self.branch += 1;
-        let outer = self.scope.len();
+        self.now.branch += 1;
+        let outer = self.now.scope.len();
         if condition.is_none() {
             // `if let` was reported.
             let mut names = Names::default();
@@ -117,9 +117,9 @@ impl<'a> Interpreter<'a, '_> {
             names.0.into_iter().for_each(|name| self.declare(name, Value::Poison));
         }
         let then = self.block(&syntax.then_branch);
-        self.scope.leave(outer);
+        self.now.scope.leave(outer);
         let otherwise = syntax.else_branch.as_ref().map(|(_, otherwise)| self.evaluate(otherwise));
-        self.branch -= 1;
+        self.now.branch -= 1;
         let condition = condition?;
         let otherwise = match (otherwise, &then) {
             (Some(otherwise), _) => otherwise,
@@ -184,13 +184,13 @@ impl<'a> Interpreter<'a, '_> {
         let sequence = self.as_sequence(&value, &syntax.expr)?;
         let totals = self.totals(&syntax.body)?;
         // What a closure assigns to is not seen here.
-        let goes_by_items = self.has_mutation && self.has_known_items(&sequence);
+        let goes_by_items = self.now.has_mutation && self.has_known_items(&sequence);
         if let Some(totals) = totals.as_ref().filter(|_| !goes_by_items) {
             match self.summing_loop(&sequence, totals, syntax) {
                 Added::All(values) => {
                     for ((binding, before), added) in totals.iter().zip(values) {
                         let total = self.graph.add(*before, added);
-                        self.scope.assign(binding, Value::Real(total), self.frame);
+                        self.now.scope.assign(binding, Value::Real(total), self.now.frame);
                     }
                     return Some(Value::unit());
                 }
@@ -211,10 +211,10 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn turn(&mut self, syntax: &'a ExprForLoop, item: Value) {
-        let outer = self.scope.len();
+        let outer = self.now.scope.len();
         self.bind(&syntax.pat, item);
         self.block(&syntax.body);
-        self.scope.leave(outer);
+        self.now.scope.leave(outer);
     }
 
     /// The variables from outside that a block assigns to, with what they hold: `None` inside if that is not real numbers.
@@ -223,7 +223,7 @@ impl<'a> Interpreter<'a, '_> {
         targets.visit_block(body);
         let mut totals: Vec<Total> = Vec::new();
         for name in targets.0 {
-            let Some(binding) = self.scope.find_from_anywhere(&name).cloned() else { continue };
+            let Some(binding) = self.now.scope.find_from_anywhere(&name).cloned() else { continue };
             if totals.iter().any(|(known, _)| Rc::ptr_eq(known, &binding)) {
                 continue;
             }
@@ -251,15 +251,15 @@ impl<'a> Interpreter<'a, '_> {
         for wanted in 0..totals.len().max(1) {
             let mut is_sum = true;
             let sum = self.accumulate(sequence, &syntax.for_token, &mut |this, item| {
-                let outer = this.scope.len();
+                let outer = this.now.scope.len();
                 // The body has the totals for itself.
                 for ((binding, _), &placeholder) in totals.iter().zip(&placeholders) {
                     let total = Value::Real(this.graph.symbol(placeholder));
                     this.declare(binding.name.clone(), total);
                 }
                 this.turn(syntax, item);
-                let own = this.scope.get(outer + wanted).filter(|_| wanted < totals.len());
-                this.scope.leave(outer);
+                let own = this.now.scope.get(outer + wanted).filter(|_| wanted < totals.len());
+                this.now.scope.leave(outer);
                 let (Some(own), Some(&placeholder)) = (own, placeholders.get(wanted)) else {
                     return Some(this.graph.integer(0));
                 };

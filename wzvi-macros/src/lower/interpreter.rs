@@ -40,10 +40,20 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) graph: Graph,
     pub(super) system: &'a Container,
     pub(super) parameters: Parameters,
+    /// The shared functions of the declaration.
+    pub(super) root: &'a Library,
+    pub(super) symbols: Symbols,
+    pub(super) tables: Tables,
+    pub(super) now: Evaluation<'a>,
+    diagnostics: &'d mut Diagnostics,
+}
+
+/// Where the evaluation of one Hamiltonian is.
+#[derive(Default)]
+pub(super) struct Evaluation<'a> {
     pub(super) scope: Scope,
     pub(super) closures: Vec<Closure<'a>>,
-    /// The shared functions of the declaration, and of the shared function that is being evaluated.
-    pub(super) root: Option<&'a Library>,
+    /// The shared functions of the declaration, or of the shared function that is being evaluated.
     pub(super) library: Option<&'a Library>,
     /// The shared functions around the current expression.
     pub(super) calls: Vec<&'a Function>,
@@ -53,10 +63,7 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) has_mutation: bool,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
-    pub(super) symbols: Symbols,
-    pub(super) tables: Tables,
     pub(super) loops: Loops,
-    diagnostics: &'d mut Diagnostics,
     steps: usize,
     depth: usize,
     exhausted: bool,
@@ -66,40 +73,16 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn new(
         graph: Graph,
         symbols: Symbols,
-        system: &'a Container,
+        (system, root): (&'a Container, &'a Library),
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        Self {
-            graph,
-            system,
-            parameters: Parameters::default(),
-            scope: Scope::default(),
-            closures: Vec::new(),
-            root: None,
-            library: None,
-            calls: Vec::new(),
-            frame: 0,
-            has_mutation: false,
-            branch: 0,
-            symbols,
-            tables: Tables::default(),
-            loops: Loops::default(),
-            diagnostics,
-            steps: 0,
-            depth: 0,
-            exhausted: false,
-        }
+        let (parameters, tables, now) = (Parameters::default(), Tables::default(), Evaluation::default());
+        Self { graph, system, parameters, root, symbols, tables, now, diagnostics }
     }
 
     /// Forgets everything but the graph and what its symbols stand for: the next Hamiltonian starts.
     pub(super) fn start(&mut self) {
-        self.scope = Scope::default();
-        self.closures.clear();
-        self.loops = Loops::default();
-        self.calls.clear();
-        self.library = self.root;
-        (self.frame, self.has_mutation) = (0, false);
-        (self.branch, self.steps, self.depth, self.exhausted) = (0, 0, 0, false);
+        self.now = Evaluation { library: Some(self.root), ..Evaluation::default() };
     }
 
     pub(super) fn into_parts(self) -> (Graph, Symbols, Vec<Table>, Vec<Parameter>) {
@@ -127,11 +110,11 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// Takes `steps` from the budget; `false` once it is spent.
     pub(super) fn spend(&mut self, steps: usize, at: &dyn ToTokens) -> bool {
-        self.steps = self.steps.saturating_add(steps);
-        if self.steps > MAX_STEPS && !std::mem::replace(&mut self.exhausted, true) {
+        self.now.steps = self.now.steps.saturating_add(steps);
+        if self.now.steps > MAX_STEPS && !std::mem::replace(&mut self.now.exhausted, true) {
             self.diagnostics.report(expressions::too_many_steps(at, MAX_STEPS));
         }
-        !self.exhausted
+        !self.now.exhausted
     }
 
     /// The same for another operand of a chain, whose terms are copied.
@@ -141,12 +124,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     pub(super) fn declare(&mut self, name: syn::Ident, value: Value) {
-        if self.scope.len() >= MAX_VARIABLES {
+        if self.now.scope.len() >= MAX_VARIABLES {
             self.report(expressions::too_many_variables(&name, MAX_VARIABLES));
             return;
         }
         let loops = self.loop_depth();
-        self.scope.declare(name, value, self.branch, loops);
+        self.now.scope.declare(name, value, self.now.branch, loops);
     }
 
     /// The value of an expression; what has none has been reported.
@@ -154,13 +137,13 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         if self.is_abandoned() || !self.spend(1, syntax) {
             return Value::Poison;
         }
-        if self.depth >= MAX_DEPTH {
+        if self.now.depth >= MAX_DEPTH {
             self.report(expressions::too_deep(syntax, MAX_DEPTH));
             return Value::Poison;
         }
-        self.depth += 1;
+        self.now.depth += 1;
         let value = self.read(syntax).unwrap_or_default();
-        self.depth -= 1;
+        self.now.depth -= 1;
         self.bounded(value, syntax).unwrap_or_default()
     }
 

@@ -46,12 +46,12 @@ pub(super) struct Loops {
 impl<'a> Interpreter<'a, '_> {
     /// Whether the evaluation is on its way to a loop that starts again: nothing in between has a meaning.
     pub(super) fn is_abandoned(&self) -> bool {
-        self.loops.by_turns.is_some()
+        self.now.loops.by_turns.is_some()
     }
 
     /// Number of loops around the current expression.
     pub(super) fn loop_depth(&self) -> usize {
-        self.loops.active.len()
+        self.now.loops.active.len()
     }
 
     /// Evaluates `body` inside of a loop that is placed from outside.
@@ -60,17 +60,17 @@ impl<'a> Interpreter<'a, '_> {
         range: Option<&Loop>,
         body: impl FnOnce(&mut Self) -> Option<T>,
     ) -> Option<T> {
-        self.loops.active.extend(range.cloned());
+        self.now.loops.active.extend(range.cloned());
         let value = body(self);
-        self.loops.active.clear();
+        self.now.loops.active.clear();
         value
     }
 
     /// Whether the evaluation was abandoned for turns of the loop over `variable`; it is not any more.
     pub(super) fn takes_turns(&mut self, variable: u32) -> bool {
-        let is_own = self.loops.by_turns == Some(variable);
+        let is_own = self.now.loops.by_turns == Some(variable);
         if is_own {
-            self.loops.by_turns = None;
+            self.now.loops.by_turns = None;
         }
         is_own
     }
@@ -80,9 +80,9 @@ impl<'a> Interpreter<'a, '_> {
         if self.is_abandoned() {
             return true;
         }
-        let mut loops = self.loops.active.iter().rev().filter(|known| wanted(known.variable));
+        let mut loops = self.now.loops.active.iter().rev().filter(|known| wanted(known.variable));
         let found = loops.find(|known| self.has_known_turns(known)).map(|known| known.variable);
-        self.loops.by_turns = found;
+        self.now.loops.by_turns = found;
         found.is_some()
     }
 
@@ -92,7 +92,7 @@ impl<'a> Interpreter<'a, '_> {
             bound.is_closed()
                 && bound.loops().iter().all(|variable| {
                     let mut outer =
-                        self.loops.active.iter().take_while(|outer| outer.variable != known.variable);
+                        self.now.loops.active.iter().take_while(|outer| outer.variable != known.variable);
                     outer
                         .find(|outer| outer.variable == *variable)
                         .is_some_and(|outer| self.has_known_turns(outer))
@@ -116,10 +116,10 @@ impl<'a> Interpreter<'a, '_> {
     /// The parts of the loops that are being evaluated.
     fn restricted_loops(&self) -> Vec<Loop> {
         let restricted = |known: &Loop| {
-            let case = self.loops.cases.iter().rev().find(|case| case.variable == known.variable);
+            let case = self.now.loops.cases.iter().rev().find(|case| case.variable == known.variable);
             case.and_then(|case| restrict(known, &case.assumed)).unwrap_or_else(|| known.clone())
         };
-        self.loops.active.iter().map(restricted).collect()
+        self.now.loops.active.iter().map(restricted).collect()
     }
 
     /// `difference < 0`, or `<= 0` with `or_equal`: decided, or assumed in this part of the loop, or left to the
@@ -137,7 +137,7 @@ impl<'a> Interpreter<'a, '_> {
             return Value::Known(false);
         }
         let splits = |case: &Case| matches!(difference.slope(case.variable), Some(1 | -1));
-        if let Some(case) = self.loops.cases.iter_mut().rev().find(|case| splits(case)) {
+        if let Some(case) = self.now.loops.cases.iter_mut().rev().find(|case| splits(case)) {
             let known = case.assumed.iter().find(|a| a.difference == *difference && a.or_equal == or_equal);
             if let Some(known) = known {
                 return Value::Known(known.holds);
@@ -215,14 +215,14 @@ impl<'a> Interpreter<'a, '_> {
             return Some(self.graph.integer(0));
         }
         // Evaluated once, however many turns there are.
-        let variable = self.symbols.variable(self.loops.active.len());
+        let variable = self.symbols.variable(self.now.loops.active.len());
         let whole = Loop { variable, start: Index::default(), end: length.clone() };
-        let outer = (self.loops.active.len(), self.loops.cases.len());
-        let scope = self.scope.len();
+        let outer = (self.now.loops.active.len(), self.now.loops.cases.len());
+        let scope = self.now.scope.len();
         let sum = self.sum_by_parts(&whole, at, body);
-        self.loops.active.truncate(outer.0);
-        self.loops.cases.truncate(outer.1);
-        self.scope.leave(scope);
+        self.now.loops.active.truncate(outer.0);
+        self.now.loops.cases.truncate(outer.1);
+        self.now.scope.leave(scope);
         if !self.takes_turns(variable) {
             return sum;
         }
@@ -249,15 +249,15 @@ impl<'a> Interpreter<'a, '_> {
         let mut pending = vec![Vec::new()];
         let mut terms = Vec::new();
         while let Some(assumed) = pending.pop() {
-            self.loops.active.push(whole.clone());
-            self.loops.cases.push(Case { variable, assumed, others: Vec::new() });
+            self.now.loops.active.push(whole.clone());
+            self.now.loops.cases.push(Case { variable, assumed, others: Vec::new() });
             let value = body(self, &Index::atom(Atom::Loop(variable)));
-            let case = self.loops.cases.pop()?;
-            self.loops.active.pop();
+            let case = self.now.loops.cases.pop()?;
+            self.now.loops.active.pop();
             let value = value?;
             pending.extend(case.others);
             if pending.len() > MOST_CASES {
-                self.loops.active.push(whole.clone());
+                self.now.loops.active.push(whole.clone());
                 return self.refuse(expressions::too_many_cases(at, MOST_CASES));
             }
             let Some(range) = restrict(whole, &case.assumed) else {

@@ -24,9 +24,9 @@ impl<'a> Interpreter<'a, '_> {
         ) {
             return self.refuse(expressions::match_on(&syntax.expr, scrutinee.describe()));
         }
-        let outer = self.branch;
+        let outer = self.now.branch;
         let value = self.choose_arm(&scrutinee, syntax);
-        self.branch = outer;
+        self.now.branch = outer;
         value
     }
 
@@ -40,18 +40,18 @@ impl<'a> Interpreter<'a, '_> {
                 Some(Value::Condition(condition)) => Some(condition),
                 // The arms may have mistakes of their own.
                 _ => {
-                    let outer = self.scope.len();
-                    self.branch += 1;
+                    let outer = self.now.scope.len();
+                    self.now.branch += 1;
                     self.poison(&arm.pat);
                     self.evaluate(&arm.body);
-                    self.branch -= 1;
-                    self.scope.leave(outer);
+                    self.now.branch -= 1;
+                    self.now.scope.leave(outer);
                     choices.push(Choice { condition: None, value: Value::Poison, body: &arm.body });
                     continue;
                 }
             };
             if choices.is_empty() && condition.is_some() {
-                self.branch += 1;
+                self.now.branch += 1;
             }
             let value = self.evaluate(&arm.body);
             choices.push(Choice { condition, value, body: &arm.body });

@@ -99,7 +99,9 @@ impl<'a> Interpreter<'a, '_> {
             }
         };
         Some(match value {
-            Value::Sequence(list) if makes_list && self.has_mutation => Value::list(self.items(&list, from)?),
+            Value::Sequence(list) if makes_list && self.now.has_mutation => {
+                Value::list(self.items(&list, from)?)
+            }
             value => value,
         })
     }

@@ -41,6 +41,7 @@ use sequences::Sequence;
 use value::Value;
 
 pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
+pub(crate) use patterns::Names;
 
 /// Members of a family that may be noises of their own.
 const MOST_MEMBERS: i128 = 10_000;
@@ -73,8 +74,7 @@ pub(crate) fn lower(
     let mut symbols = Symbols::new(phase_space.names.clone());
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
     let t = graph.new_symbol(&phase_space.t);
-    let mut interpreter = Interpreter::new(graph, symbols, &container, diagnostics);
-    interpreter.root = Some(&declaration.library);
+    let mut interpreter = Interpreter::new(graph, symbols, (&container, &declaration.library), diagnostics);
     let space = Space::new(&mut interpreter, &phase_space.shape, t);
 
     let drift = space.terms(&mut interpreter, declaration.of(Role::Drift));
@@ -260,16 +260,14 @@ impl<'s> Space<'s> {
         let q = self.vector(interpreter, Half::Coordinates);
         let p = self.vector(interpreter, Half::Momenta);
         let mut values = vec![q, p, Value::Real(interpreter.graph.symbol(self.t))];
-        let range = match &member {
-            Some(Member::Any(range)) => Some(*range),
-            _ => None,
+        let (range, number) = match member {
+            Some(Member::Any(range)) => (Some(range), Some(Index::atom(Atom::Loop(range.variable)))),
+            Some(Member::Known(member)) => (None, Some(Index::integer(member))),
+            None => (None, None),
         };
-        if let Some(member) = &member {
+        if let Some(number) = number {
             values.truncate(closure.inputs.len().saturating_sub(1));
-            values.push(match member {
-                Member::Any(range) => Value::index(Index::atom(Atom::Loop(range.variable))),
-                Member::Known(member) => Value::integer(*member),
-            });
+            values.push(Value::index(number));
         }
         interpreter.inside(range, |interpreter| {
             for (pattern, value) in closure.inputs.iter().zip(values) {

@@ -47,7 +47,7 @@ impl<'a> Interpreter<'a, '_> {
 
     /// The innermost meaning of a name: variable, field, const generic, constant.
     fn name(&mut self, name: &Ident) -> Option<Value> {
-        if let Some(binding) = self.scope.find(name) {
+        if let Some(binding) = self.now.scope.find(name) {
             return Some(binding.value.borrow().clone());
         }
         if let Some(field) = self.named_field(name) {
@@ -57,7 +57,7 @@ impl<'a> Interpreter<'a, '_> {
         if self.system.sizes.contains(name) {
             return Some(Value::index(self.size(&syn::parse_quote!(#tokens))));
         }
-        if let Some(binding) = self.scope.find_from_anywhere(name) {
+        if let Some(binding) = self.now.scope.find_from_anywhere(name) {
             return Some(binding.value.borrow().clone());
         }
         if name == "self" {
@@ -68,7 +68,7 @@ impl<'a> Interpreter<'a, '_> {
             return Some(Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into()));
         }
         let fields = self.field_names();
-        let locals = self.scope.names();
+        let locals = self.now.scope.names();
         self.refuse(expressions::unknown_name(name, &fields, &locals))
     }
 

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::punctuated::Punctuated;
 use syn::visit::{self, Visit};
-use syn::{Ident, Pat, PatIdent, Token};
+use syn::{Ident, ItemConst, Pat, PatIdent, Token};
 
 use super::interpreter::Interpreter;
 use super::value::{Items, Value};
@@ -98,14 +98,19 @@ impl<'a> Interpreter<'a, '_> {
     }
 }
 
-/// The names that a pattern binds, or might.
+/// The names that a pattern or a `const` binds, or might.
 #[derive(Default)]
-pub(super) struct Names(pub(super) Vec<Ident>);
+pub(crate) struct Names(pub(crate) Vec<Ident>);
 
 impl Visit<'_> for Names {
     fn visit_pat_ident(&mut self, pattern: &PatIdent) {
         self.0.push(pattern.ident.clone());
         visit::visit_pat_ident(self, pattern);
+    }
+
+    fn visit_item_const(&mut self, item: &ItemConst) {
+        self.0.push(item.ident.clone());
+        visit::visit_item_const(self, item);
     }
 }
 

@@ -402,7 +402,7 @@ impl<'a> Interpreter<'a, '_> {
     ) -> Option<T> {
         let written = match predicate {
             Value::Closure(id) if is_known => {
-                self.closures.get(*id).map(|closure| closure.syntax.to_token_stream())
+                self.now.closures.get(*id).map(|closure| closure.syntax.to_token_stream())
             }
             _ => None,
         };

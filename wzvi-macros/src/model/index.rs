@@ -5,7 +5,7 @@
 //! is a constant (a band), wraps around (a ring), or is known to the running program only (a table).
 
 use std::cell::Cell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What an index is made of besides integers.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -252,6 +252,13 @@ impl Index {
             sum = sum.plus(&part, *coefficient)?;
         }
         Some(sum)
+    }
+
+    /// The index where loop variables have these values.
+    pub(crate) fn at(&self, values: &BTreeMap<u32, i128>) -> Option<Self> {
+        let mut values = values.iter();
+        values
+            .try_fold(self.clone(), |index, (&variable, &value)| index.with(variable, &Self::integer(value)))
     }
 
     /// The coefficient of a loop variable, if it occurs linearly and nowhere else; 0 if it does not occur.

@@ -148,18 +148,13 @@ impl<'a> Writer<'a> {
             return Err(NotWrittenOut);
         }
         let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect();
-        let with = |index: &Index| {
-            values.iter().try_fold(index.clone(), |index, (&variable, &value)| {
-                index.with(variable, &Index::integer(value))
-            })
-        };
         let mut images = HashMap::new();
         for symbol in symbols {
             if let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() {
                 images.insert(symbol, self.turns(&range, body, values)?);
             } else if let Some(local) = self.symbols.local_of(symbol) {
                 let slot = local.slot.clone();
-                let moved = slot.map(with).ok_or(NotWrittenOut)?;
+                let moved = slot.map(|index| index.at(values)).ok_or(NotWrittenOut)?;
                 if moved != slot {
                     images.insert(symbol, self.slot(moved));
                 }
@@ -175,12 +170,8 @@ impl<'a> Writer<'a> {
         body: Expr,
         values: &BTreeMap<u32, i128>,
     ) -> Result<Expr, NotWrittenOut> {
-        let known = |index: &Index| {
-            let value = values.iter().try_fold(index.clone(), |index, (&variable, &value)| {
-                index.with(variable, &Index::integer(value))
-            });
-            value.and_then(|index| index.as_integer()).ok_or(NotWrittenOut)
-        };
+        let known =
+            |index: &Index| index.at(values).and_then(|index| index.as_integer()).ok_or(NotWrittenOut);
         let (start, end) = (known(&range.start)?, known(&range.end)?);
         if end.saturating_sub(start) > OPERATIONS as i128 {
             return Err(NotWrittenOut);
