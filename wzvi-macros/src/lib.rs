@@ -9,8 +9,6 @@ mod compile;
 mod describe;
 mod diagnostics;
 mod discretise;
-#[cfg(test)]
-mod effort;
 mod elements;
 mod embedding;
 mod emit;

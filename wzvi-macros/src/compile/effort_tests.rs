@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::expand;
-use crate::effort;
+use crate::symbolic::tests::effort;
 
 /// Nodes for each embedding: twice what the largest scene here takes.
 const ALLOWED: u64 = 50_000;

@@ -53,18 +53,43 @@ pub(crate) enum Labels {
     Array(String, Vec<usize>),
 }
 
-impl Labels {
-    fn of(pattern: &Pat, shape: &Shape, fallback: &str) -> Self {
-        match shape {
-            Shape::Array(element, _) if is_named_array(pattern) => {
-                Self::Array(array_name(pattern, fallback), element.lengths())
-            }
-            _ => {
-                let mut names = Vec::new();
-                name(pattern, shape, fallback, &mut names);
-                Self::Each(names)
-            }
+/// The names that a pattern gives to coordinates or momenta.
+enum Bound {
+    /// An array or a number as a whole; without a name it is `_`.
+    Whole(Option<String>),
+    Each(Vec<Bound>),
+}
+
+impl Bound {
+    /// The name of all.
+    fn name(&self, fallback: &str) -> String {
+        match self {
+            Self::Whole(Some(name)) => name.clone(),
+            _ => fallback.to_owned(),
         }
+    }
+
+    fn labels(&self, shape: &Shape, fallback: &str) -> Labels {
+        match (self, shape) {
+            (Self::Whole(_), Shape::Array(element, _)) => {
+                Labels::Array(self.name(fallback), element.lengths())
+            }
+            _ => Labels::Each(self.components(shape, fallback)),
+        }
+    }
+
+    /// A name for each number, made of `fallback` where there is none.
+    fn components(&self, shape: &Shape, fallback: &str) -> Vec<String> {
+        let mut names = Vec::new();
+        match (self, shape) {
+            (Self::Each(parts), Shape::Array(element, _)) => {
+                for (i, part) in parts.iter().enumerate() {
+                    names.extend(part.components(element, &format!("{fallback}[{i}]")));
+                }
+            }
+            _ => indexed(&self.name(fallback), shape, &mut names),
+        }
+        names
     }
 }
 
@@ -165,7 +190,7 @@ pub(crate) fn read_phase_space(
 /// The phase space of the drift.
 fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
     let (q, p, t) = parameters(drift)?;
-    let (q_shape, p_shape) = (shape(q)?, shape(p)?);
+    let ((q_shape, q_names), (p_shape, p_names)) = (bound(q)?, bound(p)?);
     let shape = match (q_shape, p_shape) {
         (Some(q_shape), Some(p_shape)) if q_shape != p_shape => {
             return Err(messages::momenta_disagree(p, &q_shape, &p_shape));
@@ -174,23 +199,20 @@ fn declared(drift: &Hamiltonian) -> syn::Result<PhaseSpace> {
         (None, None) => Shape::Real,
     };
     let has_names = shape.size().is_some_and(|size| size <= DEGREES);
-    let are_arrays = is_named_array(q) && is_named_array(p);
+    let are_arrays = [&q_names, &p_names].iter().all(|names| matches!(names, Bound::Whole(_)));
     if !(has_names || are_arrays) {
         return Err(messages::too_many_degrees(q, DEGREES));
     }
-    let components = |pattern, fallback| {
-        let mut names = Vec::new();
-        if has_names {
-            name(pattern, &shape, fallback, &mut names);
-        }
-        names
+    let components = |names: &Bound, fallback| match has_names {
+        true => names.components(&shape, fallback),
+        false => Vec::new(),
     };
     Ok(PhaseSpace {
         is_of_drift: false,
-        names: [array_name(q, "q"), array_name(p, "p")],
-        q: components(q, "q"),
-        p: components(p, "p"),
-        labels: [Labels::of(q, &shape, "q"), Labels::of(p, &shape, "p")],
+        names: [q_names.name("q"), p_names.name("p")],
+        q: components(&q_names, "q"),
+        p: components(&p_names, "p"),
+        labels: [q_names.labels(&shape, "q"), p_names.labels(&shape, "p")],
         t: t.map_or(Ok("t".to_owned()), time)?,
         shape,
     })
@@ -204,24 +226,6 @@ fn peeled(mut pattern: &Pat) -> &Pat {
     pattern
 }
 
-/// Whether `pattern` names an array as a whole.
-fn is_named_array(pattern: &Pat) -> bool {
-    match peeled(pattern) {
-        Pat::Type(typed) => is_named_array(&typed.pat),
-        Pat::Ident(_) | Pat::Wild(_) => true,
-        _ => false,
-    }
-}
-
-/// The name that an array goes by.
-pub(super) fn array_name(pattern: &Pat, fallback: &str) -> String {
-    match peeled(pattern) {
-        Pat::Type(typed) => array_name(&typed.pat, fallback),
-        Pat::Ident(ident) => ident.ident.unraw().to_string(),
-        _ => fallback.to_owned(),
-    }
-}
-
 /// Whether the patterns of another closure describe `expected`.
 fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
     let (q, p, t) = parameters(closure)?;
@@ -231,7 +235,7 @@ fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
         if bare_name(pattern).is_some() {
             continue;
         }
-        match shape(pattern)? {
+        match bound(pattern)?.0 {
             Some(found) if found != *expected => {
                 return Err(messages::shapes_disagree(pattern, &found, expected, *expected == Shape::Real));
             }
@@ -287,55 +291,62 @@ fn are_swapped(q: &Pat, p: &Pat) -> bool {
     }
 }
 
-/// The shape that a pattern declares; `None` fits any.
-fn shape(pattern: &Pat) -> syn::Result<Option<Shape>> {
+/// The shape that a pattern declares, `None` if it fits any, and its names.
+fn bound(pattern: &Pat) -> syn::Result<(Option<Shape>, Bound)> {
     match peeled(pattern) {
-        Pat::Wild(_) => Ok(None),
-        name if bare_name(name).is_some() => Ok(Some(Shape::Real)),
+        Pat::Wild(_) => Ok((None, Bound::Whole(None))),
         Pat::Type(typed) => {
             let declared = type_shape(&typed.ty)?;
-            fits(&typed.pat, &declared)?;
-            Ok(Some(declared))
+            let names = fitting(&typed.pat, &declared)?;
+            Ok((Some(declared), names))
         }
         Pat::Slice(slice) => {
-            let mut element = None;
+            let (mut element, mut parts) = (None, Vec::new());
             for inner in &slice.elems {
-                match (shape(inner)?, &element) {
-                    (Some(found), Some(expected)) if found != *expected => {
-                        return Err(messages::shapes_disagree_within(inner, &found, expected));
-                    }
-                    (Some(found), _) => element = Some(found),
-                    (None, _) => {}
+                let (found, names) = bound(inner)?;
+                if let (Some(found), Some(expected)) = (&found, &element)
+                    && found != expected
+                {
+                    return Err(messages::shapes_disagree_within(inner, found, expected));
                 }
+                element = found.or(element);
+                parts.push(names);
             }
+            let element = element.unwrap_or(Shape::Real);
             match slice.elems.len() {
                 0 => Err(messages::no_degrees(slice)),
+                _ if element.size().is_none() => Err(messages::size_not_literal(slice)),
                 len => {
-                    let element = element.unwrap_or(Shape::Real);
-                    if element.size().is_none() {
-                        return Err(messages::size_not_literal(slice));
-                    }
-                    Ok(Some(Shape::Array(Box::new(element), Length::Literal(len))))
+                    let shape = Shape::Array(Box::new(element), Length::Literal(len));
+                    Ok((Some(shape), Bound::Each(parts)))
                 }
             }
         }
         Pat::Tuple(tuple) => Err(messages::tuple_phase_pattern(tuple, &tuple.elems)),
-        other => Err(messages::unsupported_phase_pattern(other)),
+        other => match bare_name(other) {
+            Some(name) => Ok((Some(Shape::Real), Bound::Whole(Some(name.unraw().to_string())))),
+            None => Err(messages::unsupported_phase_pattern(other)),
+        },
     }
 }
 
-/// Whether `pattern` can bind a value of shape `declared`.
-fn fits(pattern: &Pat, declared: &Shape) -> syn::Result<()> {
+/// The names of a pattern that binds a value of shape `declared`.
+fn fitting(pattern: &Pat, declared: &Shape) -> syn::Result<Bound> {
     match (peeled(pattern), declared) {
         (Pat::Slice(slice), Shape::Array(element, Length::Literal(len))) if slice.elems.len() == *len => {
-            slice.elems.iter().try_for_each(|inner| fits(inner, element))
+            slice
+                .elems
+                .iter()
+                .map(|inner| fitting(inner, element))
+                .collect::<syn::Result<_>>()
+                .map(Bound::Each)
         }
-        (Pat::Ident(_) | Pat::Wild(_), _) => shape(pattern).map(|_| ()),
-        _ => match shape(pattern)? {
-            Some(found) if found != *declared => {
+        (Pat::Ident(_) | Pat::Wild(_), _) => bound(pattern).map(|(_, names)| names),
+        _ => match bound(pattern)? {
+            (Some(found), _) if found != *declared => {
                 Err(messages::shapes_disagree_within(pattern, &found, declared))
             }
-            _ => Ok(()),
+            (_, names) => Ok(names),
         },
     }
 }
@@ -385,20 +396,6 @@ fn time(pattern: &Pat) -> syn::Result<String> {
             Shape::Array(..) => Err(messages::time_is_real(pattern)),
         },
         _ => Err(messages::time_is_real(pattern)),
-    }
-}
-
-/// Appends the display names of the variables that `pattern` binds, `fallback` where it names none.
-fn name(pattern: &Pat, shape: &Shape, fallback: &str, names: &mut Vec<String>) {
-    match (peeled(pattern), shape) {
-        (Pat::Type(typed), _) => name(&typed.pat, shape, fallback, names),
-        (Pat::Ident(ident), _) => indexed(&ident.ident.unraw().to_string(), shape, names),
-        (Pat::Slice(slice), Shape::Array(element, _)) => {
-            for (i, inner) in slice.elems.iter().enumerate() {
-                name(inner, element, &format!("{fallback}[{i}]"), names);
-            }
-        }
-        _ => indexed(fallback, shape, names),
     }
 }
 

@@ -131,84 +131,55 @@ impl Graph {
     ///
     /// Forms are chosen to keep digits: `1/cosh²` rather than `1 - tanh²`, `(1-x)(1+x)` rather than `1 - x²`.
     fn partial(&mut self, value: Expr, function: Function, arguments: &[Expr], i: usize) -> Expr {
+        const MINUS_HALF: Rational = Rational::HALF.negate();
         let x = arguments[0];
         let one = self.integer(1);
-        match function {
-            Function::Sqrt => {
-                let inverse = self.power(value, Rational::MINUS_ONE);
-                self.scale(inverse, Rational::HALF)
-            }
-            Function::Cbrt => {
-                let inverse = self.power(value, Rational::integer(-2));
-                self.scale(inverse, Rational::THIRD)
-            }
-            Function::Exp => value,
+        let (base, exponent, factor) = match function {
+            Function::Sqrt => (value, Rational::MINUS_ONE, Rational::HALF),
+            Function::Cbrt => (value, Rational::integer(-2), Rational::THIRD),
+            Function::Exp => return value,
             Function::Exp2 => {
                 let ln_2 = self.float(std::f64::consts::LN_2);
-                self.multiply(ln_2, value)
+                return self.multiply(ln_2, value);
             }
-            Function::ExpM1 => self.apply(Function::Exp, &[x]),
-            Function::Ln => self.power(x, Rational::MINUS_ONE),
-            Function::Ln1p => {
-                let shifted = self.add(one, x);
-                self.power(shifted, Rational::MINUS_ONE)
+            Function::ExpM1 => return self.apply(Function::Exp, &[x]),
+            Function::Ln => (x, Rational::MINUS_ONE, Rational::ONE),
+            Function::Ln1p => (self.add(one, x), Rational::MINUS_ONE, Rational::ONE),
+            Function::Log2 | Function::Log10 => {
+                let is_binary = function == Function::Log2;
+                let ln = self.float(if is_binary { std::f64::consts::LN_2 } else { std::f64::consts::LN_10 });
+                (self.multiply(ln, x), Rational::MINUS_ONE, Rational::ONE)
             }
-            Function::Log2 => self.inverse_of_multiple(x, std::f64::consts::LN_2),
-            Function::Log10 => self.inverse_of_multiple(x, std::f64::consts::LN_10),
-            Function::Sin => self.apply(Function::Cos, &[x]),
-            Function::Cos => {
-                let sine = self.apply(Function::Sin, &[x]);
-                self.negate(sine)
-            }
-            Function::Tan => {
-                let square = self.power(value, Rational::integer(2));
-                self.add(one, square)
-            }
-            Function::Asin => self.inverse_root_of_complement(x),
-            Function::Acos => {
-                let slope = self.inverse_root_of_complement(x);
-                self.negate(slope)
-            }
-            Function::Atan => {
-                let square = self.power(x, Rational::integer(2));
-                let sum = self.add(one, square);
-                self.power(sum, Rational::MINUS_ONE)
-            }
-            Function::Sinh => self.apply(Function::Cosh, &[x]),
-            Function::Cosh => self.apply(Function::Sinh, &[x]),
-            Function::Tanh => {
-                let cosine = self.apply(Function::Cosh, &[x]);
-                self.power(cosine, Rational::integer(-2))
-            }
-            Function::Asinh => {
-                let square = self.power(x, Rational::integer(2));
-                let sum = self.add(one, square);
-                let minus_half = Rational::HALF.negate();
-                self.power(sum, minus_half)
-            }
+            Function::Sin => return self.apply(Function::Cos, &[x]),
+            Function::Cos => (self.apply(Function::Sin, &[x]), Rational::ONE, Rational::MINUS_ONE),
+            Function::Tan => return self.sum_of_squares(one, value),
+            Function::Asin => (self.complement_of_square(x), MINUS_HALF, Rational::ONE),
+            Function::Acos => (self.complement_of_square(x), MINUS_HALF, Rational::MINUS_ONE),
+            Function::Atan => (self.sum_of_squares(one, x), Rational::MINUS_ONE, Rational::ONE),
+            Function::Sinh => return self.apply(Function::Cosh, &[x]),
+            Function::Cosh => return self.apply(Function::Sinh, &[x]),
+            Function::Tanh => (self.apply(Function::Cosh, &[x]), Rational::integer(-2), Rational::ONE),
+            Function::Asinh => (self.sum_of_squares(one, x), MINUS_HALF, Rational::ONE),
             Function::Acosh => {
                 let (below, above) = (self.subtract(x, one), self.add(x, one));
-                let minus_half = Rational::HALF.negate();
-                let (below, above) = (self.power(below, minus_half), self.power(above, minus_half));
-                self.multiply(below, above)
+                let (below, above) = (self.power(below, MINUS_HALF), self.power(above, MINUS_HALF));
+                return self.multiply(below, above);
             }
-            Function::Atanh => {
-                let complement = self.complement_of_square(x);
-                self.power(complement, Rational::MINUS_ONE)
-            }
-            Function::Abs => self.apply(Function::Signum, &[x]),
-            Function::Signum => self.integer(0),
-            Function::Powf => self.powf_partial(value, x, arguments[1], i),
+            Function::Atanh => (self.complement_of_square(x), Rational::MINUS_ONE, Rational::ONE),
+            Function::Abs => return self.apply(Function::Signum, &[x]),
+            Function::Powf => return self.powf_partial(value, x, arguments[1], i),
             Function::Atan2 => {
                 let (y, x) = (arguments[0], arguments[1]);
                 let radius = self.sum_of_squares(x, y);
                 let numerator = if i == 0 { x } else { self.negate(y) };
-                self.divide(numerator, radius)
+                return self.divide(numerator, radius);
             }
-            Function::Hypot => self.divide(arguments[i], value),
-            // Their slope is a choice between slopes, made by the caller.
-            Function::Min | Function::Max => self.integer(0),
-        }
+            Function::Hypot => return self.divide(arguments[i], value),
+            // The slope of an extreme is a choice between slopes, made by the caller.
+            Function::Signum | Function::Min | Function::Max => return self.integer(0),
+        };
+        let power = self.power(base, exponent);
+        self.scale(power, factor)
     }
 
     fn powf_partial(&mut self, value: Expr, base: Expr, exponent: Expr, i: usize) -> Expr {
@@ -227,22 +198,11 @@ impl Graph {
         }
     }
 
-    fn inverse_of_multiple(&mut self, x: Expr, factor: f64) -> Expr {
-        let factor = self.float(factor);
-        let product = self.multiply(factor, x);
-        self.power(product, Rational::MINUS_ONE)
-    }
-
     /// `1 - x²` as `(1 - x)(1 + x)`
     fn complement_of_square(&mut self, x: Expr) -> Expr {
         let one = self.integer(1);
         let (below, above) = (self.subtract(one, x), self.add(one, x));
         self.multiply(below, above)
-    }
-
-    fn inverse_root_of_complement(&mut self, x: Expr) -> Expr {
-        let complement = self.complement_of_square(x);
-        self.power(complement, Rational::HALF.negate())
     }
 
     fn sum_of_squares(&mut self, x: Expr, y: Expr) -> Expr {

@@ -179,7 +179,7 @@ impl Graph {
 
     pub(crate) fn node(&self, expr: Expr) -> &Node {
         #[cfg(test)]
-        crate::effort::count();
+        super::tests::effort::count();
         &self.nodes[expr.index()]
     }
 
@@ -223,7 +223,7 @@ impl Graph {
     /// The handle of a node that is already in canonical form: only the constructors of `build` call this.
     pub(super) fn intern(&mut self, node: Node) -> Expr {
         #[cfg(test)]
-        crate::effort::count();
+        super::tests::effort::count();
         let mut hasher = NodeHasher(0);
         node.hash(&mut hasher);
         let mut key = hasher.finish();

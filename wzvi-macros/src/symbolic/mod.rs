@@ -16,7 +16,7 @@ pub(crate) mod sign;
 pub(crate) mod stabilise;
 pub(crate) mod substitute;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub(crate) mod zero;
 
 pub(crate) use function::Function;

@@ -65,7 +65,7 @@ impl Rational {
         self.numerator as f64 / self.denominator as f64
     }
 
-    pub(crate) fn negate(self) -> Self {
+    pub(crate) const fn negate(self) -> Self {
         Self { numerator: -self.numerator, ..self }
     }
 

@@ -2,13 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod accuracy;
+pub(crate) mod effort;
 mod evaluate;
 mod precise;
 mod random;
 mod real;
 mod validate;
 
-use crate::effort;
 use crate::symbolic::zero::ZeroTest;
 use crate::symbolic::{Expr, Function, Graph, Rational, Symbol};
 
