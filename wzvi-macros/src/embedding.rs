@@ -190,22 +190,30 @@ enum Argument<'e> {
 }
 
 impl Embedding {
-    /// Those without arguments, by their names.
-    pub(crate) const PLAIN: [(&str, Self); 8] = [
-        ("DeltaPlus", Self::DeltaPlus),
-        ("Midpoint", Self::Midpoint),
-        ("DeltaMinus", Self::DeltaMinus),
-        ("Verlet", Self::Verlet),
-        ("Baoab", Self::Baoab),
-        ("Obabo", Self::Obabo),
-        ("Gjf", Self::Gjf),
-        ("GjI", Self::GjI),
+    /// Those without arguments.
+    pub(crate) const PLAIN: [Self; 8] = [
+        Self::DeltaPlus,
+        Self::Midpoint,
+        Self::DeltaMinus,
+        Self::Verlet,
+        Self::Baoab,
+        Self::Obabo,
+        Self::Gjf,
+        Self::GjI,
     ];
 
     /// Its name and its arguments, as users write it; one that they have no name for is written as what is inside.
     fn spelling(&self) -> (String, Vec<Argument<'_>>) {
         use Argument::{Letters, Number, Scheme};
         let (name, arguments) = match self {
+            Self::DeltaPlus => ("DeltaPlus", Vec::new()),
+            Self::Midpoint => ("Midpoint", Vec::new()),
+            Self::DeltaMinus => ("DeltaMinus", Vec::new()),
+            Self::Verlet => ("Verlet", Vec::new()),
+            Self::Baoab => ("Baoab", Vec::new()),
+            Self::Obabo => ("Obabo", Vec::new()),
+            Self::Gjf => ("Gjf", Vec::new()),
+            Self::GjI => ("GjI", Vec::new()),
             Self::Splitting(word) => ("Splitting", vec![Letters(word)]),
             Self::Lambda(n, d) => ("Lambda", vec![Number(*n), Number(*d)]),
             Self::Gauss(stages) => ("Gauss", vec![Number(*stages)]),
@@ -215,12 +223,12 @@ impl Embedding {
             Self::Thermostat(inner) => ("Thermostat", vec![Scheme(inner)]),
             Self::Declared(declared) => return (declared.name(), Vec::new()),
             Self::Isolated(inner) => return inner.spelling(),
-            plain => {
-                let known = Self::PLAIN.into_iter().find(|(_, known)| known == plain);
-                (known.map_or("", |(name, _)| name), Vec::new())
-            }
         };
         (name.to_owned(), arguments)
+    }
+
+    pub(crate) fn name(&self) -> String {
+        self.spelling().0
     }
 
     /// The scheme as a type of the facade or of what stands for it, by its path.

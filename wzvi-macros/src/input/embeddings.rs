@@ -99,12 +99,12 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
     let (name, arguments) = parts(ty)?;
     let text = name.to_string();
     let is_whole = inside == Inside::List;
-    let plain = Embedding::PLAIN.into_iter().find(|(name, _)| *name == text);
-    let plain = plain.map(|(_, plain)| plain).filter(|plain| is_whole || plain.is_quadrature());
+    let plain = Embedding::PLAIN.into_iter().find(|plain| plain.name() == text);
+    let plain = plain.filter(|plain| is_whole || plain.is_quadrature());
     let inner = |argument, inside| scheme(argument, inside, declared).map(Box::new);
     Ok(match (text.as_str(), arguments.as_deref(), plain) {
         (_, None, Some(plain)) => plain,
-        (name, Some(_), Some(_)) => return Err(messages::scheme_arguments(ty, name)),
+        (_, Some(_), Some(plain)) => return Err(messages::scheme_arguments(ty, &plain.name())),
         ("Lambda", Some([n, d]), _) => match (number(n)?, number(d)?) {
             (n, d) if d == 0 || n > d => return Err(messages::lambda_range(ty)),
             (n, d) => Embedding::Lambda(n, d),
