@@ -354,7 +354,7 @@ fn statistics_beyond_memory_are_refused() {
     assert!(matches!(kubo(1).paths(4).histogram("q", 0.0, 1.0, 1 << 40).run(), Err(Error::Config(_))));
 }
 
-/// A run whose observables are slow hears a stop between two of them: without, all 512 of a block would come first.
+/// A run whose observables are slow hears a stop between two of them: without, all paths of a chunk would come first.
 #[test]
 fn slow_observables_hear_a_stop() {
     let observed = AtomicU64::new(0);

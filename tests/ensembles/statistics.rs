@@ -1,6 +1,6 @@
 //! What an ensemble finds out: against the paths themselves, against exact laws, and in files.
 
-use fixtures::edge::Edge;
+use fixtures::edge::{Cubes, EDGE, Edge};
 use wzvi::ensemble::{Column, InstructionSet, Passage, Quantiles, Statistics, Table};
 use wzvi::error::{ConfigError, Error};
 use wzvi::prelude::*;
@@ -125,9 +125,9 @@ fn every_split_gives_the_same_bits() {
     }
 }
 
-/// Few paths are one block, which threads share; and a group of lanes that are not all needed is narrower.
+/// Few paths are few chunks, which threads share; and a group of lanes that are not all needed is narrower.
 #[test]
-fn a_block_that_is_shared_has_the_same_bits() {
+fn few_paths_on_many_threads_have_the_same_bits() {
     for paths in [5, 40, 77, 512, 600] {
         let run = |threads: usize| {
             let run = everything(paths).record_at([0.35, 1.0]).keep_paths(1 << 20).threads(threads);
@@ -144,6 +144,28 @@ fn a_block_that_is_shared_has_the_same_bits() {
         run.antithetic().steps(30).threads(threads).quantiles().run().unwrap()
     };
     assert!(pairs(8) == pairs(1) && pairs(3) == pairs(1));
+}
+
+/// A statistic that the run does not know: shown every path at every time, and a table among the others.
+#[test]
+fn a_statistic_of_ones_own_sees_every_path() {
+    let run = || EDGE.run::<DeltaPlus>();
+    let all = run().run().unwrap();
+    let (cubes, paths) = (all.statistic::<Cubes>().unwrap(), all.paths().unwrap());
+    assert_eq!((cubes.lost, cubes.sums.len()), (all.failed(), all.nodes().len()));
+    for (node, sum) in cubes.sums.iter().enumerate() {
+        let values = (0..paths.count()).map(|path| paths.at(path, node).unwrap()[0].powi(3));
+        let exact: f64 = values.filter(|value| !value.is_nan()).sum();
+        // 2148 additions of numbers of order one.
+        assert!((sum - exact).abs() < 1e-12 * exact.abs(), "{sum} {exact}");
+    }
+    let table = all.tables().into_iter().find(|table| table.name() == "cubes").unwrap();
+    assert_eq!(table.columns()[1], ("sum".to_owned(), Column::Number(cubes.sums.clone())));
+    for threads in [1, 3] {
+        assert_eq!(run().threads(threads).run_in::<4>().unwrap().statistic::<Cubes>().unwrap(), cubes);
+    }
+    let missing = everything(9).run().unwrap().statistic::<Cubes>().unwrap_err();
+    assert!(missing.to_string().contains(".statistic(...)"), "{missing}");
 }
 
 /// What the passages and the crossings of each path were, beside what their sums say.

@@ -1,6 +1,6 @@
 //! Many paths at once: their statistics at the price of their noise.
 //!
-//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in blocks of fixed size. Threads take the blocks, and their
+//! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in chunks of fixed size. Threads take the chunks, and their
 //! statistics are merged in the order of their numbers. The result is the same, bit for bit, for any number of threads, any width of the
 //! lanes and any [`InstructionSet`].
 //!
@@ -16,7 +16,7 @@
 //! [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a single path again.
 
 mod account;
-mod block;
+mod chunk;
 mod checks;
 #[cfg(feature = "mpi")]
 pub mod cluster;
@@ -36,7 +36,6 @@ mod multilevel;
 mod observation;
 mod origin;
 mod pace;
-mod piece;
 mod replay;
 pub(crate) mod schedule;
 mod source;
@@ -48,11 +47,11 @@ use std::sync::Arc;
 pub use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 pub use crate::error::{FileError, StatisticsError};
 pub use crate::statistics::{
-    Crossings, Histogram, LossError, Passage, Passages, PathCrossing, PathFailure, Paths, Quantiles,
-    Statistics, StatisticsNode, TargetStatus,
+    Crossings, Histogram, LossError, Passage, Passages, PathCrossing, PathFailure, Paths, Quantiles, Seen,
+    Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
 };
 use account::Account;
-use block::Block;
+use chunk::Chunk;
 use control::Control;
 pub use draws::Normals;
 use job::Inspector;
@@ -76,6 +75,7 @@ use crate::path::retry::{Halved, Retry, Serves, Whole};
 use crate::path::section::Sections;
 use crate::path::span::Span;
 pub use crate::saving::table::{Column, Table};
+use crate::statistics::AnyStatistic;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
@@ -132,6 +132,8 @@ struct Extras {
     most_crossings: u64,
     /// Whether work and heat are observed.
     has_work: bool,
+    /// Statistics of the user's own.
+    added: Vec<Box<dyn AnyStatistic>>,
 }
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
@@ -158,6 +160,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
                 most_bytes: None,
                 most_crossings: 0,
                 has_work: false,
+                added: Vec::new(),
             },
             inspector: None,
             execution: Execution::default(),
@@ -339,6 +342,12 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self
     }
 
+    /// Adds a statistic of the caller: see [`Statistic`]. [`Statistics::statistic`] returns it.
+    pub fn statistic(mut self, empty: impl Statistic) -> Self {
+        self.setup.wanted.added.push(Box::new(empty));
+        self
+    }
+
     /// Computes a histogram of the observable with this name at every recorded time, with `bins` bins from `lower` to `upper`.
     pub fn histogram(mut self, observable: impl Into<String>, lower: f64, upper: f64, bins: usize) -> Self {
         self.setup.wanted.histograms.push((observable.into(), [lower, upper], bins));
@@ -414,18 +423,17 @@ where
             (execution.threads()?, execution.instructions, Interrupt::watch());
         let stop = || execution.is_stopped(&interrupt);
         let job = self.job(&stop)?;
-        if job.wanted.has_pairs && WIDTH % 2 == 1 {
+        if job.source.is_antithetic() && WIDTH % 2 == 1 {
             return Err(
                 ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
             );
         }
-        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"), threads)?;
-        let size = account.size();
+        let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
         let work = |number| {
-            let block = Block::<H, E, P, WIDTH>::new(&job, number, size);
-            block.instructions(instructions).run(block)
+            let chunk = Chunk::<H, E, P, WIDTH>::new(&job, number);
+            chunk.instructions(instructions).run(chunk)
         };
-        in_order(account.pieces(), threads, work, |_, piece| account.take(piece));
+        in_order(account.chunks(), threads, work, |_, chunk| account.take(chunk));
         account.close()
     }
 }

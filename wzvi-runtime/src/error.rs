@@ -1,6 +1,6 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
-#[cfg(all(feature = "serde", feature = "ensemble"))]
+#[cfg(feature = "ensemble")]
 mod words;
 
 mod bath;

@@ -1,4 +1,4 @@
-//! What is known of many paths: moments, histograms, quantiles, crossings, first passages, and their tables.
+//! What is known of many paths: moments, histograms, quantiles, crossings, first passages, and their tables. Each is a [`Statistic`].
 
 mod crossings;
 mod histogram;
@@ -9,16 +9,19 @@ mod passage;
 mod paths;
 mod quantiles;
 mod run;
+mod statistic;
 mod table;
 
 pub use crossings::{Crossings, PathCrossing};
 pub use histogram::Histogram;
-pub use loss::LossError;
+pub use loss::{LossError, PathFailure};
 pub(crate) use moments::Welford;
 pub(crate) use origin::Origin;
+pub(crate) use passage::crossing;
 pub use passage::{Passage, Passages};
-pub(crate) use passage::{Watch, crossing};
 pub use paths::Paths;
 pub use quantiles::Quantiles;
-pub use run::{PathFailure, Statistics, StatisticsNode, TargetStatus};
-pub(crate) use run::{PathTally, Wanted};
+pub(crate) use run::Nodes;
+pub use run::{Statistics, StatisticsNode, TargetStatus};
+pub(crate) use statistic::AnyStatistic;
+pub use statistic::{Seen, Statistic, Tables};

@@ -23,12 +23,12 @@ fn from_every_block() {
     }
 }
 
-/// A finished run that is started again runs the last part of a block, nothing else.
+/// A finished run that is started again runs the last part of a chunk, nothing else.
 #[test]
 fn what_is_done_is_not_done_again() {
     let file = folder!("again").join("run");
     let calls = AtomicU64::new(0);
-    for paths in [PATHS, 100] {
+    for paths in [PATHS, PATHS % 64] {
         let run = EDGE.run::<Midpoint>().first_passage("event0", |state| {
             // Once at each node of a path; at the start to tell it from others.
             calls.fetch_add(u64::from(state.t > 0.0), Ordering::Relaxed);
@@ -36,12 +36,12 @@ fn what_is_done_is_not_done_again() {
         });
         run.checkpoint(Checkpoint::to(&file)).run().unwrap();
         let counted = calls.swap(0, Ordering::Relaxed);
-        // Some paths fail before the end.
-        assert!(counted <= 24 * paths && counted > 20 * paths, "{counted} nodes of {paths} paths");
+        // Some paths fail before the end, and path 0 is asked at three nodes more.
+        assert!(counted <= 24 * paths + 3 && counted > 20 * paths, "{counted} nodes of {paths} paths");
     }
 }
 
-/// The part of a block that was the last is no longer one.
+/// The part of a chunk that was the last is no longer one.
 #[test]
 fn with_more_paths() {
     let file = folder!("more").join("run");
@@ -49,10 +49,10 @@ fn with_more_paths() {
         let run = EDGE.kept(&file).paths(paths).run().unwrap();
         assert_eq!(bits(&run), bits(&EDGE.run::<DeltaPlus>().paths(paths).run().unwrap()), "{paths}");
     }
-    let error = refused(EDGE.kept(&file).paths(2047).run());
-    assert_eq!(error, CheckpointError::MorePaths { path: file.clone(), done: 2048, paths: 2047 });
-    assert!(error.to_string().contains("ask for at least 2048"), "{error}");
-    assert!(EDGE.kept(&file).paths(2048).run().is_ok());
+    let error = refused(EDGE.kept(&file).paths(2111).run());
+    assert_eq!(error, CheckpointError::MorePaths { path: file.clone(), done: 2112, paths: 2111 });
+    assert!(error.to_string().contains("ask for at least 2112"), "{error}");
+    assert!(EDGE.kept(&file).paths(2112).run().is_ok());
 }
 
 /// A run until an error is small enough ends where one ends that was never stopped, also if that is at the checkpoint.
@@ -84,7 +84,7 @@ fn a_run_that_was_stopped() {
     let stopped = run().stop_when(|| calls.fetch_add(1, Ordering::Relaxed) > 40);
     let part = stopped.checkpoint(Checkpoint::to(&file)).run().unwrap();
     let done = part.last().unwrap().count() + part.failed();
-    assert!(part.is_partial() && done % 512 == 0 && done > 0 && done < 20 * 512, "{done}");
+    assert!(part.is_partial() && done % 64 == 0 && done > 0 && done < 20 * 512, "{done}");
     let whole = run().checkpoint(Checkpoint::to(&file)).run().unwrap();
     assert_eq!(bits(&whole), bits(&run().run().unwrap()));
 }

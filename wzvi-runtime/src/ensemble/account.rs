@@ -1,99 +1,82 @@
-//! What is known of the blocks that are done, its checkpoint, and when it is enough.
+//! What is known of the chunks that are done, its checkpoint, and when it is enough.
 
 use std::ops::{ControlFlow, Range};
 
-use super::block::PATHS;
 use super::control::{Control, Targets, unless_lost};
 use super::halt::Halt;
 use super::job::Job;
-use super::keeping::BlockKeeper;
-use super::piece::{self, Piece};
+use super::keeping::ChunkKeeper;
 use crate::ground::progress::Progress;
 use crate::path::Error;
 use crate::path::checkpoint::Keeping;
 use crate::scheme::system::Discretized;
 use crate::statistics::Origin;
-use crate::statistics::{Statistics, StatisticsNode, Wanted};
+use crate::statistics::{Statistics, StatisticsNode};
 
-/// Takes the blocks of a run in the order of their numbers.
-pub(super) struct Account<'j> {
-    wanted: &'j Wanted,
-    /// Paths in a piece of work.
-    size: u64,
+/// Errors are looked at after each so many paths, whatever the chunks.
+const LOOK: u64 = 512;
+
+/// Takes the chunks of a run in the order of their numbers.
+pub(super) struct Account {
     statistics: Statistics,
-    /// The block that is being put together, and how many of its pieces are there.
-    block: Option<Statistics>,
-    pieces: u64,
-    keeper: BlockKeeper,
+    keeper: ChunkKeeper,
     targets: Targets,
     progress: Progress,
-    /// Paths of the run, at most.
+    /// Paths of the run, at most, and of a chunk.
     limit: u64,
-    /// The fraction of them that may fail.
+    size: u64,
+    /// The fraction of paths that may fail.
     allowed_losses: f64,
-    /// Blocks that are still to be done.
-    blocks: Range<u64>,
+    /// Chunks that are still to be done.
+    chunks: Range<u64>,
     error: Option<Error>,
 }
 
-impl<'j> Account<'j> {
-    /// With the blocks of the checkpoint, if there is one.
+impl Account {
+    /// With the chunks of the checkpoint, if there is one.
     pub(super) fn open<H, E>(
-        job: &'j Job<'_, H, E>,
+        job: &Job<'_, H, E>,
         control: &Control,
         keeping: Keeping,
         progress: Progress,
-        threads: usize,
     ) -> Result<Self, Error>
     where
         H: Discretized<E> + Sync,
     {
-        let targets = control.targets(&job.wanted.names)?;
+        let targets = control.targets(job.empty.observables())?;
         let allowed_losses = control.allowed_losses()?;
-        let mut statistics = Statistics::new(&job.wanted);
+        let mut statistics = job.empty.clone();
         statistics.origin = Some(Origin::of(job));
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }
-        let keeper = BlockKeeper::open(keeping, job, &mut statistics)?;
-        let mut blocks = keeper.first()..job.blocks().end;
-        if targets.look(&statistics, job.paths).0 {
-            blocks.end = blocks.start;
+        let keeper = ChunkKeeper::open(keeping, job, &mut statistics)?;
+        let chunks = keeper.first()..job.chunks().end;
+        let (limit, size) = (job.paths, job.chunk());
+        let mut account =
+            Self { statistics, keeper, targets, progress, limit, size, allowed_losses, chunks, error: None };
+        if account.look().0 {
+            account.chunks.end = account.chunks.start;
         }
-        let rest = (blocks.end - blocks.start, job.paths.saturating_sub(blocks.start * PATHS));
-        let size = piece::size(&job.wanted, PATHS, rest, job.goes_path_by_path(), threads);
-        Ok(Self {
-            wanted: &job.wanted,
-            size,
-            statistics,
-            block: None,
-            pieces: 0,
-            keeper,
-            targets,
-            progress,
-            limit: job.paths,
-            allowed_losses,
-            blocks,
-            error: None,
-        })
+        Ok(account)
     }
 
-    /// Paths in a piece of work: a block, or a part of one.
-    pub(super) fn size(&self) -> u64 {
-        self.size
+    /// The numbers of the chunks that are still to be done.
+    pub(super) fn chunks(&self) -> Range<u64> {
+        self.chunks.clone()
     }
 
-    /// The numbers of the pieces that are still to be done.
-    pub(super) fn pieces(&self) -> Range<u64> {
-        let last = self.limit.div_ceil(self.size);
-        let of_blocks = |block: u64| (block * (PATHS / self.size)).min(last);
-        of_blocks(self.blocks.start)..of_blocks(self.blocks.end)
+    /// Whether the paths so far are enough, and about how many that takes.
+    fn look(&self) -> (bool, u64) {
+        let (is_done, expected) = self.targets.look(&self.statistics, self.limit);
+        (is_done && (self.chunks.start * self.size).is_multiple_of(LOOK), expected)
     }
 
-    /// The next piece, or why it has no result; breaks if that was the last one.
-    pub(super) fn take(&mut self, piece: Result<Piece, Halt>) -> ControlFlow<()> {
-        let block = match piece {
-            Ok(piece) => piece.add_to(self.block.take(), self.wanted),
+    /// The next chunk, or why it has no result; breaks if that was the last one.
+    pub(super) fn take(&mut self, chunk: Result<Statistics, Halt>) -> ControlFlow<()> {
+        let merged = chunk.and_then(|chunk| Ok(self.statistics.merge(&chunk).map_err(Error::from)?));
+        match merged {
+            Ok(()) => {}
             Err(Halt::Stopped) => {
                 self.statistics.is_partial = true;
                 return ControlFlow::Break(());
@@ -102,23 +85,11 @@ impl<'j> Account<'j> {
                 self.error = Some(error);
                 return ControlFlow::Break(());
             }
-        };
-        self.pieces += 1;
-        let paths = self.blocks.start * PATHS + self.pieces * self.size;
-        if paths < self.limit && !paths.is_multiple_of(PATHS) {
-            self.block = Some(block);
-            return ControlFlow::Continue(());
         }
-        self.take_block(&block)
-    }
-
-    /// The next block; breaks if that was the last one.
-    pub(super) fn take_block(&mut self, block: &Statistics) -> ControlFlow<()> {
-        self.statistics.merge(block);
-        (self.blocks.start, self.pieces) = (self.blocks.start + 1, 0);
-        let (is_done, expected) = self.targets.look(&self.statistics, self.limit);
+        self.chunks.start += 1;
+        let (is_done, expected) = self.look();
         self.progress.show(self.statistics.begun(), expected);
-        self.error = self.keeper.done(self.blocks.start, &mut self.statistics).err();
+        self.error = self.keeper.done(self.chunks.start, &mut self.statistics).err();
         if is_done || self.error.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
@@ -127,7 +98,7 @@ impl<'j> Account<'j> {
         if let Some(error) = self.error {
             return Err(error);
         }
-        self.keeper.close(self.blocks.start, &mut self.statistics)?;
+        self.keeper.close(self.chunks.start, &mut self.statistics)?;
         let mut statistics = self.statistics;
         statistics.unsaved = self.keeper.unsaved();
         statistics.targets = self.targets.statuses(&statistics);

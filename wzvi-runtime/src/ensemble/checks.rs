@@ -14,14 +14,11 @@ use crate::path::Error;
 use crate::path::options::{Observables, elsewhere};
 use crate::path::span::Grid;
 use crate::scheme::system::Discretized;
-use crate::statistics::Histogram;
-use crate::statistics::Paths;
-use crate::statistics::Wanted;
-use crate::statistics::{Passage, Watch};
+use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, Statistics, StatisticsNode};
 
 /// More recorded nodes than anyone looks at.
 const MOST_NODES: u64 = 1 << 20;
-/// Statistics of a block of paths that take more bytes are refused: some blocks wait for others, on each thread.
+/// Statistics of a chunk of paths that take more bytes are refused: some chunks wait for others, on each thread.
 const MOST_BYTES: u128 = 1 << 30;
 /// Bins of passage times.
 const PASSAGE_BINS: usize = 100;
@@ -134,9 +131,10 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             return Err(ConfigError::Setting(wrong.into()).into());
         }
         let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
-        let watches = watches(event_names, &grid)?;
-        let mut wanted = setup.wanted.checked(names, times, watches, has_pairs, paths)?;
-        (wanted.sections, wanted.degrees) = (setup.sections.len(), start.q.components().len());
+        let passages = passages(event_names, &grid, setup.wanted.most_bytes.is_some())?;
+        let crossings = Crossings::new(start.q.components().len(), setup.wanted.most_crossings);
+        let crossings = vec![crossings; setup.sections.len()];
+        let empty = setup.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
         if let Some(shorter) = grid.shorter.filter(|_| processes > 0) {
             // What has no increments for the last step says so before the run.
             let last = Interval { step: grid.whole(), ..first };
@@ -163,7 +161,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             events,
             sections: setup.sections,
             inspector: setup.inspector,
-            wanted,
+            empty,
             stop,
         })
     }
@@ -189,19 +187,20 @@ impl Extras {
     fn checked(
         self,
         names: Vec<String>,
-        times: Vec<f64>,
-        watches: Vec<Watch>,
+        times: &[f64],
+        (passages, crossings): (Vec<Passages>, Vec<Crossings>),
         has_pairs: bool,
         paths: u64,
-    ) -> Result<Wanted, ConfigError> {
+    ) -> Result<Statistics, ConfigError> {
         let histogram = |(name, [lower, upper], bins): (String, [f64; 2], usize)| {
             let observable = names.iter().position(|known| *known == name);
             let observable = observable.ok_or_else(|| unknown(name, &names))?;
             Ok((observable, Histogram::new(lower, upper, bins)?))
         };
-        let histograms = self.histograms.into_iter().map(histogram).collect::<Result<_, ConfigError>>()?;
-        let passages = u128::from(paths) * (watches.len() * size_of::<Passage>()) as u128;
-        let bytes = Paths::bytes(paths, times.len(), names.len()) + passages;
+        let histograms = self.histograms.into_iter().map(histogram).collect::<Result<Vec<_>, ConfigError>>()?;
+        let (histogrammed, histograms): (Vec<usize>, Vec<Histogram>) = histograms.into_iter().unzip();
+        let bytes = Paths::bytes(paths, times.len(), names.len())
+            + u128::from(paths) * (passages.len() * size_of::<Passage>()) as u128;
         if let Some(most) = self.most_bytes
             && bytes > u128::from(most)
         {
@@ -209,37 +208,29 @@ impl Extras {
                 "the paths take {bytes} bytes to keep, more than the {most} that are allowed: record fewer times, or fewer paths"
             ));
         }
-        let (quantiles, has_covariances) = (self.quantiles, self.covariances.unwrap_or(true));
-        let keeps_paths = self.most_bytes.is_some();
-        let wanted = Wanted {
-            names,
-            times,
-            quantiles,
-            histograms,
-            watches,
-            keeps_paths,
-            has_pairs,
-            has_covariances,
-            most_crossings: self.most_crossings,
-            ..Wanted::default()
-        };
-        match wanted.bytes() {
-            bytes if bytes > MOST_BYTES => wrong(format!(
-                "the statistics take {bytes} bytes for each block of paths, and {MOST_BYTES} are the most: leave covariances out with \
+        let (observables, has_covariances) = (names.len(), self.covariances.unwrap_or(true));
+        let bytes = StatisticsNode::bytes(observables, has_covariances, has_pairs, &histograms);
+        let bytes = times.len() as u128 * bytes;
+        if bytes > MOST_BYTES {
+            return wrong(format!(
+                "the statistics take {bytes} bytes for each chunk of paths, and {MOST_BYTES} are the most: leave covariances out with \
                  `.covariances(false)`, or record fewer times, observables or bins"
-            )),
-            _ => Ok(wanted),
+            ));
         }
+        let node = StatisticsNode::new(observables, has_covariances, (has_pairs, self.quantiles), histograms);
+        let kept = self.most_bytes.map(|_| Paths::new(times.len(), observables));
+        let nodes = Nodes::new(times, &node, histogrammed);
+        Ok(Statistics::new(names, nodes).with(passages, crossings, kept, self.added))
     }
 }
 
-/// The events, each with a histogram over the whole time.
-fn watches(names: Vec<String>, grid: &Grid) -> Result<Vec<Watch>, ConfigError> {
+/// The passages of events, each with a histogram over the whole time.
+fn passages(names: Vec<String>, grid: &Grid, are_kept: bool) -> Result<Vec<Passages>, ConfigError> {
     let (Grid { start, h, steps, .. }, end) = (*grid, grid.time(grid.steps));
     // Without a step there is no time to count.
     let [lower, upper] = if steps == 0 { [start, start + h.abs()] } else { [start.min(end), start.max(end)] };
-    let watch = |name| Ok(Watch { name, start, end, histogram: Histogram::new(lower, upper, PASSAGE_BINS)? });
-    names.into_iter().map(watch).collect()
+    let bins = Histogram::new(lower, upper, PASSAGE_BINS)?;
+    Ok(names.into_iter().map(|name| Passages::new(name, [start, end], bins.clone(), are_kept)).collect())
 }
 
 /// There is no observable of this name.

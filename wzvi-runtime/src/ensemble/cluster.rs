@@ -26,7 +26,7 @@ use serve::Hands;
 
 use super::Ensemble;
 use super::account::Account;
-use super::block::{Block, PATHS};
+use super::chunk::Chunk;
 use super::halt::Halt;
 use super::keeping::described;
 use super::starts::Systems;
@@ -84,13 +84,13 @@ where
         let described = agree(&world, described(&job))?;
         same(&world, &described.lines(job.paths))?;
         let account = match world.rank() {
-            0 => Account::open(&job, &control, keeping, execution.progress("paths"), 1).map(Some),
+            0 => Account::open(&job, &control, keeping, execution.progress("paths")).map(Some),
             _ => Ok(None),
         };
         let account = agree(&world, account)?;
         let failed = OnceLock::new();
-        let work = |number| match instructions.run(Block::<H, E, P, 0>::new(&job, number, PATHS)) {
-            Ok(block) => Some(block.statistics),
+        let work = |number| match instructions.run(Chunk::<H, E, P, 0>::new(&job, number)) {
+            Ok(chunk) => Some(chunk),
             Err(Halt::Stopped) => None,
             Err(Halt::Failed(error)) => {
                 // One of the reasons is enough.
@@ -108,17 +108,14 @@ where
             };
         };
         let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
-        let queue = Queue::new(account.pieces(), all);
+        let queue = Queue::new(account.chunks(), all);
         let hands = Hands { threads, work, stop: &stop };
         let served = serve::serve(
             &world,
             queue,
             hands,
-            || Statistics::new(&job.wanted),
-            |block| match block {
-                Some(block) => account.take_block(&block),
-                None => account.take(Err(Halt::Stopped)),
-            },
+            || job.empty.clone(),
+            |chunk| account.take(chunk.ok_or(Halt::Stopped)),
         );
         let statistics = served.outcome.and_then(|()| match failed.get() {
             Some(error) => Err(error.clone()),

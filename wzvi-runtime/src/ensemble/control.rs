@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::noise::chacha;
     use crate::noise::step_normals::normals;
-    use crate::statistics::Wanted;
+    use crate::statistics::{Nodes, Seen};
 
     /// Normals and uniform numbers, ten of the one or sixteen of the other from a block.
     struct Draws {
@@ -125,22 +125,23 @@ mod tests {
 
     /// Mean, number of samples and whether all of it was met, where samples come in blocks of 512 as in a run.
     fn run(target: f64, most: u64, mut block: impl FnMut(&mut Vec<f64>)) -> (f64, u64, TargetStatus) {
-        let wanted = Wanted { names: vec!["x".into()], times: vec![0.0], ..Wanted::default() };
-        let mut statistics = Statistics::new(&wanted);
+        let node = Node::new(1, true, (false, false), Vec::new());
+        let empty = Statistics::new(vec!["x".into()], Nodes::new(&[0.0], &node, Vec::new()));
+        let mut statistics = empty.clone();
         let targets = Targets(vec![(0, target)]);
         let mut samples = Vec::new();
         while !targets.look(&statistics, most).0 && statistics.begun() < most {
             while samples.len() < 512 {
                 block(&mut samples);
             }
-            let mut part = Statistics::new(&wanted);
-            for sample in samples.drain(..512) {
-                part.nodes[0].push(&[sample], &mut [0.0], &wanted);
+            let mut part = empty.clone();
+            for (path, sample) in (0..).zip(samples.drain(..512)) {
+                part.see(path, &Seen::Values { node: 0, values: &[sample] });
             }
-            statistics.merge(&part);
+            statistics.merge(&part).unwrap();
         }
         let [(_, status)] = targets.statuses(&statistics)[..] else { panic!("one target") };
-        (statistics.nodes[0].mean(0), statistics.begun(), status)
+        (statistics.nodes()[0].mean(0), statistics.begun(), status)
     }
 
     /// How often a run that says that it met its target is farther than 1.96 targets from the truth, where a fraction of 0.05 is the law of

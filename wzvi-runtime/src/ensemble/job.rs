@@ -1,8 +1,8 @@
-//! A checked ensemble: everything that its blocks share.
+//! A checked ensemble: everything that its chunks share.
 
 use std::ops::Range;
 
-use super::block::PATHS;
+use super::chunk;
 use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS};
 use crate::algebra::state::{State, Vector};
@@ -13,7 +13,7 @@ use crate::path::retry::Retry;
 use crate::path::section::Sections;
 use crate::path::span::Grid;
 use crate::scheme::system::{Discretized, PreparedOf};
-use crate::statistics::Wanted;
+use crate::statistics::Statistics;
 
 /// A run of paths that are known by their numbers.
 pub(super) struct Job<'a, H: Discretized<E>, E> {
@@ -44,7 +44,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) events: Vec<Observable<'a, H::Vector>>,
     pub(super) sections: Sections<'a, H::Vector>,
     pub(super) inspector: Option<Inspector<'a, H::Vector>>,
-    pub(super) wanted: Wanted,
+    /// What is to be found out, of no path yet.
+    pub(super) empty: Statistics,
     pub(super) stop: Stop<'a>,
 }
 
@@ -104,8 +105,13 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
         Ok(start)
     }
 
-    /// The numbers of all blocks: block `n` has the paths from `n PATHS` on.
-    pub(super) fn blocks(&self) -> Range<u64> {
-        0..self.paths.div_ceil(PATHS)
+    /// Paths in a chunk.
+    pub(super) fn chunk(&self) -> u64 {
+        if self.goes_path_by_path() { chunk::ONE_BY_ONE } else { chunk::BESIDE }
+    }
+
+    /// The numbers of all chunks.
+    pub(super) fn chunks(&self) -> Range<u64> {
+        0..self.paths.div_ceil(self.chunk())
     }
 }

@@ -1,7 +1,6 @@
 //! What an ensemble is, for its checkpoint.
 
 use super::Ensemble;
-use super::block::PATHS;
 use super::job::Job;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FileError};
@@ -11,7 +10,8 @@ use crate::path::checkpoint::{self, Checkpoint, CheckpointError, Described, Exte
 use crate::path::step::Stepper;
 use crate::path::steps::{Account, Monitor, Single, TakeStep, take_steps};
 use crate::scheme::system::Discretized;
-use crate::statistics::{Statistics, Wanted};
+use crate::ground::numbers::Numbers as _;
+use crate::statistics::{Statistics, StatisticsNode};
 
 /// Steps after which observables are compared.
 const COMPARED_STEPS: u64 = 3;
@@ -37,9 +37,9 @@ impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
 }
 
 /// Saves an ensemble, or does nothing.
-pub(super) struct BlockKeeper(checkpoint::BlockKeeper);
+pub(super) struct ChunkKeeper(checkpoint::BlockKeeper);
 
-impl BlockKeeper {
+impl ChunkKeeper {
     /// Brings empty statistics to where the checkpoint is, if there is one.
     pub(super) fn open<H: Discretized<E>, E>(
         keeping: Keeping,
@@ -49,21 +49,21 @@ impl BlockKeeper {
         if keeping.is_set() && job.source.identity().is_none() {
             return Err(CheckpointError::Noise.into());
         }
-        let extent = Extent { paths: job.paths, block: PATHS };
+        let extent = Extent { paths: job.paths, block: job.chunk() };
         keeping.open_blocks(|| described(job), extent, |tape| statistics.pass(tape)).map(Self)
     }
 
-    /// The number of the block to start with.
+    /// The number of the chunk to start with.
     pub(super) fn first(&self) -> u64 {
         self.0.first()
     }
 
-    /// So many blocks are done.
+    /// So many chunks are done.
     pub(super) fn done(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
         Ok(self.0.done(blocks, |tape| statistics.pass(tape))?)
     }
 
-    /// So many blocks are done, and no others will be.
+    /// So many chunks are done, and no others will be.
     pub(super) fn close(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
         Ok(self.0.close(blocks, |tape| statistics.pass(tape))?)
     }
@@ -76,30 +76,33 @@ impl BlockKeeper {
 
 /// What makes this run another than others.
 pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Described, Error> {
-    let Wanted { names, quantiles, histograms, watches, keeps_paths, has_covariances, .. } = &job.wanted;
+    let (empty, names) = (&job.empty, job.empty.observables());
     let nodes: Vec<u64> = job.recorded.iter().map(|recorded| recorded.node).collect();
     let listed = match nodes.len() {
         0..=MOST_LISTED => format!("{nodes:?}"),
         count => format!("{count} (checksum {})", checkpoint::checksum(&nodes)),
     };
-    let events: Vec<&str> = watches.iter().map(|watch| watch.name.as_str()).collect();
+    let events: Vec<&str> = empty.passages().iter().map(|passages| passages.name()).collect();
+    let first = empty.nodes().first();
+    let histograms = first.map_or(&[][..], StatisticsNode::histograms).iter().zip(empty.histogrammed());
     let histograms: Vec<String> = histograms
-        .iter()
-        .map(|(observable, bins)| {
+        .map(|(bins, observable)| {
             let (name, count) = (&names[*observable], bins.counts().len());
             format!("{name}: {count} from {:?} to {:?}", bins.edge(0), bins.edge(count))
         })
         .collect();
+    let quantiles = first.is_some_and(|node| node.quantiles(0).is_some());
+    let has_covariances = first.is_some_and(StatisticsNode::has_covariances);
     let settings = [
         ("the number of steps", job.steps.to_string()),
         ("the steps before the recorded nodes", listed),
         ("the largest normal increment", format!("{:?}", job.source.clip(job.h))),
-        ("the number of paths in a block", PATHS.to_string()),
+        ("the number of paths in a chunk", job.chunk().to_string()),
         ("the observables", names.join(", ")),
         ("the events", events.join(", ")),
         ("quantiles", quantiles.to_string()),
         ("the histograms", histograms.join(", ")),
-        ("paths are kept", keeps_paths.to_string()),
+        ("paths are kept", empty.paths.is_some().to_string()),
         ("covariances", has_covariances.to_string()),
         ("the halvings allowed", job.retry.most().to_string()),
         ("energies are watched", job.is_watched.to_string()),
@@ -112,8 +115,13 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
         settings
             .push(("the recorded times between nodes (checksum)".to_owned(), checkpoint::checksum(&inside)));
     }
-    if !job.sections.is_empty() {
-        settings.push(("the crossings that are kept".to_owned(), job.wanted.most_crossings.to_string()));
+    if let Some(crossings) = empty.crossings().first() {
+        settings.push(("the crossings that are kept".to_owned(), crossings.most().to_string()));
+    }
+    let (added, words) = empty.added();
+    if !added.is_empty() {
+        settings.push(("the statistics that were added".to_owned(), added.join(", ")));
+        settings.push(("their settings (checksum)".to_owned(), checkpoint::checksum(&words)));
     }
     settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
     settings.extend(systems(job));

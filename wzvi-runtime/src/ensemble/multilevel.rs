@@ -52,6 +52,7 @@ use crate::path::section::Sections;
 use crate::path::span::{End, Grid, MOST_STEPS, Span};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::statistics::{Nodes, Statistics};
 
 /// The part `θ` of the squared error that is left to the bias.
 const BIAS_PART: f64 = 0.25;
@@ -391,7 +392,7 @@ where
             events: Vec::new(),
             sections: Sections::default(),
             inspector: None,
-            wanted: Default::default(),
+            empty: Statistics::new(Vec::new(), Nodes::default()),
             stop: *stop,
         };
         self.levels.push(Stage { job, blocks: 0, samples: Samples::default() });

@@ -4,20 +4,19 @@ use super::group::Group;
 use super::halt::Halt;
 use super::job::Job;
 use super::pace::Pace;
-use super::piece::Piece;
 use super::starts::Systems;
 use crate::algebra::state::{State, Vector};
 use crate::path::Error;
-use crate::path::section::{Sections, Watch, first_zero};
+use crate::path::section::{Crossing, Sections, Watch, first_zero};
 use crate::path::steps::Monitor;
 use crate::scheme::dense::{DenseOutput, copy_state};
 use crate::scheme::system::Discretized;
-use crate::statistics::{Passage, crossing};
+use crate::statistics::{Passage, PathFailure, Seen, Statistics, crossing};
 
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     job: &'j Job<'a, H, E>,
-    piece: Piece,
+    pub(super) statistics: Statistics,
     pace: Pace<'j>,
     /// The last node that was looked at, and which of the recorded ones comes next.
     seen: u64,
@@ -28,10 +27,6 @@ pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     passed: Vec<[f64; L]>,
     /// The values of events at both nodes of the step in which they happened, of one lane.
     changes: Vec<Option<[f64; 2]>>,
-    /// Number of each lane among the paths that are kept.
-    kept: [usize; L],
-    /// Crossings that were kept before those of this group, by section.
-    first_kept: Vec<usize>,
     /// What is needed to look inside steps, by lane; none if nobody does.
     lanes: Vec<LaneInside<H::Vector>>,
     values: Vec<f64>,
@@ -66,21 +61,19 @@ impl<V: Vector> LaneInside<V> {
 }
 
 impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> {
-    pub(super) fn new(job: &'j Job<'a, H, E>, is_part: bool) -> Self {
+    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         let (events, observables) = (job.events.len(), job.observables.len());
         let looks_inside = job.looks_between();
         let lanes = if looks_inside { L } else { 0 };
         Self {
             job,
-            piece: Piece::new(&job.wanted, is_part),
+            statistics: job.empty.clone(),
             pace: Pace::new(job.stop),
             seen: 0,
             next: 0,
             before: vec![[0.0; L]; events],
             passed: vec![[0.0; L]; events],
             changes: vec![None; events],
-            kept: [0; L],
-            first_kept: vec![0; job.sections.len()],
             lanes: LaneInside::of_lanes(lanes, &job.sections, &job.start),
             values: vec![0.0; observables],
         }
@@ -92,13 +85,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     /// If the run was stopped on the way.
     pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Halt> {
         (self.seen, self.next) = (0, 0);
-        if let Some(paths) = &mut self.piece.statistics.paths {
-            for lane in 0..L {
-                if group.is_path(lane) {
-                    self.kept[lane] = paths.begin();
-                }
-            }
-        }
         for lane in if self.job.events.is_empty() { 0..0 } else { 0..L } {
             let start = group.state_at(lane, 0);
             let memory = self.before.iter_mut().zip(&mut self.passed);
@@ -111,9 +97,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             copy_state(before, group.state_at(lane, 0));
             watch.begin(&self.job.sections, before);
             counts.fill(0);
-        }
-        for (first, crossings) in self.first_kept.iter_mut().zip(&self.piece.statistics.crossings) {
-            *first = crossings.kept();
         }
         self.record(group, 0)
     }
@@ -172,17 +155,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     /// Counts the crossings of the step that ended at this node.
     #[inline(never)]
     fn follow<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
-        let Job { sections, wanted, .. } = self.job;
+        let (sections, statistics) = (&self.job.sections, &mut self.statistics);
         for (lane, LaneInside { before, dense, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
             if !group.is_path(lane) || group.has_failed(lane) {
                 continue;
             }
-            let (path, crossings) = (group.path(lane), &mut self.piece.statistics.crossings);
+            let path = group.path(lane);
             group.look_inside(lane, node, before, dense, |dense, _, _| {
-                watch.follow(sections, dense, |crossing| {
-                    let count = &mut counts[crossing.section];
-                    crossings[crossing.section].push(path, &crossing, *count < wanted.most_crossings);
-                    *count += 1;
+                watch.follow(sections, dense, |Crossing { section, direction, state }| {
+                    let (before, t) = (counts[section], state.t);
+                    let (q, p) = (state.q.components(), state.p.components());
+                    statistics.see(path, &Seen::Crossing { section, before, direction, t, q, p });
+                    counts[section] += 1;
                 });
             })?;
         }
@@ -200,11 +184,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             if !group.is_path(lane) {
                 continue;
             }
+            let path = group.path(lane);
             if group.has_failed(lane) {
-                self.piece.see(place, None, &job.wanted);
+                self.statistics.see(path, &Seen::Lost { node: place });
                 continue;
             }
-            let path = group.path(lane);
             let state = match self.lanes.get_mut(lane) {
                 Some(LaneInside { before, dense, room, .. }) if is_inside => {
                     let mut is_found = false;
@@ -228,10 +212,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 let own = group.work_of(lane, node)?;
                 self.values[first..first + own.len()].copy_from_slice(&own);
             }
-            self.piece.see(place, Some(&self.values), &job.wanted);
-            if let Some(paths) = &mut self.piece.statistics.paths {
-                paths.put(self.kept[lane], place, &self.values);
-            }
+            self.statistics.see(path, &Seen::Values { node: place, values: &self.values });
         }
         self.next += 1;
         Ok(())
@@ -252,25 +233,18 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                     Some(failure) => Passage::Lost(failure.error.t),
                     None => Passage::Censored,
                 };
-                self.piece.pass(event, passage, &self.job.wanted);
+                self.statistics.see(group.path(lane), &Seen::Passage { event, passage });
             }
         }
-        for failure in failures {
-            self.piece.statistics.fail(failure);
+        for PathFailure { path, error } in failures {
+            self.statistics.see(path, &Seen::Failure(error));
         }
-        for (section, &first) in self.first_kept.iter().enumerate() {
-            self.piece.statistics.crossings[section].sort(first);
-            for (lane, inside) in self.lanes.iter().enumerate() {
-                if group.is_path(lane) {
-                    self.piece.cross(section, inside.counts[section]);
-                }
+        for section in 0..self.job.sections.len() {
+            for (lane, inside) in self.lanes.iter().enumerate().filter(|(lane, _)| group.is_path(*lane)) {
+                let count = inside.counts[section];
+                self.statistics.see(group.path(lane), &Seen::Crossings { section, count });
             }
         }
-    }
-
-    /// What all groups found out.
-    pub(super) fn into_piece(self) -> Piece {
-        self.piece
     }
 }
 

@@ -14,7 +14,7 @@ impl Origin {
             let first = job.systems.first().map_or(own, value);
             if job.systems.iter().all(|system| value(system).to_bits() == first.to_bits()) {
                 parameters.push((name.to_owned(), first));
-            } else if job.wanted.keeps_paths {
+            } else if job.empty.paths.is_some() {
                 varying.push((name.to_owned(), job.systems.iter().map(value).collect()));
             }
         }

@@ -76,7 +76,7 @@ impl fmt::Display for BathError {
 
 impl std::error::Error for BathError {}
 
-#[cfg(all(feature = "serde", feature = "ensemble"))]
+#[cfg(feature = "ensemble")]
 impl BathError {
     /// Which one, and its two values.
     pub(super) fn words(self) -> [u64; 3] {

@@ -188,17 +188,35 @@ pub(crate) fn escaped(text: &str) -> String {
 }
 
 impl Table {
-    /// Without columns.
-    pub(crate) fn named(name: impl Into<String>) -> Self {
+    /// Without columns, under the name of its file.
+    pub fn named(name: impl Into<String>) -> Self {
         Self { name: name.into(), columns: Vec::new() }
     }
 
-    /// One more column of numbers, under this name; under a longer one if another column has it.
-    pub(crate) fn push(&mut self, name: &str, entries: Vec<f64>) {
+    /// One more column, as long as the others, under this name; under a longer one if another column has it.
+    pub fn push(&mut self, name: &str, entries: impl Into<Column>) {
         let mut free = name.to_owned();
         while self.columns.iter().any(|(known, _)| *known == free) {
             free.push('_');
         }
-        self.columns.push((free, Column::Number(entries)));
+        self.columns.push((free, entries.into()));
+    }
+}
+
+impl From<Vec<f64>> for Column {
+    fn from(entries: Vec<f64>) -> Self {
+        Self::Number(entries)
+    }
+}
+
+impl From<Vec<u64>> for Column {
+    fn from(entries: Vec<u64>) -> Self {
+        Self::Count(entries)
+    }
+}
+
+impl From<Vec<String>> for Column {
+    fn from(entries: Vec<String>) -> Self {
+        Self::Text(entries)
     }
 }

@@ -1,11 +1,12 @@
 //! Crossings of sections by many paths.
 
 use super::moments::Welford;
-use super::run::Wanted;
-use crate::algebra::crossing::{Crossing, Direction};
-use crate::algebra::state::Vector;
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use super::run::Statistics;
+use super::statistic::{Seen, Statistic, Tables};
+use crate::algebra::crossing::Direction;
+use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Cell::{Count, Number, Text};
+use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
 
 /// How often paths crossed a section, and where, as far as that was to be kept: see [`crate::algebra::crossing`].
 ///
@@ -17,6 +18,8 @@ pub struct Crossings {
     /// Crossings of each path.
     of_path: Welford,
     degrees: usize,
+    /// How many of each path are kept.
+    most: u64,
     kept: Vec<(u64, Direction)>,
     /// By kept crossing: `t`, `q`, `p`.
     states: Vec<f64>,
@@ -38,85 +41,32 @@ pub struct PathCrossing<'c> {
 }
 
 impl Crossings {
-    pub(crate) fn new(wanted: &Wanted) -> Self {
-        Self {
-            rising: 0,
-            falling: 0,
-            of_path: Welford::default(),
-            degrees: wanted.degrees,
-            kept: Vec::new(),
-            states: Vec::new(),
+    /// Of paths of so many degrees of freedom, so many of each of which are kept.
+    pub(crate) fn new(degrees: usize, most: u64) -> Self {
+        let (kept, states) = (Vec::new(), Vec::new());
+        Self { rising: 0, falling: 0, of_path: Welford::default(), degrees, most, kept, states }
+    }
+
+    /// How many crossings of each path are kept.
+    pub(crate) fn most(&self) -> u64 {
+        self.most
+    }
+
+    fn width(&self) -> usize {
+        1 + 2 * self.degrees
+    }
+
+    /// Those that were kept came in the order of time: paths beside each other are sorted, each keeps its order.
+    fn merge(&mut self, later: &Self) {
+        self.rising += later.rising;
+        self.falling += later.falling;
+        self.of_path.merge(&later.of_path);
+        let mut rows: Vec<_> = later.kept.iter().zip(later.states.chunks_exact(later.width())).collect();
+        rows.sort_by_key(|((path, _), _)| *path);
+        for (kept, states) in rows {
+            self.kept.push(*kept);
+            self.states.extend(states);
         }
-    }
-
-    /// One more crossing of a path, with its state if that is to be kept.
-    pub(crate) fn push<V: Vector>(&mut self, path: u64, crossing: &Crossing<V>, is_kept: bool) {
-        let Crossing { direction, state, .. } = crossing;
-        match direction {
-            Direction::Rising => self.rising += 1,
-            Direction::Falling => self.falling += 1,
-        }
-        if is_kept {
-            self.kept.push((path, *direction));
-            self.states.push(state.t);
-            self.states.extend(state.q.components().iter().chain(state.p.components()));
-        }
-    }
-
-    /// A path is over that had so many crossings.
-    pub(crate) fn finish(&mut self, crossings: u64) {
-        self.of_path.push(crossings as f64);
-    }
-
-    /// Kept crossings from `first` on are those of paths beside each other: in the order of their numbers.
-    pub(crate) fn sort(&mut self, first: usize) {
-        let width = 1 + 2 * self.degrees;
-        let mut order: Vec<usize> = (first..self.kept.len()).collect();
-        // Stable: of one path they are in the order of time.
-        order.sort_by_key(|&place| self.kept[place].0);
-        let kept: Vec<_> = order.iter().map(|&place| self.kept[place]).collect();
-        let states: Vec<f64> = order
-            .iter()
-            .flat_map(|&place| &self.states[place * width..(place + 1) * width])
-            .copied()
-            .collect();
-        self.kept.splice(first.., kept);
-        self.states.splice(first * width.., states);
-    }
-
-    /// Degrees of freedom.
-    pub(crate) fn degrees(&self) -> usize {
-        self.degrees
-    }
-
-    /// How many crossings are kept.
-    pub(crate) fn kept(&self) -> usize {
-        self.kept.len()
-    }
-
-    /// The paths of both, which follow each other in number.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.rising += other.rising;
-        self.falling += other.falling;
-        self.of_path.merge(&other.of_path);
-        self.kept.extend(&other.kept);
-        self.states.extend(&other.states);
-    }
-
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        tape.words([&mut self.rising, &mut self.falling]);
-        self.of_path.pass(tape);
-        let length = tape.length(self.kept.len());
-        self.kept.resize(length, (0, Direction::Rising));
-        self.states.resize(length * (1 + 2 * self.degrees), 0.0);
-        for (path, direction) in &mut self.kept {
-            tape.word(path);
-            let mut is_rising = *direction == Direction::Rising;
-            tape.flag(&mut is_rising);
-            *direction = if is_rising { Direction::Rising } else { Direction::Falling };
-        }
-        tape.numbers(&mut self.states);
     }
 
     /// Number of crossings of all paths.
@@ -149,10 +99,109 @@ impl Crossings {
 
     /// Those that were kept ([`Ensemble::keep_crossings`](crate::ensemble::Ensemble::keep_crossings)): path by path, each in the order of the run.
     pub fn iter(&self) -> impl Iterator<Item = PathCrossing<'_>> {
-        let rows = self.states.chunks_exact(1 + 2 * self.degrees);
+        let rows = self.states.chunks_exact(self.width());
         self.kept.iter().zip(rows).map(|(&(path, direction), row)| {
             let (q, p) = row[1..].split_at(self.degrees);
             PathCrossing { path, direction, t: row[0], q, p }
         })
+    }
+}
+
+impl Numbers for Crossings {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.words([&mut self.rising, &mut self.falling]);
+        self.of_path.pass(tape);
+        let length = tape.length(self.kept.len());
+        self.kept.resize(length, (0, Direction::Rising));
+        self.states.resize(length * self.width(), 0.0);
+        for (path, direction) in &mut self.kept {
+            tape.word(path);
+            let mut is_rising = *direction == Direction::Rising;
+            tape.flag(&mut is_rising);
+            *direction = if is_rising { Direction::Rising } else { Direction::Falling };
+        }
+        tape.numbers(&mut self.states);
+    }
+}
+
+/// The crossings of each section.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct EachSection(pub(super) Vec<Crossings>);
+
+impl Statistic for EachSection {
+    fn see(&mut self, path: u64, seen: &Seen<'_>) {
+        match *seen {
+            Seen::Crossing { section, before, direction, t, q, p } => {
+                let Some(crossings) = self.0.get_mut(section) else { return };
+                match direction {
+                    Direction::Rising => crossings.rising += 1,
+                    Direction::Falling => crossings.falling += 1,
+                }
+                if before < crossings.most {
+                    crossings.kept.push((path, direction));
+                    crossings.states.push(t);
+                    crossings.states.extend(q.iter().chain(p));
+                }
+            }
+            Seen::Crossings { section, count } => {
+                self.0.get_mut(section).into_iter().for_each(|crossings| crossings.of_path.push(count as f64));
+            }
+            _ => {}
+        }
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.0.iter_mut().zip(&later.0).for_each(|(ours, theirs)| ours.merge(theirs));
+    }
+
+    fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
+        let degrees = self.0.first().map_or(0, |crossings| crossings.degrees);
+        let empty = move || {
+            let columns = [("section", COUNT), ("path", COUNT), ("direction", TEXT), ("time", NUMBER)];
+            let letters = ["q", "p"].iter();
+            let names: Vec<String> =
+                letters.flat_map(|letter| (0..degrees).map(move |i| format!("{letter}{i}"))).collect();
+            Table::new("crossing_states", columns, names.iter().map(String::as_str))
+        };
+        let each = (0..).zip(&self.0);
+        let each =
+            each.flat_map(|(section, crossings)| crossings.iter().map(move |crossing| (section, crossing)));
+        Tables::made([Box::new(|| self.counts())]).with(
+            empty,
+            each,
+            |table, (section, PathCrossing { path, direction, t, q, p })| {
+                let direction = match direction {
+                    Direction::Rising => "rising",
+                    Direction::Falling => "falling",
+                };
+                let place = [Count(section), Count(path), Text(direction), Number(t)];
+                table.row(place.into_iter().chain(q.iter().chain(p).map(|&x| Number(x))));
+            },
+        )
+    }
+}
+
+impl Numbers for EachSection {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.0.iter_mut().for_each(|crossings| crossings.pass(tape));
+    }
+}
+
+impl EachSection {
+    fn counts(&self) -> Table {
+        let columns = [("section", COUNT), ("count", COUNT), ("rising", COUNT), ("falling", COUNT)];
+        let mut table = Table::new("crossings", columns, ["mean", "standard_error", "variance"]);
+        for (section, crossings) in (0..).zip(&self.0) {
+            table.row([
+                Count(section),
+                Count(crossings.count()),
+                Count(crossings.count_towards(Direction::Rising)),
+                Count(crossings.count_towards(Direction::Falling)),
+                Number(crossings.mean()),
+                Number(crossings.standard_error()),
+                Number(crossings.variance()),
+            ]);
+        }
+        table
     }
 }

@@ -1,8 +1,7 @@
 //! Counts in fixed bins.
 
 use crate::error::ConfigError;
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
 
 /// More bins than anyone looks at, 128 MiB of them.
 const MOST_BINS: usize = 1 << 24;
@@ -77,13 +76,6 @@ impl Histogram {
         self.undefined += other.undefined;
     }
 
-    /// The counts; the bins are known.
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        tape.words(&mut self.counts);
-        tape.words([&mut self.below, &mut self.above, &mut self.undefined]);
-    }
-
     /// The counts, bin by bin.
     pub fn counts(&self) -> &[u64] {
         &self.counts
@@ -119,6 +111,17 @@ impl Histogram {
         self.counts.iter().sum::<u64>() + self.below + self.above + self.undefined
     }
 
+    /// The count, the ends and the density of all bins, also of those for what is below, above, and no number.
+    pub(super) fn bins(&self) -> impl Iterator<Item = (u64, [f64; 3])> {
+        let inside = self.counts.iter().enumerate();
+        let inside =
+            inside.map(|(bin, &count)| (count, [self.edge(bin), self.edge(bin + 1), self.density(bin)]));
+        let below = (self.below, [f64::NEG_INFINITY, self.lower, f64::NAN]);
+        let above = (self.above, [self.upper, f64::INFINITY, f64::NAN]);
+        let undefined = (self.undefined, [f64::NAN; 3]);
+        std::iter::once(below).chain(inside).chain([above, undefined])
+    }
+
     /// The density in a bin: the fraction of all samples in it, per unit of the observable. NaN for a bin that does not
     /// exist, and without samples.
     pub fn density(&self, bin: usize) -> f64 {
@@ -127,6 +130,14 @@ impl Histogram {
             (Some(&count), total) if total > 0 => count as f64 / (total as f64 * width),
             _ => f64::NAN,
         }
+    }
+}
+
+/// The counts; the bins are known.
+impl Numbers for Histogram {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.words(&mut self.counts);
+        tape.words([&mut self.below, &mut self.above, &mut self.undefined]);
     }
 }
 

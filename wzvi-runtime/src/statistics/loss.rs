@@ -1,8 +1,83 @@
-//! Too many paths that failed.
+//! Paths that failed.
 
 use std::fmt;
 
-use super::{PathFailure, Statistics};
+use super::run::Statistics;
+use super::statistic::{Seen, Statistic, Tables};
+use crate::error::{StepError, StepFailure};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Cell::{Count, Number, Text};
+use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
+
+/// Failed paths that are kept with their errors; further ones are only counted.
+const MOST_FAILURES: usize = 1000;
+
+/// A path that ended early.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathFailure {
+    /// Number of the path, from 0.
+    pub path: u64,
+    /// Where and why.
+    pub error: StepError,
+}
+
+impl PathFailure {
+    /// To be replaced by what a tape says.
+    const NONE: Self =
+        Self { path: 0, error: StepError { step: 0, t: 0.0, h: 0.0, cause: StepFailure::NonFinite } };
+}
+
+impl Numbers for PathFailure {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.words([&mut self.path, &mut self.error.step]);
+        tape.numbers([&mut self.error.t, &mut self.error.h]);
+        self.error.cause.pass(tape);
+    }
+}
+
+/// How many paths failed, and the first of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Losses {
+    pub(super) failed: u64,
+    pub(super) failures: Vec<PathFailure>,
+}
+
+impl Statistic for Losses {
+    fn see(&mut self, path: u64, seen: &Seen<'_>) {
+        if let Seen::Failure(error) = *seen {
+            self.merge(&Self { failed: 1, failures: vec![PathFailure { path, error }] });
+        }
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.failed += later.failed;
+        let room = MOST_FAILURES.saturating_sub(self.failures.len());
+        self.failures.extend(later.failures.iter().take(room));
+    }
+
+    fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
+        let columns = [("path", COUNT), ("step", COUNT), ("time", NUMBER), ("cause", TEXT)];
+        let mut table = Table::new("failures", columns, []);
+        for PathFailure { path, error } in &self.failures {
+            let cause = error.cause.to_string();
+            table.row([Count(*path), Count(error.step), Number(error.t), Text(&cause)]);
+        }
+        table.into()
+    }
+}
+
+impl Numbers for Losses {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.failed);
+        let length = tape.length(self.failures.len());
+        if length > MOST_FAILURES {
+            tape.refuse();
+            return;
+        }
+        self.failures.resize(length, PathFailure::NONE);
+        self.failures.iter_mut().for_each(|failure| failure.pass(tape));
+    }
+}
 
 /// More paths failed than the run allows ([`Ensemble::allow_losses`](crate::ensemble::Ensemble::allow_losses)): the means are those of the others, and
 /// nothing says how far the lost ones would have moved them.

@@ -3,8 +3,7 @@
 //! B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a
 //! pairwise algorithm for computing sample variances", 1979.
 
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
 
 /// How often the largest deviation of a sample may come again without having been expected: ten times more than it was seen is the 95 %
 /// bound of Poisson's law for events that were seen 25 times, and beyond it for fewer. The coverage that follows is measured in `control`.
@@ -86,13 +85,6 @@ impl Welford {
         self.extremes.merge(&other.extremes);
     }
 
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.count);
-        tape.numbers([&mut self.mean, &mut self.squares]);
-        tape.numbers(&mut self.extremes.0);
-    }
-
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
@@ -138,30 +130,38 @@ impl Welford {
     }
 }
 
+impl Numbers for Welford {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.count);
+        tape.numbers([&mut self.mean, &mut self.squares]);
+        tape.numbers(&mut self.extremes.0);
+    }
+}
+
 /// Means and covariances of several observables.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
-    mean: Vec<f64>,
+    of_each: Vec<Summary>,
     /// Sums of products of deviations: the lower triangle, by rows, or the diagonal alone.
     comoment: Vec<f64>,
     has_covariances: bool,
-    extremes: Vec<Extremes>,
-    /// Values that are NaN or infinite, by observable: how many, and their sum, which is the sum of all.
-    not_finite: Vec<(u64, f64)>,
+}
+
+/// One observable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Summary {
+    mean: f64,
+    extremes: Extremes,
+    /// Values that are NaN or infinite: how many, and their sum, which is the sum of all.
+    not_finite: (u64, f64),
 }
 
 impl Moments {
     pub(crate) fn new(observables: usize, has_covariances: bool) -> Self {
         let products = if has_covariances { observables * (observables + 1) / 2 } else { observables };
-        Self {
-            count: 0,
-            mean: vec![0.0; observables],
-            comoment: vec![0.0; products],
-            has_covariances,
-            extremes: vec![Extremes::NONE; observables],
-            not_finite: vec![(0, 0.0); observables],
-        }
+        let none = Summary { mean: 0.0, extremes: Extremes::NONE, not_finite: (0, 0.0) };
+        Self { count: 0, of_each: vec![none; observables], comoment: vec![0.0; products], has_covariances }
     }
 
     /// Bytes that the moments of so many observables take.
@@ -170,46 +170,31 @@ impl Moments {
         8 * (if has_covariances { n * (n + 1) / 2 } else { n } + 5 * n)
     }
 
-    /// One more sample; `scratch` has as many elements as `values`.
-    pub(crate) fn push(&mut self, values: &[f64], scratch: &mut [f64]) {
-        if values.iter().all(|value| value.is_finite()) {
-            return self.push_finite(values, scratch);
-        }
-        let all = self.not_finite.iter_mut().zip(&self.mean).zip(values);
-        let finite: Vec<f64> = all
-            .map(|(((count, sum), mean), &value)| {
-                if value.is_finite() {
-                    return value;
-                }
-                (*count, *sum) = (*count + 1, *sum + value);
-                // In its place, what changes no moment of the others.
-                *mean
-            })
-            .collect();
-        self.push_finite(&finite, scratch);
-    }
-
-    fn push_finite(&mut self, values: &[f64], scratch: &mut [f64]) {
+    /// One more sample; `scratch` is room for two numbers of each observable.
+    pub(crate) fn push(&mut self, values: &[f64], scratch: &mut Vec<f64>) {
         self.count += 1;
         let weight = 1.0 / self.count as f64;
-        for ((mean, deviation), value) in self.mean.iter_mut().zip(scratch.iter_mut()).zip(values) {
-            *deviation = value - *mean;
-            *mean += *deviation * weight;
-        }
-        for (extremes, value) in self.extremes.iter_mut().zip(values) {
-            extremes.push(*value);
+        scratch.resize(2 * values.len(), 0.0);
+        let (before, after) = scratch.split_at_mut(values.len());
+        let deviations = before.iter_mut().zip(&mut *after);
+        for ((Summary { mean, extremes, not_finite }, (before, after)), &value) in
+            self.of_each.iter_mut().zip(deviations).zip(values)
+        {
+            // In the place of what is not finite, what changes no moment of the others.
+            let finite = if value.is_finite() { value } else { *mean };
+            if !value.is_finite() {
+                *not_finite = (not_finite.0 + 1, not_finite.1 + value);
+            }
+            *before = finite - *mean;
+            *mean += *before * weight;
+            *after = finite - *mean;
+            extremes.push(finite);
         }
         let mut sums = self.comoment.iter_mut();
-        if !self.has_covariances {
-            let values = values.iter().zip(&self.mean);
-            for ((deviation, (value, mean)), sum) in scratch.iter().zip(values).zip(sums) {
-                *sum += deviation * (value - mean);
-            }
-            return;
-        }
-        for (i, deviation) in scratch.iter().enumerate() {
-            for ((value, mean), sum) in values.iter().zip(&self.mean).take(i + 1).zip(&mut sums) {
-                *sum += deviation * (value - mean);
+        for (i, before) in before.iter().enumerate() {
+            let partners = if self.has_covariances { &after[..=i] } else { &after[i..=i] };
+            for (after, sum) in partners.iter().zip(&mut sums) {
+                *sum += before * after;
             }
         }
     }
@@ -221,36 +206,22 @@ impl Moments {
         }
         let (a, b) = (self.count as f64, other.count as f64);
         let total = a + b;
-        let difference: Vec<f64> =
-            other.mean.iter().zip(&self.mean).map(|(theirs, ours)| theirs - ours).collect();
         let mut sums = self.comoment.iter_mut().zip(&other.comoment);
-        for (i, first) in difference.iter().enumerate() {
-            let partners = if self.has_covariances { &difference[..=i] } else { &difference[i..=i] };
-            for (second, (sum, theirs)) in partners.iter().zip(&mut sums) {
-                *sum += theirs + first * second * (a * b / total);
+        for (i, (ours, theirs)) in self.of_each.iter().zip(&other.of_each).enumerate() {
+            let first = theirs.mean - ours.mean;
+            let partners = if self.has_covariances { 0..=i } else { i..=i };
+            let partners = self.of_each[partners.clone()].iter().zip(&other.of_each[partners]);
+            for ((ours, theirs), (sum, more)) in partners.zip(&mut sums) {
+                *sum += more + first * (theirs.mean - ours.mean) * (a * b / total);
             }
         }
-        for (mean, difference) in self.mean.iter_mut().zip(&difference) {
-            *mean += difference * (b / total);
-        }
-        for (ours, theirs) in self.extremes.iter_mut().zip(&other.extremes) {
-            ours.merge(theirs);
-        }
-        for ((count, sum), (more, theirs)) in self.not_finite.iter_mut().zip(&other.not_finite) {
-            (*count, *sum) = (*count + more, *sum + theirs);
+        for (ours, theirs) in self.of_each.iter_mut().zip(&other.of_each) {
+            ours.mean += (theirs.mean - ours.mean) * (b / total);
+            ours.extremes.merge(&theirs.extremes);
+            let (count, sum) = theirs.not_finite;
+            ours.not_finite = (ours.not_finite.0 + count, ours.not_finite.1 + sum);
         }
         self.count += other.count;
-    }
-
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.count);
-        tape.numbers(self.mean.iter_mut().chain(&mut self.comoment));
-        self.extremes.iter_mut().for_each(|extremes| tape.numbers(&mut extremes.0));
-        for (count, sum) in &mut self.not_finite {
-            tape.word(count);
-            tape.number(sum);
-        }
     }
 
     pub(crate) fn count(&self) -> u64 {
@@ -263,20 +234,20 @@ impl Moments {
 
     /// Values of an observable that are NaN or infinite.
     pub(crate) fn not_finite(&self, observable: usize) -> u64 {
-        self.not_finite.get(observable).map_or(0, |(count, _)| *count)
+        self.of_each.get(observable).map_or(0, |one| one.not_finite.0)
     }
 
     /// NaN without samples; infinite with an infinite one, NaN with infinite ones of both signs.
     pub(crate) fn mean(&self, observable: usize) -> f64 {
-        match (self.mean.get(observable), self.not_finite.get(observable)) {
-            (Some(mean), Some((0, _))) if self.count > 0 => *mean,
-            (Some(_), Some((1.., sum))) => *sum,
+        match self.of_each.get(observable) {
+            Some(Summary { mean, not_finite: (0, _), .. }) if self.count > 0 => *mean,
+            Some(Summary { not_finite: (1.., sum), .. }) => *sum,
             _ => f64::NAN,
         }
     }
 
     pub(crate) fn covariance(&self, a: usize, b: usize) -> f64 {
-        let n = self.mean.len();
+        let n = self.of_each.len();
         let is_known = a < n && b < n && (self.has_covariances || a == b);
         if !is_known || self.count < 2 || self.not_finite(a) + self.not_finite(b) > 0 {
             return f64::NAN;
@@ -288,7 +259,8 @@ impl Moments {
 
     /// Whether all samples of an observable are the same number.
     pub(crate) fn is_constant(&self, observable: usize) -> bool {
-        self.not_finite(observable) == 0 && self.extremes.get(observable).is_some_and(Extremes::is_constant)
+        self.not_finite(observable) == 0
+            && self.of_each.get(observable).is_some_and(|one| one.extremes.is_constant())
     }
 
     pub(crate) fn standard_error(&self, observable: usize) -> f64 {
@@ -297,7 +269,7 @@ impl Moments {
 
     /// The share of the largest deviation in the sum of the squares of all; NaN where the variance is, and where there is no deviation.
     pub(crate) fn largest_share(&self, observable: usize) -> f64 {
-        let Some(extremes) = self.extremes.get(observable) else { return f64::NAN };
+        let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
         let squares = self.covariance(observable, observable) * self.count.saturating_sub(1) as f64;
         extremes.largest_deviation(self.mean(observable)).powi(2) / squares
     }
@@ -307,9 +279,21 @@ impl Moments {
         if self.is_constant(observable) {
             return f64::NAN;
         }
-        let Some(extremes) = self.extremes.get(observable) else { return f64::NAN };
+        let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
         let largest = extremes.largest_deviation(self.mean(observable));
         error_bound(self.count, self.covariance(observable, observable), largest)
+    }
+}
+
+impl Numbers for Moments {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.word(&mut self.count);
+        tape.numbers(&mut self.comoment);
+        for Summary { mean, extremes, not_finite: (count, sum) } in &mut self.of_each {
+            tape.word(count);
+            tape.numbers([mean, sum]);
+            tape.numbers(&mut extremes.0);
+        }
     }
 }
 
@@ -333,7 +317,7 @@ mod tests {
             for chunk in samples.chunks(samples.len().div_ceil(parts)) {
                 let (mut part, mut part_single) = (Moments::new(2, true), Welford::default());
                 for sample in chunk {
-                    part.push(sample, &mut [0.0; 2]);
+                    part.push(sample, &mut Vec::new());
                     part_single.push(sample[0]);
                 }
                 moments.merge(&part);
@@ -361,8 +345,8 @@ mod tests {
         for pair in rows.chunks(2) {
             let mut part = Moments::new(3, true);
             for row in pair {
-                all.push(row, &mut [0.0; 3]);
-                part.push(row, &mut [0.0; 3]);
+                all.push(row, &mut Vec::new());
+                part.push(row, &mut Vec::new());
             }
             parts.merge(&part);
         }
@@ -374,7 +358,7 @@ mod tests {
             // Variance of 1, 3, 5, 7: 20/3.
             assert!((moments.covariance(0, 0) - 20.0 / 3.0).abs() < 1e-14);
         }
-        all.push(&[0.0, f64::NEG_INFINITY, 0.0], &mut [0.0; 3]);
+        all.push(&[0.0, f64::NEG_INFINITY, 0.0], &mut Vec::new());
         assert!(all.mean(1).is_nan() && all.mean(0) == 3.2);
     }
 
@@ -384,8 +368,8 @@ mod tests {
         for i in 0..50_i32 {
             let row = [f64::from(i * i % 7), f64::from(i % 5)];
             let (mut a, mut b) = (Moments::new(2, true), Moments::new(2, false));
-            a.push(&row, &mut [0.0; 2]);
-            b.push(&row, &mut [0.0; 2]);
+            a.push(&row, &mut Vec::new());
+            b.push(&row, &mut Vec::new());
             full.merge(&a);
             lean.merge(&b);
         }

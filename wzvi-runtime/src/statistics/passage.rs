@@ -3,8 +3,11 @@
 use super::histogram::Histogram;
 use super::moments::Welford;
 use super::quantiles::Quantiles;
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use super::run::Statistics;
+use super::statistic::{Seen, Statistic, Tables};
+use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Cell::{Count, Number, Text};
+use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
 
 /// When paths first crossed a zero of a function of the state.
 ///
@@ -23,8 +26,8 @@ pub struct Passages {
     histogram: Histogram,
     censored: u64,
     lost: u64,
-    /// The time at which all start.
-    start: f64,
+    /// The times at which all start and end.
+    span: [f64; 2],
     /// Time that the others spent on the way.
     waits: Welford,
     /// Time that all paths together spent on the way.
@@ -44,8 +47,7 @@ pub enum Passage {
     Lost(f64),
 }
 
-#[cfg(feature = "serde")]
-impl Passage {
+impl Numbers for Passage {
     fn pass(&mut self, tape: &mut Tape) {
         let (mut outcome, mut time) = match *self {
             Self::At(time) => (0, time),
@@ -63,36 +65,28 @@ impl Passage {
     }
 }
 
-/// What all paths have in common.
-#[derive(Clone, Debug)]
-pub(crate) struct Watch {
-    pub(crate) name: String,
-    pub(crate) start: f64,
-    pub(crate) end: f64,
-    /// Over the whole time.
-    pub(crate) histogram: Histogram,
-}
-
 impl Passages {
-    pub(crate) fn new(watch: &Watch, keeps_paths: bool) -> Self {
+    /// Of an event that is looked for from a time to another, which bins divide; with what became of each path, if that is kept.
+    pub(crate) fn new(name: String, span: [f64; 2], histogram: Histogram, keeps_paths: bool) -> Self {
         Self {
-            name: watch.name.clone(),
+            name,
             times: Welford::default(),
             quantiles: Quantiles::default(),
-            histogram: watch.histogram.clone(),
+            histogram,
             censored: 0,
             lost: 0,
-            start: watch.start,
+            span,
             waits: Welford::default(),
             exposure: 0.0,
             kept: keeps_paths.then(Vec::new),
         }
     }
 
-    pub(crate) fn push(&mut self, passage: Passage, watch: &Watch) {
+    fn push(&mut self, passage: Passage) {
         if let Some(kept) = &mut self.kept {
             kept.push(passage);
         }
+        let [start, end] = self.span;
         let until = match passage {
             Passage::At(time) => {
                 self.times.push(time);
@@ -102,22 +96,21 @@ impl Passages {
             }
             Passage::Censored => {
                 self.censored += 1;
-                watch.end
+                end
             }
             Passage::Lost(time) => {
                 self.lost += 1;
                 time
             }
         };
-        let wait = (until - watch.start).abs();
+        let wait = (until - start).abs();
         self.exposure += wait;
         if !matches!(passage, Passage::At(_)) {
             self.waits.push(wait);
         }
     }
 
-    /// The paths of both. The order matters to the last bit.
-    pub(crate) fn merge(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         self.times.merge(&other.times);
         self.quantiles.merge(&other.quantiles);
         self.histogram.merge(&other.histogram);
@@ -128,20 +121,6 @@ impl Passages {
         if let (Some(ours), Some(theirs)) = (&mut self.kept, &other.kept) {
             ours.extend(theirs);
         }
-    }
-
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        self.times.pass(tape);
-        self.quantiles.pass(tape);
-        self.histogram.pass(tape);
-        tape.words([&mut self.censored, &mut self.lost]);
-        self.waits.pass(tape);
-        tape.number(&mut self.exposure);
-        let Some(kept) = &mut self.kept else { return };
-        let length = tape.length(kept.len());
-        kept.resize(length, Passage::Censored);
-        kept.iter_mut().for_each(|passage| passage.pass(tape));
     }
 
     /// The name of the event.
@@ -209,10 +188,103 @@ impl Passages {
         }
         let (rate, passed) = (self.rate(), self.passed() as f64);
         // By the spread of the times of both kinds: sums of what is positive.
-        let missed = 1.0 - rate * (self.times.mean() - self.start).abs();
+        let missed = 1.0 - rate * (self.times.mean() - self.span[0]).abs();
         let waited =
             self.waits.squares() + self.waits.sum() * (self.waits.sum() / self.waits.count().max(1) as f64);
         (passed * missed * missed + rate * rate * (self.times.squares() + waited)).sqrt() / self.exposure
+    }
+}
+
+impl Numbers for Passages {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.times.pass(tape);
+        self.quantiles.pass(tape);
+        self.histogram.pass(tape);
+        tape.words([&mut self.censored, &mut self.lost]);
+        self.waits.pass(tape);
+        tape.number(&mut self.exposure);
+        let Some(kept) = &mut self.kept else { return };
+        let length = tape.length(kept.len());
+        kept.resize(length, Passage::Censored);
+        kept.iter_mut().for_each(|passage| passage.pass(tape));
+    }
+}
+
+/// The passages of each event.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Events(pub(super) Vec<Passages>);
+
+impl Statistic for Events {
+    fn see(&mut self, _path: u64, seen: &Seen<'_>) {
+        if let Seen::Passage { event, passage } = *seen
+            && let Some(passages) = self.0.get_mut(event)
+        {
+            passages.push(passage);
+        }
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.0.iter_mut().zip(&later.0).for_each(|(ours, theirs)| ours.merge(theirs));
+    }
+
+    fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
+        let of_paths = || {
+            let columns = [("path", COUNT), ("event", TEXT), ("outcome", TEXT), ("time", NUMBER)];
+            Table::new("path_passages", columns, [])
+        };
+        let each = self.0.iter().flat_map(|passages| {
+            let kept = (0..).zip(passages.by_path().unwrap_or_default());
+            kept.map(move |(path, passage)| (path, passages.name(), *passage))
+        });
+        Tables::made([Box::new(|| self.counts()), Box::new(|| self.times())]).with(
+            of_paths,
+            each,
+            |table, (path, event, passage)| {
+                let (outcome, time) = match passage {
+                    Passage::At(time) => ("passed", time),
+                    Passage::Censored => ("censored", f64::NAN),
+                    Passage::Lost(time) => ("lost", time),
+                };
+                table.row([Count(path), Text(event), Text(outcome), Number(time)]);
+            },
+        )
+    }
+}
+
+impl Numbers for Events {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.0.iter_mut().for_each(|passages| passages.pass(tape));
+    }
+}
+
+impl Events {
+    fn counts(&self) -> Table {
+        let columns = [("event", TEXT), ("passed", COUNT), ("censored", COUNT), ("lost", COUNT)];
+        let mut table = Table::new("passages", columns, ["mean", "standard_error", "rate", "rate_error"]);
+        for passages in &self.0 {
+            table.row([
+                Text(passages.name()),
+                Count(passages.passed()),
+                Count(passages.censored()),
+                Count(passages.lost()),
+                Number(passages.mean()),
+                Number(passages.standard_error()),
+                Number(passages.rate()),
+                Number(passages.rate_error()),
+            ]);
+        }
+        table
+    }
+
+    fn times(&self) -> Table {
+        let columns = [("event", TEXT), ("count", COUNT)];
+        let mut table = Table::new("passage_times", columns, ["lower", "upper", "density"]);
+        for passages in &self.0 {
+            for (count, numbers) in passages.histogram().bins() {
+                table.row([Text(passages.name()), Count(count)].into_iter().chain(numbers.map(Number)));
+            }
+        }
+        table
     }
 }
 
@@ -251,17 +323,12 @@ mod tests {
     /// Exponential times with rate 1.5, censored at 1: the rate comes out right, the mean does not.
     #[test]
     fn censored_times_count_for_the_rate() {
-        let watch = Watch {
-            name: "decay".into(),
-            start: 0.0,
-            end: 1.0,
-            histogram: Histogram::new(0.0, 1.0, 10).unwrap(),
-        };
-        let mut passages = Passages::new(&watch, false);
+        let bins = Histogram::new(0.0, 1.0, 10).unwrap();
+        let mut passages = Passages::new("decay".into(), [0.0, 1.0], bins, false);
         let n = 200_000;
         for i in 0..n {
             let time = -((f64::from(i) + 0.5) / f64::from(n)).ln() / 1.5;
-            passages.push(if time < 1.0 { Passage::At(time) } else { Passage::Censored }, &watch);
+            passages.push(if time < 1.0 { Passage::At(time) } else { Passage::Censored });
         }
         // Stratified samples: the only error is that of the middle rule, below 1/n of the largest time.
         assert!((passages.rate() - 1.5).abs() < 1e-4, "{}", passages.rate());

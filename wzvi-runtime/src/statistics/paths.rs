@@ -1,21 +1,27 @@
 //! Whole paths, kept for those who want to see them.
 
 use crate::error::ConfigError;
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Cell::{Count, Number};
+use crate::saving::table::{COUNT, NUMBER, Table};
+use crate::statistics::run::Statistics;
+use crate::statistics::statistic::{Seen, Statistic, Tables};
+use crate::statistics::table::beside;
 
 /// The observables of every path at every recorded node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paths {
     nodes: usize,
     observables: usize,
+    /// The number of the first path of these.
+    first: u64,
     /// By path, node, observable; NaN from the node on that a path does not reach.
     values: Vec<f64>,
 }
 
 impl Paths {
     pub(crate) fn new(nodes: usize, observables: usize) -> Self {
-        Self { nodes, observables, values: Vec::new() }
+        Self { nodes, observables, first: 0, values: Vec::new() }
     }
 
     /// Bytes that so many paths take.
@@ -32,32 +38,6 @@ impl Paths {
         })
     }
 
-    /// Makes room for one more path; its number.
-    pub(crate) fn begin(&mut self) -> usize {
-        let path = self.count();
-        self.values.resize(self.values.len() + self.nodes * self.observables, f64::NAN);
-        path
-    }
-
-    pub(crate) fn put(&mut self, path: usize, node: usize, values: &[f64]) {
-        let first = (path * self.nodes + node) * self.observables;
-        self.values[first..first + self.observables].copy_from_slice(values);
-    }
-
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.values.extend_from_slice(&other.values);
-    }
-
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        let length = tape.length(self.values.len());
-        self.values.resize(length, f64::NAN);
-        tape.numbers(&mut self.values);
-        if !length.is_multiple_of((self.nodes * self.observables).max(1)) {
-            tape.refuse();
-        }
-    }
-
     /// How many paths there are.
     pub fn count(&self) -> usize {
         self.values.len() / (self.nodes * self.observables).max(1)
@@ -67,5 +47,62 @@ impl Paths {
     pub fn at(&self, path: usize, node: usize) -> Option<&[f64]> {
         let first = (path * self.nodes + node) * self.observables;
         if node < self.nodes { self.values.get(first..first + self.observables) } else { None }
+    }
+}
+
+/// Of those that are kept.
+impl Statistic for Option<Paths> {
+    fn see(&mut self, path: u64, seen: &Seen<'_>) {
+        let (Some(paths), Seen::Values { node, values: seen }) = (self, *seen) else { return };
+        let Paths { nodes, observables, first, values } = paths;
+        let width = *nodes * *observables;
+        if node == 0 {
+            // Every path begins.
+            *first = if values.is_empty() { path } else { *first };
+            values.resize(values.len() + width, f64::NAN);
+        }
+        let place = (path - *first) as usize * width + node * *observables;
+        if let Some(to) = values.get_mut(place..place + *observables) {
+            to.copy_from_slice(seen);
+        }
+    }
+
+    fn merge(&mut self, later: &Self) {
+        if let (Some(ours), Some(theirs)) = (self, later) {
+            ours.values.extend_from_slice(&theirs.values);
+        }
+    }
+
+    fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s> {
+        let varying = run.origin.as_ref().map_or(&[][..], |origin| &origin.varying);
+        let empty = move || {
+            let columns = [("path", COUNT), ("time", NUMBER)];
+            let known = columns.iter().map(|(name, _)| (*name).to_owned());
+            let known = known.chain(run.observables().iter().cloned());
+            let parameters = beside(known, varying.iter().map(|(name, _)| name));
+            Table::new("paths", columns, parameters.iter().chain(run.observables()).map(String::as_str))
+        };
+        let each = self.iter().flat_map(move |paths| {
+            let nodes = move |path| run.nodes().iter().enumerate().map(move |node| (paths, path, node));
+            (0..paths.count()).flat_map(nodes)
+        });
+        Tables::made([]).with(empty, each, move |table, (paths, path, (number, node))| {
+            let values = paths.at(path, number).unwrap_or_default().iter();
+            let values = values.map(|&value| Number(value));
+            let own = varying.iter().map(|(_, own)| Number(own.get(path).copied().unwrap_or(f64::NAN)));
+            table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
+        })
+    }
+}
+
+impl Numbers for Option<Paths> {
+    fn pass(&mut self, tape: &mut Tape) {
+        let Some(Paths { nodes, observables, values, .. }) = self else { return };
+        let length = tape.length(values.len());
+        values.resize(length, f64::NAN);
+        tape.numbers(values);
+        if !length.is_multiple_of((*nodes * *observables).max(1)) {
+            tape.refuse();
+        }
     }
 }

@@ -5,25 +5,55 @@
 //! merging loses nothing (C. Masson, J. E. Rim, H. K. Lee, "DDSketch: a fast and fully-mergeable quantile sketch with
 //! relative-error guarantees", Proc. VLDB Endow. 12, 2019, with the bins of binary numbers in place of a logarithm).
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::fmt;
 
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
 
 /// Bits of the mantissa that a bin ignores.
 const IGNORED: u32 = 52 - 9;
+/// Bins of an octave: from a power of two to the next.
+const OCTAVE: usize = 1 << 9;
+/// Samples that are listed before they are counted: a list of them costs less than the counts of its octaves, where samples are few.
+const MOST_LISTED: usize = 1 << 10;
 
 /// The distribution of samples, for their quantiles.
 ///
 /// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: for numbers far
-/// from zero that differ little, subtract what they have in common. Memory is about 50 bytes for each bin that a sample fell
-/// into: 512 per factor of two.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// from zero that differ little, subtract what they have in common. Memory is 4 KiB for each factor of two, of each sign, that a sample fell into.
+#[derive(Clone, Default)]
 pub struct Quantiles {
-    bins: BTreeMap<i64, u64>,
+    /// Bins of samples that are not counted yet.
+    listed: Vec<i32>,
+    /// Counts of the bins of the octaves that occur.
+    counts: Vec<u64>,
+    /// Where those of each octave begin in `counts`, from the octave `least` on; [`NOWHERE`] for those that do not occur.
+    octaves: Vec<usize>,
+    least: i32,
     count: u64,
     undefined: u64,
     extremes: Option<[f64; 2]>,
+}
+
+const NOWHERE: usize = usize::MAX;
+
+/// The bins that samples fell into, in order: how they are kept depends on the order in which they came.
+impl fmt::Debug for Quantiles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bins: Vec<_> = self.counted().bins().collect();
+        let mut fields = f.debug_struct("Quantiles");
+        fields.field("bins", &bins).field("undefined", &self.undefined).field("extremes", &self.extremes);
+        fields.finish_non_exhaustive()
+    }
+}
+
+impl PartialEq for Quantiles {
+    fn eq(&self, other: &Self) -> bool {
+        self.count == other.count
+            && self.undefined == other.undefined
+            && self.extremes == other.extremes
+            && self.counted().bins().eq(other.counted().bins())
+    }
 }
 
 impl Quantiles {
@@ -37,43 +67,73 @@ impl Quantiles {
             return;
         }
         self.count += 1;
-        *self.bins.entry(bin(sample)).or_default() += 1;
+        self.listed.push(bin(sample));
         self.extend([sample, sample]);
+        if self.listed.len() >= MOST_LISTED {
+            self.count_listed();
+        }
     }
 
     /// The samples of both.
     pub fn merge(&mut self, other: &Self) {
-        for (&bin, count) in &other.bins {
-            *self.bins.entry(bin).or_default() += count;
-        }
+        self.listed.extend(&other.listed);
+        other.bins().for_each(|(bin, count)| *self.at_bin(bin) += count);
         self.count += other.count;
         self.undefined += other.undefined;
         if let Some(extremes) = other.extremes {
             self.extend(extremes);
         }
+        if self.listed.len() >= MOST_LISTED {
+            self.count_listed();
+        }
     }
 
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        tape.words([&mut self.count, &mut self.undefined]);
-        let mut is_any = u64::from(self.extremes.is_some());
-        tape.word(&mut is_any);
-        let mut extremes = self.extremes.unwrap_or_default();
-        tape.numbers(&mut extremes);
-        self.extremes = (is_any != 0).then_some(extremes);
-        let length = tape.length(self.bins.len());
-        if tape.is_reading() {
-            self.bins.clear();
-            for _ in 0..length {
-                let (mut bin, mut count) = (0, 0);
-                tape.words([&mut bin, &mut count]);
-                self.bins.insert(bin.cast_signed(), count);
-            }
-        } else {
-            for (bin, count) in &mut self.bins {
-                tape.words([&mut bin.cast_unsigned(), count]);
-            }
+    #[inline(never)]
+    fn count_listed(&mut self) {
+        let mut listed = std::mem::take(&mut self.listed);
+        listed.drain(..).for_each(|bin| *self.at_bin(bin) += 1);
+        self.listed = listed;
+    }
+
+    /// With all samples counted.
+    fn counted(&self) -> Cow<'_, Self> {
+        if self.listed.is_empty() {
+            return Cow::Borrowed(self);
         }
+        let mut counted = self.clone();
+        counted.count_listed();
+        Cow::Owned(counted)
+    }
+
+    /// The count of a bin.
+    fn at_bin(&mut self, bin: i32) -> &mut u64 {
+        let octave = bin >> OCTAVE.ilog2();
+        if self.octaves.is_empty() {
+            self.least = octave;
+        }
+        let before = usize::try_from(self.least - octave).unwrap_or(0);
+        if before > 0 {
+            self.octaves.splice(..0, std::iter::repeat_n(NOWHERE, before));
+            self.least = octave;
+        }
+        let place = (octave - self.least) as usize;
+        if place >= self.octaves.len() {
+            self.octaves.resize(place + 1, NOWHERE);
+        }
+        if self.octaves[place] == NOWHERE {
+            self.octaves[place] = self.counts.len();
+            self.counts.resize(self.counts.len() + OCTAVE, 0);
+        }
+        &mut self.counts[self.octaves[place] + (bin as usize & (OCTAVE - 1))]
+    }
+
+    /// The bins that are not empty, with their counts, in order.
+    fn bins(&self) -> impl Iterator<Item = (i32, u64)> {
+        let octaves = (self.least..).zip(&self.octaves).filter(|(_, first)| **first != NOWHERE);
+        octaves.flat_map(|(octave, &first)| {
+            let counts = (octave * OCTAVE as i32..).zip(&self.counts[first..first + OCTAVE]);
+            counts.filter(|(_, count)| **count > 0).map(|(bin, count)| (bin, *count))
+        })
     }
 
     fn extend(&mut self, [least, greatest]: [f64; 2]) {
@@ -118,11 +178,42 @@ impl Quantiles {
             return greatest;
         }
         let mut seen = 0;
-        let found = self.bins.iter().find(|&(_, count)| {
+        let found = self.counted().bins().find(|(_, count)| {
             seen += count;
             seen >= rank
         });
-        found.map_or(greatest, |(&bin, _)| middle(bin).clamp(least, greatest))
+        found.map_or(greatest, |(bin, _)| middle(bin).clamp(least, greatest))
+    }
+}
+
+impl Numbers for Quantiles {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.count_listed();
+        tape.words([&mut self.count, &mut self.undefined]);
+        let mut is_any = self.extremes.is_some();
+        tape.flag(&mut is_any);
+        let mut extremes = self.extremes.unwrap_or_default();
+        tape.numbers(&mut extremes);
+        self.extremes = is_any.then_some(extremes);
+        let mut bins: Vec<(i32, u64)> = self.bins().collect();
+        let length = tape.length(bins.len());
+        if tape.is_reading() {
+            self.counts.clear();
+            self.octaves.clear();
+            bins = vec![(0, 0); length];
+        }
+        for (bin, count) in &mut bins {
+            let mut word = i64::from(*bin).cast_unsigned();
+            tape.words([&mut word, count]);
+            match i32::try_from(word.cast_signed()) {
+                // That of the number with the most bits.
+                Ok(read) if (-self::bin(f64::INFINITY) - 1..=self::bin(f64::INFINITY)).contains(&read) => *bin = read,
+                _ => return tape.refuse(),
+            }
+        }
+        if tape.is_reading() {
+            bins.into_iter().for_each(|(bin, count)| *self.at_bin(bin) += count);
+        }
     }
 }
 
@@ -139,14 +230,14 @@ fn rank(fraction: f64, n: u64) -> u64 {
 }
 
 /// The bin of a number; the order of bins is that of the numbers in them.
-fn bin(x: f64) -> i64 {
+fn bin(x: f64) -> i32 {
     // Below 2^21.
-    let size = (x.abs().to_bits() >> IGNORED).cast_signed();
+    let size = (x.abs().to_bits() >> IGNORED) as i32;
     if x < 0.0 { -1 - size } else { size }
 }
 
-fn middle(bin: i64) -> f64 {
-    let size = if bin < 0 { -1 - bin } else { bin }.cast_unsigned();
+fn middle(bin: i32) -> f64 {
+    let size = u64::from(if bin < 0 { -1 - bin } else { bin }.cast_unsigned());
     let lower = f64::from_bits(size << IGNORED);
     let middle = if lower.is_finite() { f64::from_bits((2 * size + 1) << (IGNORED - 1)) } else { lower };
     if bin < 0 { -middle } else { middle }

@@ -3,86 +3,27 @@
 mod node;
 
 use std::fmt;
+use std::sync::Arc;
 
-pub(crate) use node::PathTally;
+pub(crate) use node::Nodes;
 pub use node::StatisticsNode;
 
-use super::crossings::Crossings;
+use super::crossings::{Crossings, EachSection};
 use super::histogram::Histogram;
-use super::moments::Moments;
+use super::loss::{Losses, PathFailure};
 use super::origin::Origin;
-use super::passage::{Passages, Watch};
+use super::passage::{Events, Passages};
 use super::paths::Paths;
+use super::statistic::{AnyStatistic, Parts, Seen, Statistic};
 use crate::error::StatisticsError;
-#[cfg(feature = "serde")]
-use crate::error::StepFailure;
-use crate::error::{FileError, StepError, UnknownName};
+use crate::error::{FileError, InternalError, UnknownName};
 use crate::ground::digits::estimate;
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
-
-/// Failed paths that are kept with their errors; further ones are only counted.
-const MOST_FAILURES: usize = 1000;
+use crate::ground::numbers::{Numbers, Tape};
 
 const NO_HISTOGRAM: StatisticsError = StatisticsError::NotComputed {
     what: "histogram of this observable",
     remedy: ".histogram(name, lower, upper, bins)",
 };
-
-/// What a run is to find out.
-#[derive(Debug, Default)]
-pub(crate) struct Wanted {
-    /// The observables.
-    pub(crate) names: Vec<String>,
-    /// The recorded times, the start first.
-    pub(crate) times: Vec<f64>,
-    pub(crate) quantiles: bool,
-    /// Each of an observable, at every recorded time.
-    pub(crate) histograms: Vec<(usize, Histogram)>,
-    pub(crate) watches: Vec<Watch>,
-    pub(crate) keeps_paths: bool,
-    /// Whether paths `2k` and `2k + 1` are antithetic.
-    pub(crate) has_pairs: bool,
-    pub(crate) has_covariances: bool,
-    /// Sections whose crossings are counted.
-    pub(crate) sections: usize,
-    /// How many of each path and section are kept.
-    pub(crate) most_crossings: u64,
-    /// Degrees of freedom.
-    pub(crate) degrees: usize,
-}
-
-impl Wanted {
-    /// Bytes of memory that it takes for a block of paths, without the paths themselves.
-    pub(crate) fn bytes(&self) -> u128 {
-        let moments = Moments::bytes(self.names.len(), self.has_covariances);
-        let bins: u128 = self.histograms.iter().map(|(_, empty)| 8 * empty.counts().len() as u128).sum();
-        let pairs = if self.has_pairs { 2 } else { 1 };
-        self.times.len() as u128 * (pairs * moments + bins)
-    }
-}
-
-/// A path that ended early.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathFailure {
-    /// Number of the path, from 0.
-    pub path: u64,
-    /// Where and why.
-    pub error: StepError,
-}
-
-#[cfg(feature = "serde")]
-impl PathFailure {
-    /// To be replaced by what a tape says.
-    const NONE: Self =
-        Self { path: 0, error: StepError { step: 0, t: 0.0, h: 0.0, cause: StepFailure::NonFinite } };
-
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.words([&mut self.path, &mut self.error.step]);
-        tape.numbers([&mut self.error.t, &mut self.error.h]);
-        self.error.cause.pass(tape);
-    }
-}
 
 /// The statistics of an ensemble.
 ///
@@ -92,15 +33,14 @@ impl PathFailure {
 /// Methods that take a name answer for the end of the paths. A name that does not exist is an error that lists those that do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistics {
-    names: Vec<String>,
-    /// The observable of each histogram.
-    histogrammed: Vec<usize>,
-    pub(crate) nodes: Vec<StatisticsNode>,
-    pub(crate) passages: Vec<Passages>,
-    pub(crate) crossings: Vec<Crossings>,
+    names: Arc<[String]>,
+    nodes: Nodes,
+    events: Events,
+    sections: EachSection,
     pub(crate) paths: Option<Paths>,
-    failed: u64,
-    failures: Vec<PathFailure>,
+    losses: Losses,
+    /// Those that the user added.
+    own: Vec<Box<dyn AnyStatistic>>,
     pub(crate) is_partial: bool,
     /// What was to be found out to a standard error, by observable.
     pub(crate) targets: Vec<(usize, TargetStatus)>,
@@ -125,16 +65,16 @@ pub enum TargetStatus {
 }
 
 impl Statistics {
-    pub(crate) fn new(wanted: &Wanted) -> Self {
+    /// Of observables with these names, without paths.
+    pub(crate) fn new(names: Vec<String>, nodes: Nodes) -> Self {
         Self {
-            names: wanted.names.clone(),
-            histogrammed: wanted.histograms.iter().map(|&(observable, _)| observable).collect(),
-            nodes: wanted.times.iter().map(|&time| StatisticsNode::new(time, wanted)).collect(),
-            passages: wanted.watches.iter().map(|watch| Passages::new(watch, wanted.keeps_paths)).collect(),
-            crossings: (0..wanted.sections).map(|_| Crossings::new(wanted)).collect(),
-            paths: wanted.keeps_paths.then(|| Paths::new(wanted.times.len(), wanted.names.len())),
-            failed: 0,
-            failures: Vec::new(),
+            names: names.into(),
+            nodes,
+            events: Events(Vec::new()),
+            sections: EachSection(Vec::new()),
+            paths: None,
+            losses: Losses::default(),
+            own: Vec::new(),
             is_partial: false,
             targets: Vec::new(),
             origin: None,
@@ -142,52 +82,74 @@ impl Statistics {
         }
     }
 
-    pub(crate) fn fail(&mut self, failure: PathFailure) {
-        self.failed += 1;
-        if self.failures.len() < MOST_FAILURES {
-            self.failures.push(failure);
+    /// With those of events, sections, whole paths and the user.
+    pub(crate) fn with(
+        self,
+        events: Vec<Passages>,
+        sections: Vec<Crossings>,
+        paths: Option<Paths>,
+        own: Vec<Box<dyn AnyStatistic>>,
+    ) -> Self {
+        Self { events: Events(events), sections: EachSection(sections), paths, own, ..self }
+    }
+
+    fn parts(&self) -> impl Iterator<Item = &dyn AnyStatistic> {
+        let known: [&dyn AnyStatistic; 5] =
+            [&self.nodes, &self.events, &self.sections, &self.losses, &self.paths];
+        known.into_iter().chain(self.own.iter().map(|own| &**own))
+    }
+
+    fn parts_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyStatistic + 'static)> {
+        let known: [&mut (dyn AnyStatistic + 'static); 5] =
+            [&mut self.nodes, &mut self.events, &mut self.sections, &mut self.losses, &mut self.paths];
+        known.into_iter().chain(self.own.iter_mut().map(|own| &mut **own))
+    }
+
+    /// What happens to a path.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn see(&mut self, path: u64, seen: &Seen<'_>) {
+        Statistic::see(&mut self.nodes, path, seen);
+        let is_at_node = matches!(seen, Seen::Values { .. } | Seen::Lost { .. });
+        if !is_at_node || self.paths.is_some() || !self.own.is_empty() {
+            self.parts_mut().skip(1).for_each(|part| part.see(path, seen));
         }
     }
 
     /// The paths of both, which follow each other in number: the order matters to the last bit.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        for (ours, theirs) in self.nodes.iter_mut().zip(&other.nodes) {
-            ours.merge(theirs);
-        }
-        for (ours, theirs) in self.passages.iter_mut().zip(&other.passages) {
-            ours.merge(theirs);
-        }
-        for (ours, theirs) in self.crossings.iter_mut().zip(&other.crossings) {
-            ours.merge(theirs);
-        }
-        if let (Some(ours), Some(theirs)) = (&mut self.paths, &other.paths) {
-            ours.merge(theirs);
-        }
-        self.failed += other.failed;
-        let room = MOST_FAILURES - self.failures.len();
-        self.failures.extend(other.failures.iter().take(room));
+    ///
+    /// # Errors
+    /// [`InternalError`] if they have other statistics.
+    pub(crate) fn merge(&mut self, later: &Self) -> Result<(), InternalError> {
+        self.parts_mut().zip(later.parts()).try_for_each(|(ours, theirs)| ours.merge(theirs))
     }
 
     /// Number of paths, failed ones included.
     pub(crate) fn begun(&self) -> u64 {
-        self.nodes.first().map_or(0, StatisticsNode::count)
+        self.nodes().first().map_or(0, StatisticsNode::count)
     }
 
-    /// Everything that the paths change.
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        self.nodes.iter_mut().for_each(|node| node.pass(tape));
-        self.passages.iter_mut().for_each(|passages| passages.pass(tape));
-        self.crossings.iter_mut().for_each(|crossings| crossings.pass(tape));
-        self.paths.iter_mut().for_each(|paths| paths.pass(tape));
-        tape.word(&mut self.failed);
-        let length = tape.length(self.failures.len());
-        if length > MOST_FAILURES {
-            tape.refuse();
-            return;
-        }
-        self.failures.resize(length, PathFailure::NONE);
-        self.failures.iter_mut().for_each(|failure| failure.pass(tape));
+    /// Names and words of what the user added: what tells it from others.
+    pub(crate) fn added(&self) -> (Vec<String>, Vec<u64>) {
+        let words = |mut own: Box<dyn AnyStatistic>| Tape::write(|tape| own.pass(tape));
+        let names = self.own.iter().map(|own| own.name()).collect();
+        (names, self.own.iter().cloned().flat_map(words).collect())
+    }
+
+    /// A statistic that was added to the run ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)): the first of this type.
+    ///
+    /// # Errors
+    /// [`StatisticsError::NotComputed`] if there is none of this type.
+    pub fn statistic<T: Statistic>(&self) -> Result<&T, StatisticsError> {
+        let found = self.own.iter().find_map(|own| own.as_any().downcast_ref());
+        found.ok_or(StatisticsError::NotComputed {
+            what: "statistic of this type",
+            remedy: ".statistic(...)",
+        })
+    }
+
+    /// The tables of all statistics.
+    pub(super) fn rows(&self) -> impl Iterator<Item = Parts<'_>> {
+        self.parts().flat_map(|part| part.rows(self).0)
     }
 
     /// The names of the observables, in the order of the indices.
@@ -202,17 +164,17 @@ impl Statistics {
 
     /// Each recorded time, the start first.
     pub fn nodes(&self) -> &[StatisticsNode] {
-        &self.nodes
+        &self.nodes.all
     }
 
     /// The end; `None` never, since the start is always there.
     pub fn last(&self) -> Option<&StatisticsNode> {
-        self.nodes.last()
+        self.nodes().last()
     }
 
     /// The index of an observable.
     pub(crate) fn known(&self, name: &str) -> Result<usize, StatisticsError> {
-        let known = || self.names.clone();
+        let known = || self.names.to_vec();
         let unknown = || UnknownName { kind: "observable", name: name.to_owned(), known: known() };
         self.index(name).ok_or_else(|| StatisticsError::Unknown(unknown()))
     }
@@ -224,7 +186,7 @@ impl Statistics {
     ) -> Result<T, StatisticsError> {
         let index = self.known(name)?;
         let end =
-            self.nodes.last().ok_or(StatisticsError::NotComputed { what: "end", remedy: ".until(time)" })?;
+            self.nodes().last().ok_or(StatisticsError::NotComputed { what: "end", remedy: ".until(time)" })?;
         Ok(what(end, index))
     }
 
@@ -266,7 +228,7 @@ impl Statistics {
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was told to leave covariances out.
     pub fn covariance(&self, a: &str, b: &str) -> Result<f64, StatisticsError> {
         let (a, b) = (self.known(a)?, self.known(b)?);
-        match self.nodes.last() {
+        match self.nodes().last() {
             Some(end) if a == b || end.has_covariances() => Ok(end.covariance(a, b)),
             _ => Err(StatisticsError::NotComputed { what: "covariances", remedy: ".covariances(true)" }),
         }
@@ -284,7 +246,7 @@ impl Statistics {
 
     /// The observable of each of [`StatisticsNode::histograms`], by its index.
     pub fn histogrammed(&self) -> &[usize] {
-        &self.histogrammed
+        &self.nodes.histogrammed
     }
 
     /// The first histogram of an observable at the end.
@@ -293,18 +255,18 @@ impl Statistics {
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for one.
     pub fn histogram(&self, name: &str) -> Result<&Histogram, StatisticsError> {
         let position = self.histogram_position(name)?;
-        self.nodes.last().and_then(|end| end.histograms().get(position)).ok_or(NO_HISTOGRAM)
+        self.nodes().last().and_then(|end| end.histograms().get(position)).ok_or(NO_HISTOGRAM)
     }
 
     /// Where the first histogram of an observable is among those of a node.
     pub(crate) fn histogram_position(&self, name: &str) -> Result<usize, StatisticsError> {
         let observable = self.known(name)?;
-        self.histogrammed.iter().position(|&known| known == observable).ok_or(NO_HISTOGRAM)
+        self.histogrammed().iter().position(|&known| known == observable).ok_or(NO_HISTOGRAM)
     }
 
     /// When paths passed, event by event.
     pub fn passages(&self) -> &[Passages] {
-        &self.passages
+        &self.events.0
     }
 
     /// When paths passed the event of this name.
@@ -312,15 +274,15 @@ impl Statistics {
     /// # Errors
     /// [`StatisticsError::Unknown`] for a name that does not exist.
     pub fn passage(&self, name: &str) -> Result<&Passages, StatisticsError> {
-        let found = self.passages.iter().find(|passages| passages.name() == name);
-        let known = || self.passages.iter().map(|passages| passages.name().to_owned()).collect();
+        let found = self.events.0.iter().find(|passages| passages.name() == name);
+        let known = || self.events.0.iter().map(|passages| passages.name().to_owned()).collect();
         let unknown = || UnknownName { kind: "event", name: name.to_owned(), known: known() };
         found.ok_or_else(|| StatisticsError::Unknown(unknown()))
     }
 
     /// How often paths crossed each section of the run, in the order in which they were asked for.
     pub fn crossings(&self) -> &[Crossings] {
-        &self.crossings
+        &self.sections.0
     }
 
     /// The paths themselves, if they were kept.
@@ -363,12 +325,19 @@ impl Statistics {
 
     /// Number of paths that ended early.
     pub fn failed(&self) -> u64 {
-        self.failed
+        self.losses.failed
     }
 
     /// The first thousand of them by number, with their errors.
     pub fn failures(&self) -> &[PathFailure] {
-        &self.failures
+        &self.losses.failures
+    }
+}
+
+/// Everything that the paths change.
+impl Numbers for Statistics {
+    fn pass(&mut self, tape: &mut Tape) {
+        self.parts_mut().for_each(|part| part.pass(tape));
     }
 }
 
@@ -381,7 +350,7 @@ impl TargetStatus {
 /// The means at the end, with their standard errors and the paths that are missing in them.
 impl fmt::Display for Statistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(end) = self.nodes.last() else { return Ok(()) };
+        let Some(end) = self.nodes().last() else { return Ok(()) };
         let partial = if self.is_partial { " (partial)" } else { "" };
         write!(f, "{} paths at t = {}{partial}", end.count(), end.time())?;
         if end.lost() > 0 {

@@ -4,19 +4,13 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::crossings::{Crossings, PathCrossing};
-use super::histogram::Histogram;
 use super::origin::Origin;
-use super::passage::Passage;
-use super::run::{PathFailure, Statistics, StatisticsNode};
-use crate::algebra::crossing::Direction;
+use super::run::Statistics;
+use super::statistic::Parts;
 use crate::error::FileError;
 use crate::saving::file::{self, Staged};
 use crate::saving::table::Cell::{Count, Number, Text};
 use crate::saving::table::{COUNT, NUMBER, TEXT, Table, escaped};
-
-/// What the table of quantiles has.
-const FRACTIONS: [f64; 11] = [0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999, 1.0];
 
 impl Statistics {
     /// One file `<table>.csv` for each of [`Statistics::tables`] in a folder, which is made if it is not there.
@@ -93,6 +87,7 @@ impl Statistics {
     /// | `crossing_states` | crossing that is kept | `section`, `path`, `direction` (`rising` or `falling`), `time`, `q0`, ..., `p0`, ... |
     /// | `failures` | path that failed | `step`, `time`, `cause` |
     /// | `paths` | path, time | each parameter that differs between paths, each observable |
+    /// | its own | [statistic](super::Statistic) that was added | its own |
     ///
     /// A parameter with the name of another column has `_` at its end.
     ///
@@ -108,27 +103,10 @@ impl Statistics {
         self.in_parts().into_iter().filter_map(whole).collect()
     }
 
-    /// A table that is small.
-    fn whole(&self, table: fn(&Self) -> Table) -> Parts<'_> {
-        Box::new(std::iter::once_with(move || table(self)))
-    }
-
     /// The tables, each part by part and made when it is asked for: files take the memory of a part.
-    fn in_parts(&self) -> [Parts<'_>; 12] {
-        [
-            self.whole(Self::run),
-            self.whole(Self::moments),
-            self.whole(Self::covariances),
-            self.whole(Self::quantiles),
-            self.whole(Self::histograms),
-            self.whole(Self::passage_counts),
-            self.whole(Self::passage_times),
-            self.path_passages(),
-            self.whole(Self::crossing_counts),
-            self.crossing_states(),
-            self.whole(Self::failure_list),
-            self.kept_paths(),
-        ]
+    fn in_parts(&self) -> Vec<Parts<'_>> {
+        let run: Parts<'_> = Box::new(std::iter::once_with(|| self.run()));
+        std::iter::once(run).chain(self.rows()).collect()
     }
 
     fn run(&self) -> Table {
@@ -175,202 +153,6 @@ impl Statistics {
         table.row(own.into_iter().chain(parameters.iter().map(|(_, value)| Number(*value))));
         table
     }
-
-    /// Every node with every observable.
-    fn each(&self) -> impl Iterator<Item = (&StatisticsNode, usize, &String)> {
-        self.nodes().iter().flat_map(|node| {
-            self.observables().iter().enumerate().map(move |(index, name)| (node, index, name))
-        })
-    }
-
-    fn moments(&self) -> Table {
-        let mut table = Table::new(
-            "moments",
-            [
-                ("time", NUMBER),
-                ("observable", TEXT),
-                ("count", COUNT),
-                ("lost", COUNT),
-                ("not_finite", COUNT),
-            ],
-            ["mean", "standard_error", "error_bound", "largest_share", "variance"],
-        );
-        for (node, index, name) in self.each() {
-            table.row([
-                Number(node.time()),
-                Text(name),
-                Count(node.count()),
-                Count(node.lost()),
-                Count(node.not_finite(index)),
-                Number(node.mean(index)),
-                Number(node.standard_error(index)),
-                Number(node.error_bound(index)),
-                Number(node.largest_share(index)),
-                Number(node.variance(index)),
-            ]);
-        }
-        table
-    }
-
-    fn covariances(&self) -> Table {
-        let columns = [("time", NUMBER), ("first", TEXT), ("second", TEXT)];
-        let mut table = Table::new("covariances", columns, ["covariance"]);
-        for (node, a, first) in self.each() {
-            let partners = if node.has_covariances() { self.observables().len() } else { a + 1 };
-            for (b, second) in self.observables().iter().enumerate().take(partners).skip(a) {
-                let covariance = node.covariance(a, b);
-                table.row([Number(node.time()), Text(first), Text(second), Number(covariance)]);
-            }
-        }
-        table
-    }
-
-    fn quantiles(&self) -> Table {
-        let columns = [("time", NUMBER), ("observable", TEXT)];
-        let mut table = Table::new("quantiles", columns, ["fraction", "quantile"]);
-        for (node, index, name) in self.each() {
-            let Some(quantiles) = node.quantiles(index) else { continue };
-            for fraction in FRACTIONS {
-                let quantile = quantiles.at(fraction);
-                table.row([Number(node.time()), Text(name), Number(fraction), Number(quantile)]);
-            }
-        }
-        table
-    }
-
-    fn histograms(&self) -> Table {
-        let columns = [("time", NUMBER), ("observable", TEXT), ("count", COUNT)];
-        let mut table = Table::new("histograms", columns, ["lower", "upper", "density"]);
-        for node in self.nodes() {
-            for (histogram, &observable) in node.histograms().iter().zip(self.histogrammed()) {
-                let name = &self.observables()[observable];
-                for Bin { lower, upper, count, density } in bins(histogram) {
-                    let ends = [Number(lower), Number(upper), Number(density)];
-                    table.row([Number(node.time()), Text(name), Count(count)].into_iter().chain(ends));
-                }
-            }
-        }
-        table
-    }
-
-    fn passage_counts(&self) -> Table {
-        let columns = [("event", TEXT), ("passed", COUNT), ("censored", COUNT), ("lost", COUNT)];
-        let mut table = Table::new("passages", columns, ["mean", "standard_error", "rate", "rate_error"]);
-        for passages in self.passages() {
-            table.row([
-                Text(passages.name()),
-                Count(passages.passed()),
-                Count(passages.censored()),
-                Count(passages.lost()),
-                Number(passages.mean()),
-                Number(passages.standard_error()),
-                Number(passages.rate()),
-                Number(passages.rate_error()),
-            ]);
-        }
-        table
-    }
-
-    fn passage_times(&self) -> Table {
-        let columns = [("event", TEXT), ("count", COUNT)];
-        let mut table = Table::new("passage_times", columns, ["lower", "upper", "density"]);
-        for passages in self.passages() {
-            for Bin { lower, upper, count, density } in bins(passages.histogram()) {
-                let ends = [Number(lower), Number(upper), Number(density)];
-                table.row([Text(passages.name()), Count(count)].into_iter().chain(ends));
-            }
-        }
-        table
-    }
-
-    fn path_passages(&self) -> Parts<'_> {
-        let empty = || {
-            let columns = [("path", COUNT), ("event", TEXT), ("outcome", TEXT), ("time", NUMBER)];
-            Table::new("path_passages", columns, [])
-        };
-        let each = self.passages().iter().flat_map(|passages| {
-            let kept = (0..).zip(passages.by_path().unwrap_or_default());
-            kept.map(move |(path, passage)| (path, passages.name(), *passage))
-        });
-        parts(empty, each, |table, (path, event, passage)| {
-            let (outcome, time) = match passage {
-                Passage::At(time) => ("passed", time),
-                Passage::Censored => ("censored", f64::NAN),
-                Passage::Lost(time) => ("lost", time),
-            };
-            table.row([Count(path), Text(event), Text(outcome), Number(time)]);
-        })
-    }
-
-    fn crossing_counts(&self) -> Table {
-        let columns = [("section", COUNT), ("count", COUNT), ("rising", COUNT), ("falling", COUNT)];
-        let mut table = Table::new("crossings", columns, ["mean", "standard_error", "variance"]);
-        for (section, crossings) in (0..).zip(self.crossings()) {
-            table.row([
-                Count(section),
-                Count(crossings.count()),
-                Count(crossings.count_towards(Direction::Rising)),
-                Count(crossings.count_towards(Direction::Falling)),
-                Number(crossings.mean()),
-                Number(crossings.standard_error()),
-                Number(crossings.variance()),
-            ]);
-        }
-        table
-    }
-
-    fn crossing_states(&self) -> Parts<'_> {
-        let degrees = self.crossings().first().map_or(0, Crossings::degrees);
-        let empty = move || {
-            let columns = [("section", COUNT), ("path", COUNT), ("direction", TEXT), ("time", NUMBER)];
-            let letters = ["q", "p"].iter();
-            let names: Vec<String> =
-                letters.flat_map(|letter| (0..degrees).map(move |i| format!("{letter}{i}"))).collect();
-            Table::new("crossing_states", columns, names.iter().map(String::as_str))
-        };
-        let each = (0..).zip(self.crossings());
-        let each =
-            each.flat_map(|(section, crossings)| crossings.iter().map(move |crossing| (section, crossing)));
-        parts(empty, each, |table, (section, PathCrossing { path, direction, t, q, p })| {
-            let direction = match direction {
-                Direction::Rising => "rising",
-                Direction::Falling => "falling",
-            };
-            let place = [Count(section), Count(path), Text(direction), Number(t)];
-            table.row(place.into_iter().chain(q.iter().chain(p).map(|&x| Number(x))));
-        })
-    }
-
-    fn failure_list(&self) -> Table {
-        let columns = [("path", COUNT), ("step", COUNT), ("time", NUMBER), ("cause", TEXT)];
-        let mut table = Table::new("failures", columns, []);
-        for PathFailure { path, error } in self.failures() {
-            let cause = error.cause.to_string();
-            table.row([Count(*path), Count(error.step), Number(error.t), Text(&cause)]);
-        }
-        table
-    }
-
-    fn kept_paths(&self) -> Parts<'_> {
-        let varying = self.origin.as_ref().map_or(&[][..], |origin| &origin.varying);
-        let empty = move || {
-            let columns = [("path", COUNT), ("time", NUMBER)];
-            let known = columns.iter().map(|(name, _)| (*name).to_owned());
-            let known = known.chain(self.observables().iter().cloned());
-            let parameters = beside(known, varying.iter().map(|(name, _)| name));
-            Table::new("paths", columns, parameters.iter().chain(self.observables()).map(String::as_str))
-        };
-        let each = self.paths().into_iter().flat_map(move |paths| {
-            let nodes = move |path| self.nodes().iter().enumerate().map(move |node| (paths, path, node));
-            (0..paths.count()).flat_map(nodes)
-        });
-        parts(empty, each, move |table, (paths, path, (number, node))| {
-            let values = paths.at(path, number).unwrap_or_default().iter();
-            let values = values.map(|&value| Number(value));
-            let own = varying.iter().map(|(_, own)| Number(own.get(path).copied().unwrap_or(f64::NAN)));
-            table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
-        })
-    }
 }
 
 /// `"table":{"column":[entries], ...}` of a table whose parts are made anew for each column: one after the other is in memory.
@@ -390,7 +172,7 @@ fn write_json<P: Iterator<Item = Table>>(parts: impl Fn() -> P, to: &mut impl Wr
 }
 
 /// Names of columns beside those that are known.
-fn beside<'n>(known: impl Iterator<Item = String>, names: impl Iterator<Item = &'n String>) -> Vec<String> {
+pub(super) fn beside<'n>(known: impl Iterator<Item = String>, names: impl Iterator<Item = &'n String>) -> Vec<String> {
     let mut all: Vec<String> = known.collect();
     let first = all.len();
     for name in names {
@@ -401,50 +183,4 @@ fn beside<'n>(known: impl Iterator<Item = String>, names: impl Iterator<Item = &
         all.push(name);
     }
     all.split_off(first)
-}
-
-/// The rows of a table, some at a time; the first part is always there.
-type Parts<'a> = Box<dyn Iterator<Item = Table> + 'a>;
-
-/// Rows of a part: some megabytes of numbers.
-const PART: usize = 1 << 15;
-
-/// The table of a row for each of these, in parts.
-fn parts<'a, T>(
-    empty: impl Fn() -> Table + 'a,
-    rows: impl Iterator<Item = T> + 'a,
-    write: impl Fn(&mut Table, T) + 'a,
-) -> Parts<'a> {
-    let (mut rows, mut is_first) = (rows.peekable(), true);
-    Box::new(std::iter::from_fn(move || {
-        let is_wanted = std::mem::take(&mut is_first) || rows.peek().is_some();
-        is_wanted.then(|| {
-            let mut table = empty();
-            rows.by_ref().take(PART).for_each(|row| write(&mut table, row));
-            table
-        })
-    }))
-}
-
-struct Bin {
-    lower: f64,
-    upper: f64,
-    count: u64,
-    density: f64,
-}
-
-/// All bins, also those for what is below, above, and no number.
-fn bins(histogram: &Histogram) -> impl Iterator<Item = Bin> {
-    let last = histogram.counts().len();
-    let outside = |lower, upper, count| Bin { lower, upper, count, density: f64::NAN };
-    let inside = histogram.counts().iter().enumerate().map(|(bin, &count)| Bin {
-        lower: histogram.edge(bin),
-        upper: histogram.edge(bin + 1),
-        count,
-        density: histogram.density(bin),
-    });
-    let below = outside(f64::NEG_INFINITY, histogram.edge(0), histogram.below());
-    let above = outside(histogram.edge(last), f64::INFINITY, histogram.above());
-    let undefined = outside(f64::NAN, f64::NAN, histogram.undefined());
-    std::iter::once(below).chain(inside).chain([above, undefined])
 }

@@ -8,9 +8,9 @@ use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
 
 /// Keeps nothing.
-pub(super) struct BlockKeeper;
+pub(super) struct ChunkKeeper;
 
-impl BlockKeeper {
+impl ChunkKeeper {
     pub(super) fn open<H: Discretized<E>, E>(
         _keeping: Keeping,
         _job: &Job<'_, H, E>,
@@ -19,12 +19,12 @@ impl BlockKeeper {
         Ok(Self)
     }
 
-    /// Every run starts with its first block.
+    /// Every run starts with its first chunk.
     pub(super) fn first(&self) -> u64 {
         0
     }
 
-    pub(super) fn done(&mut self, _blocks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
+    pub(super) fn done(&mut self, _chunks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
         Ok(())
     }
 
@@ -32,7 +32,7 @@ impl BlockKeeper {
         None
     }
 
-    pub(super) fn close(&mut self, _blocks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
+    pub(super) fn close(&mut self, _chunks: u64, _statistics: &mut Statistics) -> Result<(), Error> {
         Ok(())
     }
 }

@@ -36,7 +36,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             is_watched,
             control,
         } = self.setup;
-        let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work } = wanted;
+        let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } = wanted;
         let (Settings { truncation, is_antithetic }, Control { targets, losses }) = (settings, control);
         let Request { every, times } = recorded;
         let normals = source.as_ref().and_then(Source::normals);
@@ -56,6 +56,7 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             (inspector.is_some(), "`inspect`"),
             (keeping.is_set(), "`checkpoint`"),
             (has_work, "work and heat"),
+            (!added.is_empty(), "statistics of its own"),
             (retry.most() > 0, "`retry`"),
             (!is_watched, "`unwatched`"),
             (!targets.is_empty(), "`until_error`"),

@@ -64,13 +64,13 @@ impl<V: Vector, E> PathTable<'_, V, E> {
     pub fn increments(mut self) -> Self {
         for k in 0..self.path.processes() {
             let increments = self.path.increments().map(|row| row.get(k).copied().unwrap_or(0.0));
-            self.table.push(&format!("dw_{k}"), std::iter::once(0.0).chain(increments).collect());
+            self.table.push(&format!("dw_{k}"), std::iter::once(0.0).chain(increments).collect::<Vec<_>>());
         }
         self
     }
 
     fn push(&mut self, name: &str, value: impl Fn(&State<V>) -> f64) {
-        self.table.push(name, self.path.iter().map(value).collect());
+        self.table.push(name, self.path.iter().map(value).collect::<Vec<_>>());
     }
 
     /// The columns in memory.

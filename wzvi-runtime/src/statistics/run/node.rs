@@ -1,27 +1,169 @@
 //! All paths of an ensemble at one time.
 
-use super::Wanted;
-#[cfg(feature = "serde")]
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Cell::{Count, Number, Text};
+use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
 use crate::statistics::histogram::Histogram;
 use crate::statistics::moments::Moments;
 use crate::statistics::quantiles::Quantiles;
+use crate::statistics::run::Statistics;
+use crate::statistics::statistic::{Seen, Statistic, Tables};
 
-/// Room to add paths to sums, one after the other.
-#[derive(Clone, Debug)]
-pub(crate) struct PathTally {
+/// What the table of quantiles has.
+const FRACTIONS: [f64; 11] = [0.0, 0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999, 1.0];
+
+/// All paths at each recorded time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Nodes {
+    pub(super) all: Vec<StatisticsNode>,
+    /// The observable of each histogram.
+    pub(super) histogrammed: Vec<usize>,
     scratch: Vec<f64>,
     /// The values of the first path of an antithetic pair, if it had any.
     first: Vec<f64>,
     has_first: bool,
-    /// Whether the next one is the second of a pair.
-    is_second: bool,
 }
 
-impl PathTally {
-    pub(crate) fn new(observables: usize) -> Self {
-        let room = || vec![0.0; observables];
-        Self { scratch: room(), first: room(), has_first: false, is_second: false }
+/// The paths that it has seen, and no room.
+impl PartialEq for Nodes {
+    fn eq(&self, other: &Self) -> bool {
+        self.all == other.all && self.histogrammed == other.histogrammed
+    }
+}
+
+impl Nodes {
+    pub(crate) fn new(times: &[f64], node: &StatisticsNode, histogrammed: Vec<usize>) -> Self {
+        let all = times.iter().map(|&time| StatisticsNode { time, ..node.clone() }).collect();
+        Self { all, histogrammed, scratch: Vec::new(), first: Vec::new(), has_first: false }
+    }
+}
+
+impl Statistic for Nodes {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn see(&mut self, path: u64, seen: &Seen<'_>) {
+        let Self { all, histogrammed, scratch, first, has_first } = self;
+        match *seen {
+            Seen::Values { node, values } => {
+                let Some(node) = all.get_mut(node) else { return };
+                node.moments.push(values, scratch);
+                for (quantiles, value) in node.quantiles.iter_mut().zip(values) {
+                    quantiles.push(*value);
+                }
+                for (histogram, observable) in node.histograms.iter_mut().zip(histogrammed) {
+                    histogram.push(values[*observable]);
+                }
+                let Some(pairs) = &mut node.pairs else { return };
+                if path.is_multiple_of(2) {
+                    first.clear();
+                    first.extend_from_slice(values);
+                } else if *has_first {
+                    first.iter_mut().zip(values).for_each(|(first, second)| *first = 0.5 * *first + 0.5 * second);
+                    pairs.push(first, scratch);
+                }
+                *has_first = path.is_multiple_of(2);
+            }
+            Seen::Lost { node } => {
+                *has_first = false;
+                all.get_mut(node).into_iter().for_each(|node| node.lost += 1);
+            }
+            _ => {}
+        }
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.all.iter_mut().zip(&later.all).for_each(|(ours, theirs)| ours.merge(theirs));
+    }
+
+    fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s> {
+        Tables::made([
+            Box::new(|| self.moments(run)),
+            Box::new(|| self.covariances(run)),
+            Box::new(|| self.quantiles(run)),
+            Box::new(|| self.histograms(run)),
+        ])
+    }
+}
+
+impl Numbers for Nodes {
+    fn pass(&mut self, tape: &mut Tape) {
+        for StatisticsNode { time: _, lost, moments, pairs, quantiles, histograms } in &mut self.all {
+            tape.word(lost);
+            moments.pass(tape);
+            pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
+            quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
+            histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
+        }
+    }
+}
+
+impl Nodes {
+    /// Every node with every observable.
+    fn each<'s>(&'s self, run: &'s Statistics) -> impl Iterator<Item = (&'s StatisticsNode, usize, &'s String)> {
+        let names = run.observables();
+        self.all.iter().flat_map(|node| names.iter().enumerate().map(move |(index, name)| (node, index, name)))
+    }
+
+    fn moments(&self, run: &Statistics) -> Table {
+        let columns =
+            [("time", NUMBER), ("observable", TEXT), ("count", COUNT), ("lost", COUNT), ("not_finite", COUNT)];
+        let numbers = ["mean", "standard_error", "error_bound", "largest_share", "variance"];
+        let mut table = Table::new("moments", columns, numbers);
+        for (node, index, name) in self.each(run) {
+            table.row([
+                Number(node.time()),
+                Text(name),
+                Count(node.count()),
+                Count(node.lost()),
+                Count(node.not_finite(index)),
+                Number(node.mean(index)),
+                Number(node.standard_error(index)),
+                Number(node.error_bound(index)),
+                Number(node.largest_share(index)),
+                Number(node.variance(index)),
+            ]);
+        }
+        table
+    }
+
+    fn covariances(&self, run: &Statistics) -> Table {
+        let columns = [("time", NUMBER), ("first", TEXT), ("second", TEXT)];
+        let mut table = Table::new("covariances", columns, ["covariance"]);
+        for (node, a, first) in self.each(run) {
+            let partners = if node.has_covariances() { run.observables().len() } else { a + 1 };
+            for (b, second) in run.observables().iter().enumerate().take(partners).skip(a) {
+                let covariance = node.covariance(a, b);
+                table.row([Number(node.time()), Text(first), Text(second), Number(covariance)]);
+            }
+        }
+        table
+    }
+
+    fn quantiles(&self, run: &Statistics) -> Table {
+        let columns = [("time", NUMBER), ("observable", TEXT)];
+        let mut table = Table::new("quantiles", columns, ["fraction", "quantile"]);
+        for (node, index, name) in self.each(run) {
+            let Some(quantiles) = node.quantiles(index) else { continue };
+            for fraction in FRACTIONS {
+                let quantile = quantiles.at(fraction);
+                table.row([Number(node.time()), Text(name), Number(fraction), Number(quantile)]);
+            }
+        }
+        table
+    }
+
+    fn histograms(&self, run: &Statistics) -> Table {
+        let columns = [("time", NUMBER), ("observable", TEXT), ("count", COUNT)];
+        let mut table = Table::new("histograms", columns, ["lower", "upper", "density"]);
+        for node in &self.all {
+            for (histogram, &observable) in node.histograms().iter().zip(&self.histogrammed) {
+                let name = &run.observables()[observable];
+                for (count, numbers) in histogram.bins() {
+                    let place = [Number(node.time()), Text(name), Count(count)];
+                    table.row(place.into_iter().chain(numbers.map(Number)));
+                }
+            }
+        }
+        table
     }
 }
 
@@ -39,57 +181,31 @@ pub struct StatisticsNode {
 }
 
 impl StatisticsNode {
-    pub(crate) fn new(time: f64, wanted: &Wanted) -> Self {
-        let observables = wanted.names.len();
-        Self {
-            time,
-            lost: 0,
-            moments: Moments::new(observables, wanted.has_covariances),
-            pairs: wanted.has_pairs.then(|| Moments::new(observables, wanted.has_covariances)),
-            quantiles: vec![Quantiles::default(); if wanted.quantiles { observables } else { 0 }],
-            histograms: wanted.histograms.iter().map(|(_, empty)| empty.clone()).collect(),
-        }
+    /// Without paths, at no time yet. Of so many observables, with or without covariances, antithetic pairs and quantiles.
+    pub(crate) fn new(
+        observables: usize,
+        has_covariances: bool,
+        (has_pairs, has_quantiles): (bool, bool),
+        histograms: Vec<Histogram>,
+    ) -> Self {
+        let moments = Moments::new(observables, has_covariances);
+        let quantiles = vec![Quantiles::default(); if has_quantiles { observables } else { 0 }];
+        Self { time: f64::NAN, lost: 0, pairs: has_pairs.then(|| moments.clone()), moments, quantiles, histograms }
     }
 
-    /// The observables of the next path, if it has not failed before.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn tally(&mut self, values: Option<&[f64]>, tally: &mut PathTally, wanted: &Wanted) {
-        let PathTally { scratch, first, has_first, is_second } = tally;
-        match values {
-            Some(values) => {
-                self.push(values, scratch, wanted);
-                if wanted.has_pairs && !*is_second {
-                    first.copy_from_slice(values);
-                } else if wanted.has_pairs && *has_first {
-                    self.push_pair(first, values, scratch);
-                }
-            }
-            None => self.lost += 1,
-        }
-        (*has_first, *is_second) = (values.is_some(), wanted.has_pairs && !*is_second);
+    /// Bytes of memory that one of these takes.
+    pub(crate) fn bytes(
+        observables: usize,
+        has_covariances: bool,
+        has_pairs: bool,
+        histograms: &[Histogram],
+    ) -> u128 {
+        let bins: u128 = histograms.iter().map(|empty| 8 * empty.counts().len() as u128).sum();
+        let samples = if has_pairs { 2 } else { 1 };
+        samples * Moments::bytes(observables, has_covariances) + bins
     }
 
-    /// The observables of one more path; `scratch` has as many elements.
-    pub(crate) fn push(&mut self, values: &[f64], scratch: &mut [f64], wanted: &Wanted) {
-        self.moments.push(values, scratch);
-        for (quantiles, value) in self.quantiles.iter_mut().zip(values) {
-            quantiles.push(*value);
-        }
-        for (histogram, (observable, _)) in self.histograms.iter_mut().zip(&wanted.histograms) {
-            histogram.push(values[*observable]);
-        }
-    }
-
-    /// The observables of both paths of an antithetic pair, which have been pushed, too; `first` becomes their mean.
-    fn push_pair(&mut self, first: &mut [f64], second: &[f64], scratch: &mut [f64]) {
-        let Some(pairs) = &mut self.pairs else { return };
-        for (first, second) in first.iter_mut().zip(second) {
-            *first = 0.5 * *first + 0.5 * second;
-        }
-        pairs.push(first, scratch);
-    }
-
-    pub(crate) fn merge(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         self.lost += other.lost;
         self.moments.merge(&other.moments);
         if let (Some(ours), Some(theirs)) = (&mut self.pairs, &other.pairs) {
@@ -101,15 +217,6 @@ impl StatisticsNode {
         for (ours, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
             ours.merge(theirs);
         }
-    }
-
-    #[cfg(feature = "serde")]
-    pub(crate) fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.lost);
-        self.moments.pass(tape);
-        self.pairs.iter_mut().for_each(|pairs| pairs.pass(tape));
-        self.quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
-        self.histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
     }
 
     /// The time, in the units of the Hamiltonian.

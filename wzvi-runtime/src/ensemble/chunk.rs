@@ -1,4 +1,4 @@
-//! A block of paths, or a part of one, the unit of work: what it finds out depends on nothing but the numbers of its paths.
+//! A chunk of paths, the unit of work: what it finds out depends on nothing but the numbers of its paths.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -7,34 +7,36 @@ use super::group::Group;
 use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
-use super::piece::Piece;
 use super::starts::Systems;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::path::steps::take_steps;
 use crate::scheme::system::Discretized;
+use crate::statistics::Statistics;
 
-/// Paths in a block.
-pub(super) const PATHS: u64 = 512;
+/// Paths in a chunk where paths go beside each other: two groups of the widest vector registers.
+pub(super) const BESIDE: u64 = 64;
+/// The same where they go one after the other.
+pub(super) const ONE_BY_ONE: u64 = 4;
 
 /// Whether a path has more than one degree of freedom, and so more beside it that is to stay in registers.
 const fn is_wide<V>() -> bool {
     size_of::<V>() > size_of::<f64>()
 }
 
-/// One block or a part of it, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
+/// One chunk, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
 /// one where steps are in vector instructions by themselves), or `WIDTH` if that is not 0.
-pub(super) struct Block<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
+pub(super) struct Chunk<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     job: &'j Job<'a, H, E>,
     paths: Range<u64>,
-    is_part: bool,
     systems: PhantomData<P>,
 }
 
-impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Block<'j, 'a, H, E, P, WIDTH> {
-    /// Piece number `number` of those with `size` paths.
-    pub(super) fn new(job: &'j Job<'a, H, E>, number: u64, size: u64) -> Self {
+impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunk<'j, 'a, H, E, P, WIDTH> {
+    /// With this number.
+    pub(super) fn new(job: &'j Job<'a, H, E>, number: u64) -> Self {
+        let size = job.chunk();
         let paths = number * size..job.paths.min((number + 1) * size);
-        Self { job, paths, is_part: size < PATHS, systems: PhantomData }
+        Self { job, paths, systems: PhantomData }
     }
 
     /// The instructions that take no more paths beside each other than there are, if those asked for take more: lanes without a path cost as
@@ -48,8 +50,8 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Block<'j, 'a, H, E, P,
     }
 }
 
-impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, '_, H, E, P, WIDTH> {
-    type Output = Result<Piece, Halt>;
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunk<'_, '_, H, E, P, WIDTH> {
+    type Output = Result<Statistics, Halt>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
@@ -65,12 +67,11 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Block<'_, 
     }
 }
 
-impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Block<'_, '_, H, E, P, WIDTH> {
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunk<'_, '_, H, E, P, WIDTH> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_width<const L: usize>(self) -> Result<Piece, Halt> {
+    fn of_width<const L: usize>(self) -> Result<Statistics, Halt> {
         let job = self.job;
-        let (mut group, mut observation) =
-            (Group::<H, E, P, L>::new(job), Observation::new(job, self.is_part));
+        let (mut group, mut observation) = (Group::<H, E, P, L>::new(job), Observation::new(job));
         let Range { start: mut path, end } = self.paths;
         while path < end {
             group.begin(path, end)?;
@@ -79,6 +80,6 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Block<'_, '_, H, E, P
             observation.finish(&mut group);
             path += L as u64;
         }
-        Ok(observation.into_piece())
+        Ok(observation.statistics)
     }
 }

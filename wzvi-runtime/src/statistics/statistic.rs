@@ -1,0 +1,199 @@
+//! What is found out of many paths, path after path.
+
+use std::any::Any;
+use std::fmt;
+use std::iter;
+
+use super::passage::Passage;
+use super::run::Statistics;
+use crate::algebra::crossing::Direction;
+use crate::error::{InternalError, StepError};
+use crate::ground::names::short_name;
+use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Table;
+
+/// What a [`Statistic`] is shown of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Seen<'s> {
+    /// The path at a recorded time, each in its order.
+    Values {
+        /// Number of the recorded time, 0 for the start.
+        node: usize,
+        /// Its observables.
+        values: &'s [f64],
+    },
+    /// The path is missing at this recorded time: it has failed before.
+    Lost {
+        /// Number of the recorded time.
+        node: usize,
+    },
+    /// What became of the path's first passage of an event.
+    Passage {
+        /// Number of the event.
+        event: usize,
+        /// Whether and when it passed.
+        passage: Passage,
+    },
+    /// The path crosses a section.
+    Crossing {
+        /// Number of the section.
+        section: usize,
+        /// How often the path has crossed it before.
+        before: u64,
+        /// To which side.
+        direction: Direction,
+        /// When.
+        t: f64,
+        /// Coordinates there.
+        q: &'s [f64],
+        /// Momenta there.
+        p: &'s [f64],
+    },
+    /// The path is over, and has crossed a section so often.
+    Crossings {
+        /// Number of the section.
+        section: usize,
+        /// How often.
+        count: u64,
+    },
+    /// The path ended early.
+    Failure(StepError),
+}
+
+/// Something to find out of the paths of an ensemble ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)).
+///
+/// Paths run in chunks of a fixed size. Each chunk has a clone of the statistic as it was given, which is shown its paths, and the chunks are merged in the
+/// order of their numbers. So the result has the same bits on any number of threads and ranks. Checkpoints and ranks keep what
+/// [`Numbers::pass`] shows to the tape: everything that paths change.
+///
+/// At each recorded time paths come in the order of their numbers; several of them run beside each other, so that what a statistic has to
+/// remember of a path it keeps by the number of the path.
+pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 'static {
+    /// What happens to a path, by its number from 0.
+    fn see(&mut self, path: u64, seen: &Seen<'_>);
+
+    /// Adds what was found of the paths of a later chunk. The order matters to the last bit.
+    fn merge(&mut self, later: &Self);
+
+    /// What is known, as tables, which [`Statistics::tables`] and files have then. `run` knows the recorded times and the names of observables.
+    fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s>;
+}
+
+/// Tables, each whole or in parts with the same columns.
+pub struct Tables<'s>(pub(super) Vec<Parts<'s>>);
+
+/// The rows of a table, some at a time; the first part is always there.
+pub(super) type Parts<'s> = Box<dyn Iterator<Item = Table> + 's>;
+
+impl fmt::Debug for Tables<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tables").field("count", &self.0.len()).finish_non_exhaustive()
+    }
+}
+
+impl From<Table> for Tables<'_> {
+    fn from(table: Table) -> Self {
+        Self(vec![Box::new(iter::once(table))])
+    }
+}
+
+impl<'s> Tables<'s> {
+    /// Tables that are made when they are asked for.
+    pub(super) fn made<const N: usize>(tables: [Box<dyn Fn() -> Table + 's>; N]) -> Self {
+        Self(tables.into_iter().map(|table| Box::new(iter::once_with(table)) as Parts<'s>).collect())
+    }
+
+    /// One more, with a row for each of these, in parts.
+    pub(super) fn with<T>(
+        mut self,
+        empty: impl Fn() -> Table + 's,
+        rows: impl Iterator<Item = T> + 's,
+        write: impl Fn(&mut Table, T) + 's,
+    ) -> Self {
+        let (mut rows, mut is_first) = (rows.peekable(), true);
+        self.0.push(Box::new(iter::from_fn(move || {
+            let is_wanted = std::mem::take(&mut is_first) || rows.peek().is_some();
+            is_wanted.then(|| {
+                let mut table = empty();
+                rows.by_ref().take(PART).for_each(|row| write(&mut table, row));
+                table
+            })
+        })));
+        self
+    }
+}
+
+/// Rows of a part: some megabytes of numbers.
+const PART: usize = 1 << 15;
+
+/// A [`Statistic`] of any type.
+pub(crate) trait AnyStatistic: fmt::Debug + Send + Sync {
+    fn see(&mut self, path: u64, seen: &Seen<'_>);
+
+    /// # Errors
+    /// [`InternalError`] if the other is of another type.
+    fn merge(&mut self, later: &dyn AnyStatistic) -> Result<(), InternalError>;
+
+    fn pass(&mut self, tape: &mut Tape);
+
+    fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s>;
+
+    fn copy(&self) -> Box<dyn AnyStatistic>;
+
+    fn equals(&self, other: &dyn AnyStatistic) -> bool;
+
+    fn as_any(&self) -> &dyn Any;
+
+    /// The name of its type.
+    fn name(&self) -> String;
+}
+
+impl<T: Statistic> AnyStatistic for T {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn see(&mut self, path: u64, seen: &Seen<'_>) {
+        Statistic::see(self, path, seen);
+    }
+
+    fn merge(&mut self, later: &dyn AnyStatistic) -> Result<(), InternalError> {
+        let other = || InternalError::new("chunks have the same statistics", format!("{later:?}"));
+        Statistic::merge(self, later.as_any().downcast_ref().ok_or_else(other)?);
+        Ok(())
+    }
+
+    fn pass(&mut self, tape: &mut Tape) {
+        Numbers::pass(self, tape);
+    }
+
+    fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s> {
+        Statistic::rows(self, run)
+    }
+
+    fn copy(&self) -> Box<dyn AnyStatistic> {
+        Box::new(self.clone())
+    }
+
+    fn equals(&self, other: &dyn AnyStatistic) -> bool {
+        other.as_any().downcast_ref() == Some(self)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn name(&self) -> String {
+        short_name::<T>()
+    }
+}
+
+impl Clone for Box<dyn AnyStatistic> {
+    fn clone(&self) -> Self {
+        (**self).copy()
+    }
+}
+
+impl PartialEq for dyn AnyStatistic {
+    fn eq(&self, other: &Self) -> bool {
+        self.equals(other)
+    }
+}
