@@ -60,12 +60,10 @@ fn cost(folder: &Path) -> Result<(), Box<dyn Error>> {
         ("no checkpoint, every tenth node recorded", 10, None),
         ("every million steps, every tenth node recorded", 10, Some(|to| to.every_steps(1_000_000))),
     ];
-    println!("{:<48} {:>8} {:>12} {:>12}", "checkpoint", "ns/step", "file, bytes", "nodes, bytes");
+    println!("{:<48} {:>8} {:>12}", "checkpoint", "ns/step", "file, bytes");
     for (name, every, wants) in cases {
         let file = folder.join("cost.wzvi");
-        let nodes = folder.join("cost.wzvi.nodes");
-        let size = |path: &Path| std::fs::metadata(path).map_or(0, |file| file.len());
-        let (mut best, mut sizes) = (f64::INFINITY, [0; 2]);
+        let (mut best, mut size) = (f64::INFINITY, 0);
         for _ in 0..5 {
             let started = Instant::now();
             let run = kepler(STEPS, every);
@@ -74,13 +72,11 @@ fn cost(folder: &Path) -> Result<(), Box<dyn Error>> {
                 Some(wants) => run.checkpoint(wants(Checkpoint::to(&file))).run()?,
             };
             best = best.min(started.elapsed().as_secs_f64());
-            sizes = [size(&file), size(&nodes)];
-            for path in [&file, &nodes] {
-                // Not every run has both.
-                let _ = std::fs::remove_file(path);
-            }
+            size = std::fs::metadata(&file).map_or(0, |file| file.len());
+            // Not every run has one.
+            let _ = std::fs::remove_file(&file);
         }
-        println!("{name:<48} {:>8.1} {:>12} {:>12}", best / STEPS as f64 * 1e9, sizes[0], sizes[1]);
+        println!("{name:<48} {:>8.1} {size:>12}", best / STEPS as f64 * 1e9);
     }
     Ok(())
 }

@@ -122,7 +122,7 @@
 //!   its drift in a run tells whether that theory applies.
 //! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
-//! * **Long runs**: with the feature `serde`, `checkpoint::Checkpoint` lets a stopped run resume, bit for bit.
+//! * **Long runs**: a [`Checkpoint`](checkpoint::Checkpoint) lets a stopped run resume, bit for bit.
 //! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start;
 //!   [`scalar::Dual`] is the number type behind it.
 //! * **Averages along one path**, with errors that include correlations, are [`series`]; with the feature `correlation` it has
@@ -137,7 +137,7 @@
 //! | `ensemble` | yes | many paths: lanes, threads, statistics |
 //! | `plot` | | `path.plot()`, figures as SVG and PNG |
 //! | `report` | | error against run time: tables, plots, one HTML page |
-//! | `serde` | | checkpoints; states and paths that serialise |
+//! | `serde` | | states and paths that serialise |
 //! | `columnar` | | Parquet files |
 //! | `correlation` | | correlation functions and times along a path, mean square displacements |
 //! | `interrupt` | | Ctrl-C during a long ensemble keeps what is done |
@@ -180,9 +180,7 @@ pub use wzvi_runtime::nalgebra;
 #[cfg(feature = "noise")]
 pub use wzvi_runtime::noise;
 pub use wzvi_runtime::path::Error;
-#[cfg(feature = "serde")]
-pub use wzvi_runtime::path::checkpoint;
-pub use wzvi_runtime::path::{retry, section, series, simulate, step, trajectory};
+pub use wzvi_runtime::path::{checkpoint, retry, section, series, simulate, step, trajectory};
 #[cfg(feature = "plot")]
 pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
@@ -197,7 +195,7 @@ pub mod error {
     pub use wzvi_runtime::path::Error;
 }
 
-#[cfg(not(all(feature = "report", feature = "serde")))]
+#[cfg(not(feature = "report"))]
 #[doc(hidden)]
 pub mod absent;
 
@@ -206,9 +204,6 @@ pub mod checks;
 
 /// Everything that a program needs: `use wzvi::prelude::*`.
 pub mod prelude {
-    #[cfg(not(feature = "serde"))]
-    #[doc(hidden)]
-    pub use crate::absent::Checkpoint;
     #[cfg(not(feature = "report"))]
     #[doc(hidden)]
     pub use crate::absent::WorkPrecision;
@@ -218,7 +213,6 @@ pub mod prelude {
     pub use wzvi_runtime::integrate::Integrate;
     #[cfg(feature = "noise")]
     pub use wzvi_runtime::noise::{StepNormals, Wiener, WongZakai};
-    #[cfg(feature = "serde")]
     pub use wzvi_runtime::path::checkpoint::Checkpoint;
     pub use wzvi_runtime::path::retry::Retry;
     pub use wzvi_runtime::path::step::Stepper;

@@ -1,6 +1,6 @@
 //! On any number of ranks, the bits of one process.
 
-use super::ranks::{Plan, STALL, TARGET, blocks, on_ranks, run, run_with_paths, took};
+use super::ranks::{Plan, STALL, TARGET, on_ranks, run, run_with_paths, saved, took};
 use fixtures::edge::bits;
 use fixtures::folder;
 
@@ -35,7 +35,7 @@ fn of_a_checkpoint() {
     let kept = |paths| run(paths).checkpoint(wzvi::checkpoint::Checkpoint::to(&file));
     let expected = |paths| bits(&run(paths).run().unwrap());
     on_ranks(2, Plan::Kept, 20 * 512, &folder).well();
-    assert_eq!(blocks(&file), 20);
+    assert_eq!(saved(&file), 20 * 512);
     assert_eq!(bits(&kept(40 * 512).run().unwrap()), expected(40 * 512));
     assert_eq!(on_ranks(4, Plan::Kept, 60 * 512 + 1, &folder).well(), expected(60 * 512 + 1));
 }
@@ -84,11 +84,11 @@ fn of_a_run_that_was_stopped() {
     let folder = folder!("cluster-stops");
     let paths = 1000 * 512;
     let part = on_ranks(2, Plan::Stops, paths, &folder).well();
-    let done = blocks(&folder.join("checkpoint"));
-    assert!((10..1000).contains(&done), "{done}");
-    let partial = format!("{:?}", run(512 * done).run().unwrap())
+    let done = saved(&folder.join("checkpoint"));
+    assert!((10 * 512..1000 * 512).contains(&done), "{done}");
+    let partial = format!("{:?}", run(done).run().unwrap())
         .replace("is_partial: false", "is_partial: true")
-        .replace(&format!("paths: {} }})", 512 * done), &format!("paths: {paths} }})"));
+        .replace(&format!("paths: {} }})", done), &format!("paths: {paths} }})"));
     assert!(part == partial);
     assert!(on_ranks(2, Plan::Kept, paths, &folder).well() == bits(&run(paths).run().unwrap()));
 }

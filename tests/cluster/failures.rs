@@ -4,7 +4,7 @@ use std::fs;
 
 use wzvi::checkpoint::Checkpoint;
 
-use super::ranks::{Plan, blocks, on_ranks, run};
+use super::ranks::{Plan, on_ranks, run, saved};
 use fixtures::edge::bits;
 use fixtures::folder;
 
@@ -20,8 +20,8 @@ fn a_rank_that_dies() {
     let error = ended.badly();
     assert!(error.contains("rank 1") && error.contains("signal"), "{error}");
     assert_eq!(ended.said, [None, None]);
-    let done = blocks(&file);
-    assert!((10..PATHS / 512).contains(&done), "{done}");
+    let done = saved(&file);
+    assert!((10 * 512..PATHS).contains(&done), "{done}");
     fs::copy(&file, &copy).unwrap();
 
     let event = |_: &_| 1.0;
@@ -29,7 +29,7 @@ fn a_rank_that_dies() {
     let on = run(PATHS).first_passage("event0", event).checkpoint(Checkpoint::to(&copy)).run().unwrap();
     assert!(bits(&on) == expected);
     assert!(on_ranks(4, Plan::Survives, PATHS, &folder).well() == expected);
-    assert_eq!(blocks(&file), PATHS / 512);
+    assert_eq!(saved(&file), PATHS / 64 * 64);
 }
 
 #[test]

@@ -90,11 +90,12 @@ pub(crate) fn run_with_paths<'a>(paths: u64) -> Ensemble<'a, Edge, DeltaPlus> {
     run(paths).keep_paths(1 << 24)
 }
 
-/// Whole blocks that a checkpoint has.
-pub(crate) fn blocks(checkpoint: &Path) -> u64 {
-    let Ok(text) = fs::read_to_string(checkpoint) else { return 0 };
-    let digits = text.split("\"blocks\":").nth(1).unwrap_or_default();
-    digits.split(',').next().unwrap_or_default().parse().unwrap_or(0)
+/// Paths that a checkpoint has: its first line counts the chunks.
+pub(crate) fn saved(checkpoint: &Path) -> u64 {
+    let bytes = fs::read(checkpoint).unwrap_or_default();
+    let line =
+        String::from_utf8_lossy(bytes.split(|&byte| byte == b'\n').next().unwrap_or_default()).into_owned();
+    64 * line.split(' ').nth(2).and_then(|chunks| chunks.parse::<u64>().ok()).unwrap_or(0)
 }
 
 #[test]
@@ -118,7 +119,7 @@ fn rank() {
         }
     };
     // From then on the last rank acts, and the others wait until it has: nobody finishes before.
-    let begun = || blocks(&file) >= 10;
+    let begun = || saved(&file) >= 10 * 512;
     let ensemble = match plan {
         Plan::Plain | Plan::Single => run_with_paths(paths),
         Plan::Threads => run_with_paths(paths).threads(2),
@@ -138,7 +139,7 @@ fn rank() {
         Plan::Dies => kept().first_passage("event0", |state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {
-                    if blocks(&file) >= 10 {
+                    if saved(&file) >= 10 * 512 {
                         std::process::abort()
                     }
                 });
@@ -168,7 +169,7 @@ fn rank() {
         Plan::Taken => kept().first_passage("event0", |state| {
             if last && state.t > 0.0 {
                 at_each_block(&|| {
-                    if blocks(&file) >= 10 {
+                    if saved(&file) >= 10 * 512 {
                         fs::write(&file, "another").unwrap()
                     }
                 });

@@ -247,7 +247,7 @@ fn control_c_gives_the_statistics_so_far() {
     let words: Vec<&str> = line[line.find("partial").unwrap()..].split_whitespace().collect();
     let paths: u64 = words[3].parse().unwrap();
     assert_eq!(words[1], "true");
-    assert!(paths > 0 && paths.is_multiple_of(512), "{line}");
+    assert!(paths > 0 && paths.is_multiple_of(64), "{line}");
     // `f64` prints and reads without loss.
     assert_eq!(kubo(2).paths(paths).run().unwrap().mean("q").unwrap(), words[5].parse::<f64>().unwrap());
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));

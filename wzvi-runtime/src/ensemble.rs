@@ -16,8 +16,8 @@
 //! [`Statistics::failures`], and the other paths continue. [`Ensemble::replay`] runs a single path again.
 
 mod account;
-mod chunk;
 mod checks;
+mod chunk;
 #[cfg(feature = "mpi")]
 pub mod cluster;
 mod control;
@@ -27,10 +27,6 @@ mod group;
 mod halt;
 mod increments;
 mod job;
-#[cfg(feature = "serde")]
-mod keeping;
-#[cfg(not(feature = "serde"))]
-#[path = "ensemble/keeping/absent.rs"]
 mod keeping;
 mod multilevel;
 mod observation;
@@ -75,8 +71,8 @@ use crate::path::retry::{Halved, Retry, Serves, Whole};
 use crate::path::section::Sections;
 use crate::path::span::Span;
 pub use crate::saving::table::{Column, Table};
-use crate::statistics::AnyStatistic;
 use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::statistics::AnyStatistic;
 
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
@@ -402,7 +398,7 @@ where
     /// * [`Error::Noise`] if the given noise has no increments.
     /// * [`Error::Step`] if all paths fail: the first failure.
     /// * [`Error::Losses`] if more paths fail than are allowed; fewer failures are in the [`Statistics`].
-    /// * `Error::Checkpoint` if a checkpoint cannot be written, or the run cannot resume from it.
+    /// * [`Error::Checkpoint`] if a checkpoint cannot be written, or the run cannot resume from it.
     pub fn run(self) -> Result<Statistics, Error>
     where
         N: Serves<R>,

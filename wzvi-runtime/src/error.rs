@@ -4,7 +4,6 @@
 mod words;
 
 mod bath;
-#[cfg(feature = "serde")]
 pub(crate) mod checkpoint;
 #[cfg(feature = "mpi")]
 mod cluster;
@@ -30,7 +29,6 @@ use crate::ground::digits::Brief;
 pub use bath::BathError;
 
 pub use crate::ground::calculus::DomainError;
-#[cfg(feature = "serde")]
 pub use checkpoint::{CheckpointError, Damage, Difference};
 #[cfg(feature = "mpi")]
 pub use cluster::ClusterError;

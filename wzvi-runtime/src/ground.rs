@@ -10,7 +10,6 @@ pub(crate) mod interrupt;
 #[cfg(any(not(feature = "interrupt"), target_family = "wasm"))]
 #[path = "ground/interrupt/absent.rs"]
 pub(crate) mod interrupt;
-#[cfg(any(feature = "ensemble", feature = "serde"))]
 pub(crate) mod names;
 pub mod numbers;
 pub(crate) mod progress;

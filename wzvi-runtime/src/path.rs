@@ -1,11 +1,7 @@
 //! One path: its steps, what is recorded of it, and how it goes on after it was stopped.
 
 pub(crate) mod between;
-#[cfg(feature = "serde")]
 pub mod checkpoint;
-#[cfg(not(feature = "serde"))]
-#[path = "path/checkpoint/absent.rs"]
-pub(crate) mod checkpoint;
 mod error;
 pub(crate) mod options;
 pub(crate) mod recording;

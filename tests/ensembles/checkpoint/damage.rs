@@ -85,9 +85,9 @@ fn files_of_others() {
     assert_eq!(error, CheckpointError::Kind { path: file.clone(), kind: "an ensemble" }.into());
 
     let good = fs::read(&file).unwrap();
-    let other = String::from_utf8(good.clone()).unwrap().replacen("wzvi-ensemble 3 ", "wzvi-ensemble 2 ", 1);
-    let version = CheckpointError::Version { path: file.clone(), found: "2".into(), expected: 3 };
-    assert_eq!(error_of(&file, &good, other.as_bytes()), version);
+    let other = [b"wzvi-ensemble 3 ", good.strip_prefix(b"wzvi-ensemble 4 ").unwrap()].concat();
+    let version = CheckpointError::Version { path: file.clone(), found: "3".into(), expected: 4 };
+    assert_eq!(error_of(&file, &good, &other), version);
 }
 
 /// What a run that was stopped in the middle of a write leaves behind is no obstacle, and is cleared away.

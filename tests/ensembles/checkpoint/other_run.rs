@@ -42,7 +42,10 @@ fn every_setting_is_told_apart() {
     assert_eq!(fields(base().first_passage("event0", |state| state.q[0])), ["the events"]);
     assert_eq!(fields(base().observe("observable0", |_| 1.0)), ["the observables"]);
     let more = Cubes { sums: Vec::new(), lost: 1 };
-    assert_eq!(fields(base().statistic(more)), ["the statistics that were added", "their settings (checksum)"]);
+    assert_eq!(
+        fields(base().statistic(more)),
+        ["the statistics that were added", "their settings (checksum)"]
+    );
     assert_eq!(fields(base().start(State::new([1.0], [-0.5]))), ["p[0] of the start"]);
     assert_eq!(fields(base().start(State::new([1.0], [0.5]).at(1.0))), ["t of the start"]);
     let heavier = Edge { a: 1.0_f64.next_up(), ..EDGE };

@@ -9,7 +9,7 @@ use wzvi::prelude::*;
 use super::systems::{KEPLER, PENDULUM, bits, refused};
 use fixtures::{files::contents, folder};
 
-/// A run with recorded nodes, to be gone on with.
+/// A run with recorded nodes, to be gone on with: they are in the file.
 fn go_on(file: &Path, steps: u64) -> Result<Vec<u64>, wzvi::Error> {
     Ok(bits(&PENDULUM.run(Wiener::seed(7), steps, 4).checkpoint(Checkpoint::to(file)).run()?))
 }
@@ -84,39 +84,6 @@ fn any_byte_flipped() {
 }
 
 #[test]
-fn recorded_nodes_cut_or_flipped() {
-    let run = folder!("nodes").join("run");
-    go_on(&run, 30).unwrap();
-    let nodes = run.with_extension("nodes");
-    let good = fs::read(&nodes).unwrap();
-    // One line, then t, q, p and two increments for each of 30 / 4 nodes.
-    assert_eq!(good.len(), "wzvi-nodes 1\n".len() + 7 * 5 * 8);
-    let told = |error: CheckpointError| match error {
-        CheckpointError::Damaged { path, .. } | CheckpointError::Foreign { path } => path == nodes,
-        CheckpointError::Version { path, .. } => path == nodes,
-        _ => false,
-    };
-    for i in 0..good.len() {
-        assert!(told(error_of(&nodes, &good, &good[..i])), "cut at {i}");
-        for mask in [1 << (i % 8), 255] {
-            let mut changed = good.clone();
-            changed[i] ^= mask;
-            assert!(told(error_of(&nodes, &good, &changed)), "byte {i} ^ {mask}");
-        }
-    }
-    fs::remove_file(&nodes).unwrap();
-    let error = refused(go_on(&run, 40));
-    assert_eq!(error, CheckpointError::Damaged { path: nodes.clone(), damage: Damage::Missing });
-    // What a stopped run wrote behind the last checkpoint is written again.
-    for garbage in [&b"\0"[..], &[255; 1000]] {
-        fs::write(&nodes, [&good[..], garbage].concat()).unwrap();
-        let copy = fs::read(&run).unwrap();
-        assert_eq!(go_on(&run, 40).unwrap(), whole());
-        fs::write(&run, copy).unwrap();
-    }
-}
-
-#[test]
 fn files_of_others() {
     let run = folder!("foreign").join("run");
     for content in ["{\"a\": 1}", "wzvi", "wzvi-checkpoints 1", "#!/bin/sh\n", "\0\0\0\0"] {
@@ -129,20 +96,6 @@ fn files_of_others() {
     }
     let error = refused(go_on(&run, 10)).to_string();
     assert!(error.contains("not a file of wzvi") && error.contains("not changed"), "{error}");
-
-    // Where the nodes would go: with a checkpoint, and without one.
-    fs::remove_file(&run).unwrap();
-    let nodes = run.with_extension("nodes");
-    fs::write(&nodes, "a list of mine").unwrap();
-    let error = refused(go_on(&run, 10));
-    assert_eq!(error, CheckpointError::Orphan { nodes: nodes.clone(), path: run.clone() });
-    assert_eq!(contents(run.parent().unwrap()).len(), 1);
-    fs::remove_file(&nodes).unwrap();
-    go_on(&run, 0).unwrap();
-    assert!(!nodes.exists(), "no node but the start");
-    fs::write(&nodes, "a list of mine").unwrap();
-    assert_eq!(refused(go_on(&run, 10)), CheckpointError::Foreign { path: nodes.clone() });
-    assert_eq!(fs::read_to_string(&nodes).unwrap(), "a list of mine");
 }
 
 #[test]
@@ -150,12 +103,14 @@ fn files_of_another_version() {
     let run = folder!("version").join("run");
     go_on(&run, 30).unwrap();
     let good = fs::read(&run).unwrap();
-    for version in ["0", "1", "2", "10"] {
-        let text = String::from_utf8(good.clone()).unwrap();
-        let other = text.replacen("wzvi-checkpoint 3 ", &format!("wzvi-checkpoint {version} "), 1);
-        let error = error_of(&run, &good, other.as_bytes());
+    let content = good.strip_prefix(b"wzvi-checkpoint 4 ").unwrap();
+    // The last is what a version before wrote.
+    let json = b"2 0123456789abcdef\n{}\n";
+    for (version, rest) in [("0", content), ("1", content), ("10", content), ("3", json)] {
+        let other = [format!("wzvi-checkpoint {version} ").as_bytes(), rest].concat();
+        let error = error_of(&run, &good, &other);
         let found = version.to_owned();
-        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 3 });
+        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 4 });
         assert!(error.to_string().contains(&format!("version {version} of the format")), "{error}");
     }
 }
@@ -179,19 +134,7 @@ fn whatever_a_stopped_write_left() {
         assert_eq!(go_on(&run, 40).unwrap(), whole());
         let names: Vec<_> = contents(&folder).into_iter().map(|(path, _)| path).collect();
         let mine = format!("{PREFIX}0000.part");
-        assert_eq!(names, [&mine, "run", "run.mine.part", "run.nodes"].map(|name| folder.join(name)));
-    }
-
-    // Stopped between the first checkpoint and the first node: the line of the nodes may be there, or a part of it.
-    let run = folder.join("early");
-    let nodes = run.with_extension("nodes");
-    for line in ["", "wzvi", "wzvi-nodes 1\n", "wzvi-nodes 1\n\0\0\0"] {
-        for file in [&run, &nodes] {
-            let _ = fs::remove_file(file);
-        }
-        go_on(&run, 0).unwrap();
-        fs::write(&nodes, line).unwrap();
-        assert_eq!(go_on(&run, 40).unwrap(), whole(), "{line:?}");
+        assert_eq!(names, [&mine, "run", "run.mine.part"].map(|name| folder.join(name)));
     }
 }
 
@@ -201,7 +144,7 @@ fn process_numbers_that_repeat() {
     let folder = folder!("repeated");
     let run = folder.join("run");
     let number = std::process::id();
-    let good = "wzvi-checkpoint 3 ";
+    let good = "wzvi-checkpoint 4 ";
     for name in [format!("run.{number}.part"), format!("{PREFIX}{number}.part"), "run.part".to_owned()] {
         fs::write(folder.join(name), good).unwrap();
     }
@@ -220,11 +163,11 @@ fn links_devices_and_pipes() {
     symlink("far/run", &link).unwrap();
     go_on(&link, 20).unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-    assert!(real.exists() && real.with_extension("nodes").exists());
+    assert!(real.exists());
     // By its own name it is the same run.
     go_on(&real, 30).unwrap();
     assert_eq!(go_on(&link, 40).unwrap(), whole());
-    assert_eq!(contents(&folder).len(), 2);
+    assert_eq!(contents(&folder).len(), 1);
     let pipe = folder.join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     symlink("/dev/zero", folder.join("zero")).unwrap();
@@ -253,18 +196,14 @@ fn folders_that_cannot_be_written_to() {
 /// Where the process below writes.
 const FULL: &str = "WZVI_TEST_FULL_DISK";
 
-/// Files that grow beyond a limit are to it what a full disk is: half of the nodes fit.
+/// Files that grow beyond a limit are to it what a full disk is: some of the checkpoints fit.
 #[test]
 #[ignore = "the process that the next test runs with small files"]
 fn child_on_a_full_disk() {
     let Ok(file) = std::env::var(FULL) else { return };
     let run = |checkpoint| KEPLER.run(2000, 1).checkpoint(checkpoint).run().unwrap();
     let path = run(Checkpoint::to(file).every_steps(100));
-    assert!(
-        matches!(path.unsaved(), Some(error) if error.path().ends_with("run.nodes")),
-        "{:?}",
-        path.unsaved()
-    );
+    assert!(matches!(path.unsaved(), Some(error) if error.path().ends_with("run")), "{:?}", path.unsaved());
     assert_eq!(bits(&path), bits(&KEPLER.run(2000, 1).run().unwrap()));
 }
 

@@ -177,7 +177,6 @@ impl<V: Vector> State<V> {
     }
 
     /// The words of it.
-    #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
         tape.number(&mut self.t);
         tape.numbers(self.q.components_mut());

@@ -24,7 +24,6 @@ impl Sum {
     }
 }
 
-#[cfg(feature = "serde")]
 impl Sum {
     /// What a checkpoint keeps.
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
@@ -58,7 +57,6 @@ impl Sums {
     }
 }
 
-#[cfg(feature = "serde")]
 impl Sums {
     /// What a checkpoint keeps.
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {

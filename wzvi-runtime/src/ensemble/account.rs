@@ -5,10 +5,11 @@ use std::ops::{ControlFlow, Range};
 use super::control::{Control, Targets, unless_lost};
 use super::halt::Halt;
 use super::job::Job;
-use super::keeping::ChunkKeeper;
+use super::keeping;
+use crate::ground::numbers::Numbers as _;
 use crate::ground::progress::Progress;
 use crate::path::Error;
-use crate::path::checkpoint::Keeping;
+use crate::path::checkpoint::{Keeper, Keeping};
 use crate::scheme::system::Discretized;
 use crate::statistics::Origin;
 use crate::statistics::{Statistics, StatisticsNode};
@@ -19,7 +20,7 @@ const LOOK: u64 = 512;
 /// Takes the chunks of a run in the order of their numbers.
 pub(super) struct Account {
     statistics: Statistics,
-    keeper: ChunkKeeper,
+    keeper: Keeper,
     targets: Targets,
     progress: Progress,
     /// Paths of the run, at most, and of a chunk.
@@ -50,7 +51,7 @@ impl Account {
         if let Some(paths) = &mut statistics.paths {
             paths.reserve(job.paths)?;
         }
-        let keeper = ChunkKeeper::open(keeping, job, &mut statistics)?;
+        let keeper = keeping::open(keeping, job, &mut statistics)?;
         let chunks = keeper.first()..job.chunks().end;
         let (limit, size) = (job.paths, job.chunk());
         let mut account =
@@ -89,7 +90,10 @@ impl Account {
         self.chunks.start += 1;
         let (is_done, expected) = self.look();
         self.progress.show(self.statistics.begun(), expected);
-        self.error = self.keeper.done(self.chunks.start, &mut self.statistics).err();
+        let Self { keeper, statistics, chunks, .. } = self;
+        if keeper.is_due(chunks.start) {
+            self.error = keeper.save(chunks.start, &mut |tape| statistics.pass(tape)).err();
+        }
         if is_done || self.error.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
@@ -98,8 +102,8 @@ impl Account {
         if let Some(error) = self.error {
             return Err(error);
         }
-        self.keeper.close(self.chunks.start, &mut self.statistics)?;
         let mut statistics = self.statistics;
+        self.keeper.close(self.chunks.start, &mut |tape| statistics.pass(tape))?;
         statistics.unsaved = self.keeper.unsaved();
         statistics.targets = self.targets.statuses(&statistics);
         match (statistics.last().map_or(0, StatisticsNode::count), statistics.failures().first()) {

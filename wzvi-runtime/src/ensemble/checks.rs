@@ -197,7 +197,8 @@ impl Extras {
             let observable = observable.ok_or_else(|| unknown(name, &names))?;
             Ok((observable, Histogram::new(lower, upper, bins)?))
         };
-        let histograms = self.histograms.into_iter().map(histogram).collect::<Result<Vec<_>, ConfigError>>()?;
+        let histograms =
+            self.histograms.into_iter().map(histogram).collect::<Result<Vec<_>, ConfigError>>()?;
         let (histogrammed, histograms): (Vec<usize>, Vec<Histogram>) = histograms.into_iter().unzip();
         let bytes = Paths::bytes(paths, times.len(), names.len())
             + u128::from(paths) * (passages.len() * size_of::<Passage>()) as u128;

@@ -3,14 +3,16 @@
 use super::Ensemble;
 use super::job::Job;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, FileError};
+use crate::error::ConfigError;
+use crate::ground::numbers::Numbers as _;
 use crate::increments::{Identity, Noise};
 use crate::path::Error;
-use crate::path::checkpoint::{self, Checkpoint, CheckpointError, Described, Extent, Keeping, Suits};
+use crate::path::checkpoint::{
+    self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind, Suits,
+};
 use crate::path::step::Stepper;
 use crate::path::steps::{Account, Monitor, Single, TakeStep, take_steps};
 use crate::scheme::system::Discretized;
-use crate::ground::numbers::Numbers as _;
 use crate::statistics::{Statistics, StatisticsNode};
 
 /// Steps after which observables are compared.
@@ -36,42 +38,20 @@ impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
     }
 }
 
-/// Saves an ensemble, or does nothing.
-pub(super) struct ChunkKeeper(checkpoint::BlockKeeper);
-
-impl ChunkKeeper {
-    /// Brings empty statistics to where the checkpoint is, if there is one.
-    pub(super) fn open<H: Discretized<E>, E>(
-        keeping: Keeping,
-        job: &Job<'_, H, E>,
-        statistics: &mut Statistics,
-    ) -> Result<Self, Error> {
-        if keeping.is_set() && job.source.identity().is_none() {
-            return Err(CheckpointError::Noise.into());
-        }
-        let extent = Extent { paths: job.paths, block: job.chunk() };
-        keeping.open_blocks(|| described(job), extent, |tape| statistics.pass(tape)).map(Self)
+/// Brings empty statistics to where the checkpoint is, if there is one.
+pub(super) fn open<H: Discretized<E>, E>(
+    keeping: Keeping,
+    job: &Job<'_, H, E>,
+    statistics: &mut Statistics,
+) -> Result<Keeper, Error> {
+    if !keeping.is_set() {
+        return Ok(Keeper::default());
     }
-
-    /// The number of the chunk to start with.
-    pub(super) fn first(&self) -> u64 {
-        self.0.first()
+    if job.source.identity().is_none() {
+        return Err(CheckpointError::Noise.into());
     }
-
-    /// So many chunks are done.
-    pub(super) fn done(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
-        Ok(self.0.done(blocks, |tape| statistics.pass(tape))?)
-    }
-
-    /// So many chunks are done, and no others will be.
-    pub(super) fn close(&mut self, blocks: u64, statistics: &mut Statistics) -> Result<(), Error> {
-        Ok(self.0.close(blocks, |tape| statistics.pass(tape))?)
-    }
-
-    /// Why the last checkpoint could not be written.
-    pub(super) fn unsaved(&self) -> Option<FileError> {
-        self.0.unsaved()
-    }
+    let extent = Extent { kind: Kind::Ensemble, all: job.paths, unit: job.chunk() };
+    keeping.open(extent, described(job)?, &mut |tape| statistics.pass(tape))
 }
 
 /// What makes this run another than others.
@@ -126,7 +106,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
     settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
     settings.extend(systems(job));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
-    Ok(Described::new(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
+    Ok(Described::of_ensemble(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
 }
 
 /// What tells starts apart: those of a list all, of a function the first.

@@ -65,13 +65,6 @@ pub enum CheckpointError {
         /// Paths asked for.
         paths: u64,
     },
-    /// There are recorded nodes, but no checkpoint that they belong to.
-    Orphan {
-        /// The file of the nodes.
-        nodes: PathBuf,
-        /// The checkpoint that is not there.
-        path: PathBuf,
-    },
     /// The file was changed or removed by someone else while this run was going on.
     Taken {
         /// Which one.
@@ -87,8 +80,6 @@ pub enum CheckpointError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Damage {
-    /// It is not there, though another file needs it.
-    Missing,
     /// It has another length than it had.
     Length {
         /// Bytes that were written.
@@ -124,10 +115,6 @@ impl CheckpointError {
     /// What the system said about a file.
     pub(crate) fn file<'p>(path: &'p Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + use<'p> {
         move |error| Self::File(FileError::system(path, action)(error))
-    }
-
-    pub(crate) fn damaged(path: &Path, damage: Damage) -> Self {
-        Self::Damaged { path: path.to_owned(), damage }
     }
 }
 
@@ -173,13 +160,6 @@ impl fmt::Display for CheckpointError {
                  file to start anew",
                 path.display()
             ),
-            Self::Orphan { nodes, path } => write!(
-                f,
-                "there are recorded nodes in {}, but no checkpoint {} that they belong to; put it back, or remove \
-                 the nodes to start anew",
-                nodes.display(),
-                path.display()
-            ),
             Self::Taken { path } => write!(
                 f,
                 "{} was changed or removed while the run went on; let only one run at a time use it",
@@ -197,7 +177,6 @@ impl fmt::Display for CheckpointError {
 impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Missing => f.write_str("it is not there"),
             Self::Length { expected, found } => write!(f, "{expected} bytes were written, there are {found}"),
             Self::Checksum { expected, found } => {
                 write!(f, "its checksum is {found:016x}, not {expected:016x}")

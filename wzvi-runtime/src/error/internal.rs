@@ -11,7 +11,6 @@ pub struct InternalError {
 
 impl InternalError {
     /// `promise` does not hold, as `data` shows.
-    #[cfg(any(feature = "serde", feature = "ensemble"))]
     pub(crate) fn new(promise: &'static str, data: impl fmt::Display) -> Self {
         Self { promise, data: data.to_string() }
     }

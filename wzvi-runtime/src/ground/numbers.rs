@@ -25,6 +25,33 @@ impl Numbers for f64 {
     }
 }
 
+impl Numbers for u64 {
+    fn pass(&mut self, tape: &mut Tape) {
+        tape.word(self);
+    }
+}
+
+/// Its length, and eight of its bytes in each word.
+impl Numbers for String {
+    fn pass(&mut self, tape: &mut Tape) {
+        let mut bytes = std::mem::take(self).into_bytes();
+        let mut length = bytes.len() as u64;
+        tape.word(&mut length);
+        let words = tape.length(bytes.len().div_ceil(8));
+        bytes.resize(8 * words, 0);
+        for word in bytes.as_chunks_mut().0 {
+            let mut number = u64::from_le_bytes(*word);
+            tape.word(&mut number);
+            *word = number.to_le_bytes();
+        }
+        bytes.truncate(usize::try_from(length).unwrap_or(usize::MAX));
+        match Self::from_utf8(bytes) {
+            Ok(text) => *self = text,
+            Err(_) => tape.refuse(),
+        }
+    }
+}
+
 impl Numbers for bool {
     fn pass(&mut self, tape: &mut Tape) {
         tape.flag(self);
@@ -113,7 +140,6 @@ pub enum Tape {
 
 impl Tape {
     /// The words of everything that `pass` shows.
-    #[cfg(any(test, feature = "serde", feature = "mpi", feature = "ensemble"))]
     pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
         let mut tape = Self::Writing(Vec::new());
         pass(&mut tape);
@@ -125,7 +151,6 @@ impl Tape {
     }
 
     /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
-    #[cfg(any(test, feature = "serde", feature = "mpi", feature = "ensemble"))]
     pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
         let mut tape = Self::Reading { words: words.into_iter(), short: false };
         pass(&mut tape);
@@ -343,6 +368,15 @@ mod tests {
             carry.keep(&[x], &[-x]);
         }
         assert_eq!(copied(vec![1.0, -0.0], vec![3.0; 9]), [1.0, -0.0]);
+    }
+
+    #[test]
+    fn texts_come_back() {
+        for text in ["", "a", "eight by", "ξ over nine bytes"] {
+            assert_eq!(copied((text.to_owned(), 7), ("before".to_owned(), 0)), (text.to_owned(), 7));
+        }
+        let (mut read, nonsense) = (String::new(), u64::from_le_bytes([0xFF; 8]));
+        assert_eq!(Tape::read(vec![1, 1, nonsense], |tape| read.pass(tape)), None);
     }
 
     #[test]

@@ -29,7 +29,6 @@ impl Identity {
     }
 
     /// Names and values, the kind first.
-    #[cfg(feature = "serde")]
     pub(crate) fn into_settings(self) -> Vec<(String, String)> {
         self.settings
     }

@@ -65,7 +65,6 @@ impl<'s, 'a, V: Vector> Between<'s, 'a, V> {
     }
 
     /// Everything that steps change of it, and the crossings so far; nothing where there are no sections.
-    #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, recorder: &mut Recorder<V>, tape: &mut crate::ground::numbers::Tape) {
         if !self.sections.is_empty() {
             self.watch.pass(tape);

@@ -1,4 +1,4 @@
-//! Long runs: checkpoints, and going on from them (feature `serde`).
+//! Long runs: checkpoints, and going on from them.
 //!
 //! [`Simulation::checkpoint`] saves the state of a run from time to time. A run may be stopped at any moment, by a signal, a crash or a loss
 //! of power. Started again with the same settings, it resumes from its last checkpoint. Its trajectory is bit for bit that of a run that was
@@ -26,7 +26,7 @@
 //! Two runs are the same if they have the same system, parameters, scheme, step size, start, noise, `record_every` and version of this
 //! crate. Sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that
 //! the step computes from them, and by energies and forces at the start and at the checkpoint. Only the end may differ, unless it is reached
-//! exactly ([`exactly`](Simulation::exactly)), since no run resumes from there. To repeat a run from its start, remove its files.
+//! exactly ([`exactly`](Simulation::exactly)), since no run resumes from there. To repeat a run from its start, remove its file.
 //!
 //! Bits are those of the same program on the same machine: `sin`, `exp` and the like come from the platform.
 //!
@@ -34,19 +34,17 @@
 //!
 //! A checkpoint is written to a temporary file in the same folder (`.wzvi-....part`), which is flushed to the disk and then renamed; the
 //! folder is flushed after that. A process that is killed there leaves its temporary file, which the next one removes. A symbolic link is
-//! followed and stays a link; a device, a pipe or a folder is refused. The file has one line, `wzvi-checkpoint <version> <length>
-//! <checksum>`, and that many bytes of JSON, in which every number is its 64 bits in hexadecimal digits.
-//!
-//! Recorded nodes ([`record_every`](Simulation::record_every) above 0) go to a second file, named like the first with `.nodes` at its end.
-//! Each node is appended once, so that the cost of a checkpoint does not grow with the path. Move or remove both files together. Only one
-//! process at a time should use them; one that finds the checkpoint changed by another stops with [`CheckpointError::Taken`].
+//! followed and stays a link; a device, a pipe or a folder is refused. The file has one line, `wzvi-checkpoint <version> <steps> <length>
+//! <checksum>`, and `length` bytes: words of 64 bits, the least byte first. Recorded nodes ([`record_every`](Simulation::record_every) above 0)
+//! are among them. Only one process at a time should use the file; one that finds it changed by another stops with
+//! [`CheckpointError::Taken`].
 //!
 //! # Cost
 //!
 //! A checkpoint of a small system has about a kilobyte. It takes the time in which the disk confirms it, about a millisecond on a
 //! solid-state disk. Between two checkpoints a step costs one comparison more. With `d` degrees of freedom and `K` noises, a recorded node
-//! takes `8 (1 + 2 d + K)` bytes on the disk, as in memory. Crossings of sections are in the checkpoint itself, which grows with their
-//! number.
+//! takes `8 (1 + 2 d + K)` bytes, as in memory, and every checkpoint writes all of them, and the crossings of sections: record what you need, or
+//! save less often.
 //! `cargo run --release --example long_run -- cost` measures it.
 //!
 //! A checkpoint that cannot be written, for example on a full disk, does not end the run. The run warns once on the standard error stream,
@@ -61,9 +59,9 @@
 //!
 //! # Ensembles
 //!
-//! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) holds the statistics of its first blocks of paths, and a resumed run merges
-//! the others in the same order. The table and the guarantee above hold as well. The file has its own kind (`wzvi-ensemble`), and there is
-//! no second one. The number of paths may grow; an incomplete last block is run again.
+//! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) holds the statistics of its first chunks of paths, and a resumed run merges
+//! the others in the same order. The table and the guarantee above hold as well. The file has its own kind (`wzvi-ensemble`). The
+//! number of paths may grow; an incomplete last chunk is run again.
 //!
 //! Observables and events are compared by their names and by their values at the start and at the next three nodes of path 0. The file grows
 //! with the number of recorded times, observables and bins, and with that of the paths only if they are kept.
@@ -75,13 +73,11 @@
 //! [`Noise::identity`](crate::increments::Noise::identity); without it, runs take no checkpoints.
 
 #[cfg(feature = "ensemble")]
-mod blocks;
+mod ensemble;
 mod format;
 mod identity;
 mod keeper;
-mod nodes;
-mod own;
-mod unsaved;
+mod run;
 
 use std::marker::PhantomData;
 use std::path::PathBuf;
@@ -92,8 +88,10 @@ pub use crate::error::{CheckpointError, Damage, Difference};
 use crate::path::simulate::Simulation;
 use crate::scheme::system::Discretized;
 #[cfg(feature = "ensemble")]
-pub(crate) use blocks::{BlockKeeper, Described, Extent};
+pub(crate) use format::Kind;
 pub(crate) use keeper::Keeper;
+#[cfg(feature = "ensemble")]
+pub(crate) use keeper::{Described, Extent};
 
 /// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run counts, `C`. A [`Simulation`]
 /// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) counts [`Paths`]; both accept one that says neither.
@@ -144,7 +142,7 @@ impl Checkpoint {
         self.counting(steps)
     }
 
-    /// Whenever so many paths more are done, at least 1; in whole blocks of paths. For an ensemble.
+    /// Whenever so many paths more are done, at least 1; in whole chunks of paths. For an ensemble.
     pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
         self.counting(paths)
     }

@@ -64,7 +64,6 @@ any_of! {
     #[cfg(feature = "ensemble")]
     Statistics(crate::error::StatisticsError),
     /// A checkpoint could not be written, or is not one of this run.
-    #[cfg(feature = "serde")]
     Checkpoint(crate::error::CheckpointError),
     /// A run on several ranks ended on all of them.
     #[cfg(feature = "mpi")]

@@ -101,12 +101,6 @@ impl Recording {
         Ok(all)
     }
 
-    /// Whether a run adds nodes before its end.
-    #[cfg(feature = "serde")]
-    pub(crate) fn adds(&self) -> bool {
-        self.every > 0 || !self.chosen.is_empty() || !self.between.is_empty()
-    }
-
     /// Chosen nodes up to this step that are not recorded anyway.
     pub(crate) fn extra(&self, step: u64) -> u64 {
         let is_regular = |chosen: u64| chosen.checked_rem(self.every) == Some(0);
@@ -115,13 +109,11 @@ impl Recording {
     }
 
     /// Times inside of the first so many steps.
-    #[cfg(feature = "serde")]
     pub(crate) fn inside(&self, steps: u64) -> usize {
         self.between.partition_point(|moment| moment.step < steps)
     }
 
     /// What is recorded after the start when this step has been taken, the end not counted.
-    #[cfg(feature = "serde")]
     pub(crate) fn nodes(&self, step: u64) -> u64 {
         step.checked_div(self.every).unwrap_or(0) + self.extra(step) + self.inside(step) as u64
     }

@@ -69,7 +69,6 @@ impl<'a, V> Sections<'a, V> {
     }
 
     /// What is wanted of each, in words.
-    #[cfg(feature = "serde")]
     pub(crate) fn in_words(&self) -> String {
         let words = self.0.iter().map(|(direction, _)| match direction {
             Some(Direction::Rising) => "rising",
@@ -80,7 +79,6 @@ impl<'a, V> Sections<'a, V> {
     }
 
     /// Their values at a state.
-    #[cfg(feature = "serde")]
     pub(crate) fn values(&self, state: &State<V>) -> Vec<f64> {
         self.0.iter().map(|(_, value)| value(state)).collect()
     }
@@ -148,7 +146,6 @@ impl<V: Vector> Watch<V> {
     }
 
     /// Everything that steps change.
-    #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
         for Side { value, sign, touched } in &mut self.sides {
             tape.numbers([value, sign]);
@@ -161,7 +158,6 @@ impl<V: Vector> Watch<V> {
     }
 }
 
-#[cfg(feature = "serde")]
 impl<V: Vector> Crossing<V> {
     /// To be replaced by what a tape says.
     pub(crate) fn like(state: &State<V>) -> Self {

@@ -179,7 +179,6 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     }
 
     /// Goes on from a checkpoint, and writes it.
-    #[cfg(feature = "serde")]
     pub(crate) fn keeping(mut self, keeping: Keeping) -> Self {
         self.setup.keeping = keeping;
         self
@@ -211,7 +210,7 @@ where
     /// was one ([`Error::Step`] or [`Error::Noise`]).
     ///
     /// # Errors
-    /// [`Error::Config`] or [`Error::Noise`] (`Error::Checkpoint` with the feature `serde`) if the run could not start, so that there is no
+    /// [`Error::Config`] or [`Error::Noise`] or [`Error::Checkpoint`] if the run could not start, so that there is no
     /// trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
     where
@@ -232,7 +231,7 @@ where
         let mut account = Records::new(records()?, processes, O::LOOKS || keeping.is_set() || looks_inside);
         let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
         let mut looks = between();
-        let mut keeper = keeping.open(
+        let mut keeper = keeping.open_path(
             &mut stepper.stepper,
             &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch),
             noise.as_ref(),
@@ -354,7 +353,6 @@ impl<V: Vector> Account for Records<V> {
 }
 
 /// What a run is, beside its stepper: all that a checkpoint keeps and brings back.
-#[cfg_attr(not(feature = "serde"), expect(dead_code, reason = "nothing is kept"))]
 pub(crate) struct Run<'r, 's, 'a, V> {
     pub(crate) state: &'r mut State<V>,
     pub(crate) recorder: &'r mut Recorder<V>,
@@ -471,7 +469,7 @@ where
             if self.keeper.is_due(node) {
                 let Subdivision { stepper, watch, .. } = &mut **stepper;
                 let mut run = Run::new(state, account, &mut self.looks, watch);
-                self.keeper.save(stepper, &mut run, node)?;
+                self.keeper.save_path(stepper, &mut run, node)?;
             }
             self.shown.look(node);
             self.due = self.keeper.next().min(self.shown.next());

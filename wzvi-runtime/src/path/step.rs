@@ -1,7 +1,6 @@
 //! One step at a time.
 
 mod account;
-#[cfg(feature = "serde")]
 mod kept;
 mod rare;
 

@@ -19,8 +19,6 @@ use crate::path::section::Crossing;
 use crate::path::step::StepInfo;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
-#[cfg(feature = "serde")]
-pub(crate) use recorder::Kept;
 pub(crate) use recorder::Recorder;
 pub use table::PathTable;
 

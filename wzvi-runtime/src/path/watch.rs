@@ -256,7 +256,6 @@ impl<V: Vector> Watch<V> {
     }
 
     /// What a checkpoint keeps.
-    #[cfg(feature = "serde")]
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
         let Self { next, steps: _, is_refusing: _, suspected, band, motion, off: _, recent, room: _ } = self;
         [next, &mut motion.steps, suspected].into_iter().for_each(|word| tape.word(word));

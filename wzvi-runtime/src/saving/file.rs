@@ -10,11 +10,8 @@
 //!   old content keeps it.
 //! * What is no regular file (a device, a pipe, a folder) and what is read-only is refused, untouched.
 
-#[cfg(feature = "serde")]
-use std::ffi::OsString;
 use std::fs::{self, File, Metadata, TryLockError};
 use std::hash::{BuildHasher, RandomState};
-#[cfg(feature = "serde")]
 use std::io::Read;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -27,14 +24,6 @@ use crate::ground::checksum::Checksum;
 const MOST_LINKS: usize = 40;
 /// Names that are tried: each is free but for a chance of 2^-64.
 const MOST_NAMES: usize = 16;
-
-/// `path` with more at the end of its name.
-#[cfg(feature = "serde")]
-pub(crate) fn with_ending(path: &Path, ending: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(ending);
-    name.into()
-}
 
 /// Has the names in the folder of `path` written to the disk.
 pub(crate) fn flush_folder(path: &Path) -> io::Result<()> {
@@ -92,7 +81,6 @@ impl Target {
         Err(FileError::system(path, action)(cause))
     }
 
-    #[cfg(feature = "serde")]
     pub(crate) fn into_path(self) -> PathBuf {
         self.path
     }
@@ -195,7 +183,6 @@ pub(crate) fn replace_in_folder(
 }
 
 /// Opens a file for reading; `None` if there is none.
-#[cfg(feature = "serde")]
 pub(crate) fn open(path: &Path) -> Result<Option<File>, FileError> {
     let target = Target::of(path, READ)?;
     match File::open(&target.path) {
@@ -204,7 +191,6 @@ pub(crate) fn open(path: &Path) -> Result<Option<File>, FileError> {
     }
 }
 
-#[cfg(feature = "serde")]
 const READ: &str = "read";
 
 /// The ending of temporary files.
@@ -242,7 +228,6 @@ fn create_part(target: &Path) -> io::Result<(PathBuf, File)> {
 
 /// Removes temporary files of `path` whose writers have ended before they gave them their name: nobody has them locked, and they
 /// start like `magic` as far as they go. One that cannot be removed does no harm.
-#[cfg(feature = "serde")]
 pub(crate) fn remove_parts(path: &Path, magic: &[u8]) {
     let Ok(entries) = fs::read_dir(folder(path)) else { return };
     let prefix = prefix(path);
@@ -255,7 +240,6 @@ pub(crate) fn remove_parts(path: &Path, magic: &[u8]) {
     }
 }
 
-#[cfg(feature = "serde")]
 fn remove_left_behind(part: &Path, magic: &[u8]) -> io::Result<()> {
     let file = File::open(part)?;
     if file.try_lock().is_err() {

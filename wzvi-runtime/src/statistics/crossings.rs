@@ -144,7 +144,10 @@ impl Statistic for EachSection {
                 }
             }
             Seen::Crossings { section, count } => {
-                self.0.get_mut(section).into_iter().for_each(|crossings| crossings.of_path.push(count as f64));
+                self.0
+                    .get_mut(section)
+                    .into_iter()
+                    .for_each(|crossings| crossings.of_path.push(count as f64));
             }
             _ => {}
         }

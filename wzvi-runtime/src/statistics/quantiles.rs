@@ -207,7 +207,9 @@ impl Numbers for Quantiles {
             tape.words([&mut word, count]);
             match i32::try_from(word.cast_signed()) {
                 // That of the number with the most bits.
-                Ok(read) if (-self::bin(f64::INFINITY) - 1..=self::bin(f64::INFINITY)).contains(&read) => *bin = read,
+                Ok(read) if (-self::bin(f64::INFINITY) - 1..=self::bin(f64::INFINITY)).contains(&read) => {
+                    *bin = read
+                }
                 _ => return tape.refuse(),
             }
         }

@@ -141,10 +141,8 @@ impl Statistics {
     /// [`StatisticsError::NotComputed`] if there is none of this type.
     pub fn statistic<T: Statistic>(&self) -> Result<&T, StatisticsError> {
         let found = self.own.iter().find_map(|own| own.as_any().downcast_ref());
-        found.ok_or(StatisticsError::NotComputed {
-            what: "statistic of this type",
-            remedy: ".statistic(...)",
-        })
+        found
+            .ok_or(StatisticsError::NotComputed { what: "statistic of this type", remedy: ".statistic(...)" })
     }
 
     /// The tables of all statistics.
@@ -185,8 +183,10 @@ impl Statistics {
         what: impl Fn(&StatisticsNode, usize) -> T,
     ) -> Result<T, StatisticsError> {
         let index = self.known(name)?;
-        let end =
-            self.nodes().last().ok_or(StatisticsError::NotComputed { what: "end", remedy: ".until(time)" })?;
+        let end = self
+            .nodes()
+            .last()
+            .ok_or(StatisticsError::NotComputed { what: "end", remedy: ".until(time)" })?;
         Ok(what(end, index))
     }
 

@@ -172,7 +172,10 @@ fn write_json<P: Iterator<Item = Table>>(parts: impl Fn() -> P, to: &mut impl Wr
 }
 
 /// Names of columns beside those that are known.
-pub(super) fn beside<'n>(known: impl Iterator<Item = String>, names: impl Iterator<Item = &'n String>) -> Vec<String> {
+pub(super) fn beside<'n>(
+    known: impl Iterator<Item = String>,
+    names: impl Iterator<Item = &'n String>,
+) -> Vec<String> {
     let mut all: Vec<String> = known.collect();
     let first = all.len();
     for name in names {

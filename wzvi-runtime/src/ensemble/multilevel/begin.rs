@@ -36,7 +36,8 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             is_watched,
             control,
         } = self.setup;
-        let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } = wanted;
+        let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } =
+            wanted;
         let (Settings { truncation, is_antithetic }, Control { targets, losses }) = (settings, control);
         let Request { every, times } = recorded;
         let normals = source.as_ref().and_then(Source::normals);

@@ -1,87 +1,57 @@
-//! The file: one line with its kind, version, length and checksum, then JSON.
+//! The file: one line with its kind, version, steps or chunks that are done, length and checksum, then words of 64 bits, the least byte first.
 
-use std::fmt;
+use std::io::{self, Write};
 
-use serde::de::{self, DeserializeOwned};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
+use super::identity::Fields;
 use crate::error::Damage;
 use crate::ground::checksum::Checksum;
+use crate::ground::numbers::{Numbers, Tape};
 
 /// The version that is read and written.
-pub(super) const VERSION: u32 = 3;
-
-/// What a file keeps.
-pub(super) trait Content: Serialize + DeserializeOwned {
-    /// What the first line starts with, in every version: one of [`KINDS`].
-    const MAGIC: &'static str;
-}
-
-impl Content for Saved {
-    const MAGIC: &'static str = "wzvi-checkpoint ";
-}
+pub(super) const VERSION: u32 = 4;
+/// Bytes of a word.
+const WORD: usize = 8;
 
 /// What there are checkpoints of.
-const KINDS: [(&str, &str); 2] = [("wzvi-checkpoint ", "a single path"), ("wzvi-ensemble ", "an ensemble")];
-
-/// A run at one of its nodes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Saved {
-    /// What the user set, by name.
-    pub(super) settings: Vec<(String, String)>,
-    /// Checksums of what follows from that, by name.
-    pub(super) derived: Vec<(String, String)>,
-    /// The first state: `t`, `q`, `p`.
-    pub(super) start: Words,
-    /// Steps since then.
-    pub(super) step: u64,
-    /// The state after them.
-    pub(super) state: Words,
-    /// Checksum of energies and forces there.
-    pub(super) forces: String,
-    /// What the stepper remembers.
-    pub(super) stepper: Words,
-    /// What the recorder counts and sums.
-    pub(super) recorder: Words,
-    /// Sums of all increments.
-    pub(super) wiener: Words,
-    /// Recorded nodes after the start, in the other file.
-    pub(super) nodes: u64,
-    /// Their checksum.
-    pub(super) nodes_checksum: Word,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Path,
+    #[cfg(feature = "ensemble")]
+    Ensemble,
 }
 
-/// 64 bits, written as sixteen hexadecimal digits: JSON has no way to write every `f64`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Word(pub(super) u64);
+/// What the first line starts with, in every version, and of what it is the checkpoint.
+const KINDS: [(&str, &str); 2] = [("wzvi-checkpoint ", "a single path"), ("wzvi-ensemble ", "an ensemble")];
 
-/// Several of them.
-pub(super) type Words = Vec<Word>;
-
-impl Serialize for Word {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&format_args!("{:016x}", self.0))
+impl Kind {
+    pub(super) fn magic(self) -> &'static str {
+        KINDS[self as usize].0
     }
 }
 
-impl<'de> Deserialize<'de> for Word {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Digits;
-        impl de::Visitor<'_> for Digits {
-            type Value = Word;
+/// A run at one of its nodes, or after some of its chunks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Saved {
+    /// What the user set, by name.
+    pub(super) settings: Fields,
+    /// Checksums of what follows from that, by name.
+    pub(super) derived: Fields,
+    /// The first state: `t`, `q`, `p`.
+    pub(super) start: Vec<u64>,
+    /// Steps or chunks that are done.
+    pub(super) done: u64,
+    /// What is known after them.
+    pub(super) content: Vec<u64>,
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("sixteen hexadecimal digits")
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Word, E> {
-                let is_word = text.len() == 16 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
-                let word = is_word.then(|| u64::from_str_radix(text, 16).ok()).flatten();
-                word.map(Word).ok_or_else(|| E::invalid_value(de::Unexpected::Str(text), &self))
-            }
-        }
-        deserializer.deserialize_str(Digits)
+impl Numbers for Saved {
+    fn pass(&mut self, tape: &mut Tape) {
+        let Self { settings, derived, start, done, content } = self;
+        settings.pass(tape);
+        derived.pass(tape);
+        start.pass(tape);
+        tape.word(done);
+        content.pass(tape);
     }
 }
 
@@ -94,38 +64,53 @@ pub(super) enum Unreadable {
     Damaged(Damage),
 }
 
-fn header<C: Content>(content: &[u8]) -> String {
-    let mut checksum = Checksum::default();
-    checksum.add(content);
-    format!("{}{VERSION} {} {checksum:?}\n", C::MAGIC, content.len())
+/// The first line and the words of a file.
+pub(super) struct Encoded {
+    pub(super) line: Vec<u8>,
+    words: Vec<u64>,
 }
 
-/// The bytes of a file.
-pub(super) fn encode<C: Content>(saved: &C) -> Result<Vec<u8>, Damage> {
-    let mut content = serde_json::to_vec(saved).map_err(|error| Damage::Content(error.to_string()))?;
-    content.push(b'\n');
-    let mut bytes = header::<C>(&content).into_bytes();
-    bytes.append(&mut content);
-    Ok(bytes)
+impl Encoded {
+    pub(super) fn new(kind: Kind, saved: &mut Saved) -> Self {
+        let words = Tape::write(|tape| saved.pass(tape));
+        let mut checksum = Checksum::default();
+        words.iter().for_each(|word| checksum.add(&word.to_le_bytes()));
+        Self { line: first_line(kind, saved.done, words.len() * WORD, checksum).into_bytes(), words }
+    }
+
+    pub(super) fn write(&self, to: &mut impl Write) -> io::Result<()> {
+        to.write_all(&self.line)?;
+        self.words.iter().try_for_each(|word| to.write_all(&word.to_le_bytes()))
+    }
 }
 
-/// What a file says.
-pub(super) fn decode<C: Content>(bytes: &[u8]) -> Result<C, Unreadable> {
-    let Some(rest) = bytes.strip_prefix(C::MAGIC.as_bytes()) else {
+fn first_line(kind: Kind, done: u64, length: usize, checksum: Checksum) -> String {
+    format!("{}{VERSION} {done} {length} {checksum:?}\n", kind.magic())
+}
+
+/// The first line of a file, two of which are the same if their first lines are, and what the file says.
+pub(super) fn decode(kind: Kind, bytes: &[u8]) -> (Vec<u8>, Result<Saved, Unreadable>) {
+    let end = bytes.iter().position(|&byte| byte == b'\n').map_or(bytes.len(), |end| end + 1);
+    let (line, content) = bytes.split_at(end);
+    (line.to_owned(), read(kind, line, content))
+}
+
+fn read(kind: Kind, line: &[u8], content: &[u8]) -> Result<Saved, Unreadable> {
+    let damaged = |damage| Err(Unreadable::Damaged(damage));
+    let Some(rest) = line.strip_prefix(kind.magic().as_bytes()) else {
         // An empty file, or the start of a first line, is what is left of a checkpoint.
-        let is_cut = C::MAGIC.as_bytes().starts_with(bytes);
-        let other = KINDS.iter().find(|(magic, _)| bytes.starts_with(magic.as_bytes()));
+        let is_cut = content.is_empty() && kind.magic().as_bytes().starts_with(line);
+        let other = KINDS.iter().find(|(magic, _)| line.starts_with(magic.as_bytes()));
         return Err(match other {
             Some((_, kind)) => Unreadable::Kind(kind),
             None if is_cut => Unreadable::Damaged(Damage::Header),
             None => Unreadable::Foreign,
         });
     };
-    let damaged = |damage| Err(Unreadable::Damaged(damage));
-    let Some(end) = rest.iter().position(|&byte| byte == b'\n') else { return damaged(Damage::Header) };
-    let (line, content) = (&rest[..end], &rest[end + 1..]);
-    let Ok(line) = std::str::from_utf8(line) else { return damaged(Damage::Header) };
-    let mut words = line.split(' ');
+    let Some(Ok(rest)) = rest.strip_suffix(b"\n").map(std::str::from_utf8) else {
+        return damaged(Damage::Header);
+    };
+    let mut words = rest.split(' ');
     match words.next() {
         Some(version) if version == VERSION.to_string() => {}
         Some(version) if !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit()) => {
@@ -133,7 +118,8 @@ pub(super) fn decode<C: Content>(bytes: &[u8]) -> Result<C, Unreadable> {
         }
         _ => return damaged(Damage::Header),
     }
-    let (Some(Ok(length)), Some(Ok(expected)), None) = (
+    let (Some(_), Some(Ok(expected)), Some(Ok(checksum)), None) = (
+        words.next(),
         words.next().map(str::parse::<u64>),
         words.next().map(|digits| u64::from_str_radix(digits, 16)),
         words.next(),
@@ -141,33 +127,24 @@ pub(super) fn decode<C: Content>(bytes: &[u8]) -> Result<C, Unreadable> {
         return damaged(Damage::Header);
     };
     let found = content.len() as u64;
-    if found != length {
-        return damaged(Damage::Length { expected: length, found });
+    if found != expected {
+        return damaged(Damage::Length { expected, found });
     }
-    let mut checksum = Checksum::default();
-    checksum.add(content);
-    if checksum.value() != expected {
-        return damaged(Damage::Checksum { expected, found: checksum.value() });
+    let mut own = Checksum::default();
+    own.add(content);
+    if own.value() != checksum {
+        return damaged(Damage::Checksum { expected: checksum, found: own.value() });
     }
+    let (words, []) = content.as_chunks::<WORD>() else { return damaged(nonsense()) };
+    let mut saved = Saved::default();
+    let words = words.iter().map(|word| u64::from_le_bytes(*word)).collect();
+    Tape::read(words, |tape| saved.pass(tape)).ok_or(Unreadable::Damaged(nonsense()))?;
     // There is one way to write a line: `+12`, `012` and capital digits are not what was written.
-    if !bytes.starts_with(header::<C>(content).as_bytes()) {
-        return damaged(Damage::Header);
-    }
-    serde_json::from_slice(content).map_err(|error| Unreadable::Damaged(Damage::Content(error.to_string())))
+    let is_written = line == first_line(kind, saved.done, content.len(), own).as_bytes();
+    if is_written { Ok(saved) } else { damaged(Damage::Header) }
 }
 
-/// The first line of a file: two checkpoints with the same one are the same.
-pub(super) fn first_line(bytes: &[u8]) -> &[u8] {
-    let end = bytes.iter().position(|&byte| byte == b'\n').map_or(bytes.len(), |end| end + 1);
-    &bytes[..end]
-}
-
-/// Words for the file.
-pub(super) fn words(bits: Vec<u64>) -> Words {
-    bits.into_iter().map(Word).collect()
-}
-
-/// Words from the file.
-pub(super) fn bits(words: &[Word]) -> Vec<u64> {
-    words.iter().map(|word| word.0).collect()
+/// What has the checksum of what was written, and cannot have been.
+pub(super) fn nonsense() -> Damage {
+    Damage::Content("a part of it has the wrong length".to_owned())
 }

@@ -2,7 +2,6 @@
 
 use std::fmt::{self, Write};
 
-use super::format::Word;
 use crate::algebra::carry::Carry;
 use crate::algebra::state::{State, Vector};
 use crate::error::Difference;
@@ -174,8 +173,8 @@ pub(super) fn differences(checkpoint: &Fields, run: &Fields) -> Vec<Difference> 
 }
 
 /// What differs between two first states of `d` degrees of freedom, bit by bit.
-pub(super) fn start_differences(d: usize, checkpoint: &[Word], run: &[Word]) -> Vec<Difference> {
-    let show = |word: Option<&Word>| word.map(|word| format!("{:?}", f64::from_bits(word.0)));
+pub(super) fn start_differences(d: usize, checkpoint: &[u64], run: &[u64]) -> Vec<Difference> {
+    let show = |word: Option<&u64>| word.map(|word| format!("{:?}", f64::from_bits(*word)));
     (0..checkpoint.len().max(run.len()))
         .map(|i| (i, checkpoint.get(i), run.get(i)))
         .filter(|(_, there, here)| there != here)

@@ -1,92 +1,122 @@
 //! Opens the checkpoint of a run, and saves the run to it.
 
+use std::io::Read;
+use std::path::PathBuf;
+
 use super::Keeping;
-use super::format::{self, Saved, Word, Words};
+use super::format::{self, Encoded, Kind, Saved, Unreadable, VERSION};
 use super::identity::{self, Fields};
-use super::nodes::Nodes;
-use super::own::Own;
-use super::unsaved::Unsaved;
-use crate::algebra::carry::Carry;
-use crate::algebra::state::Vector;
-use crate::error::FileError;
-use crate::error::{CheckpointError, Damage, Difference};
+use crate::algebra::state::{State, Vector};
+use crate::error::{CheckpointError, Difference, FileError};
 use crate::ground::due::Due;
-use crate::ground::numbers::{Numbers, Tape};
-use crate::increments::{Identity, Noise};
+use crate::ground::numbers::Tape;
 use crate::path::Error;
-use crate::path::retry::Retry;
-use crate::path::section::Sections;
-use crate::path::simulate::Run;
-use crate::path::span::Grid;
-use crate::path::step::Stepper;
-use crate::scheme::system::Discretized;
+use crate::saving::file::{self, Staged};
+
+/// What makes two runs the same.
+#[derive(Debug)]
+pub(crate) struct Described {
+    pub(super) settings: Fields,
+    pub(super) derived: Fields,
+    start: Vec<u64>,
+    degrees: usize,
+}
+
+impl Described {
+    pub(super) fn new<V: Vector>(settings: Fields, derived: Fields, start: &State<V>) -> Self {
+        let (degrees, mut start) = (start.q.components().len(), start.clone());
+        Self { settings, derived, start: Tape::write(|tape| start.pass(tape)), degrees }
+    }
+
+    /// What differs: what the user set comes first, because the rest follows from it.
+    fn differences(&self, saved: &Saved) -> Vec<Difference> {
+        let mut differences = identity::differences(&saved.settings, &self.settings);
+        differences.extend(identity::start_differences(self.degrees, &saved.start, &self.start));
+        if differences.is_empty() {
+            differences = identity::differences(&saved.derived, &self.derived);
+        }
+        differences
+    }
+
+    /// All of it, and the number of paths, a line each.
+    #[cfg(feature = "mpi")]
+    pub(crate) fn lines(&self, paths: u64) -> Vec<String> {
+        let fields = self.settings.iter().chain(&self.derived);
+        let mut lines = vec![format!("the number of paths: {paths}")];
+        lines.extend(fields.map(|(name, value)| format!("{name}: {value}").replace('\n', " ")));
+        let start: Vec<f64> = self.start.iter().copied().map(f64::from_bits).collect();
+        lines.push(format!("t, q, p of the start: {start:?}"));
+        lines
+    }
+}
+
+/// How far a run goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    pub(crate) kind: Kind,
+    /// Steps, or paths.
+    pub(crate) all: u64,
+    /// How many of them are done at once.
+    pub(crate) unit: u64,
+}
+
+impl Extent {
+    /// Units that can be saved. A last chunk of paths that is not whole never is, so that a run of more paths can go on.
+    fn end(self) -> u64 {
+        self.all / self.unit
+    }
+}
 
 /// Saves a run, or does nothing.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Keeper {
     first: u64,
     /// Not in this struct, which the loop of the run has at hand.
-    file: Option<Box<Keep>>,
+    file: Option<Box<Kept>>,
 }
 
-/// The files of a run.
+/// The file of one run: read once, then replaced again and again, unless someone else changes it.
 #[derive(Debug)]
-struct Keep {
-    own: Own,
+struct Kept {
+    extent: Extent,
+    /// Where the name leads: a run that names it in another way finds the same one.
+    path: PathBuf,
+    /// The first line of the file as this run left it; `None` before there is one.
+    line: Option<Vec<u8>>,
+    described: Described,
+    saved: u64,
     due: Due,
-    settings: Fields,
-    derived: Fields,
-    start: Words,
-    nodes: Nodes,
-    unsaved: Unsaved,
+    /// Why the last checkpoint could not be written, if it could not.
+    unsaved: Option<FileError>,
 }
 
 impl Keeping {
-    /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
-    /// start, with the nodes to go to, a `retry` and sections to name; they become those of the run at the checkpoint.
-    pub(crate) fn open<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
+    /// Goes on from the checkpoint if there is one, else writes the first one: `pass` shows what is known, at the start before and at the
+    /// checkpoint afterwards.
+    pub(crate) fn open(
         self,
-        stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector>,
-        noise: Option<&N>,
-        (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
+        extent: Extent,
+        described: Described,
+        pass: &mut dyn FnMut(&mut Tape),
     ) -> Result<Keeper, Error> {
-        let Self(Some(checkpoint)) = self else { return Ok(Keeper { first: 0, file: None }) };
+        let Self(Some(checkpoint)) = self else { return Ok(Keeper::default()) };
         checkpoint.check()?;
-        let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
-        let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
-        // That of the system, which may not know it before its first step.
-        let (degrees, steps, state) = (run.state.q.components().len(), grid.steps, &mut *run.state);
-        let own = Own::new(&checkpoint.path)?;
-        let mut settings = identity::settings(stepper, degrees, run.recorder.recording(), retry, noise);
-        settings.extend(identity::between(grid, sections, state));
-        settings
-            .extend(run.tally.as_ref().map(|tally| identity::averages(tally, state)).into_iter().flatten());
-        let mut keep = Keep {
-            due: Due::new(checkpoint.count, checkpoint.interval(), 0, steps),
-            settings,
-            derived: identity::derived(stepper.system(), stepper.prepared(), state),
-            start: format::words(Tape::write(|tape| state.pass(tape))),
-            nodes: Nodes::new(own.path(), degrees, stepper.system().increments(degrees)),
-            own,
-            unsaved: Unsaved::default(),
-        };
-        let first = match keep.own.read()? {
-            Some(saved) => keep.restore(saved, steps, stepper, run)?,
-            None => {
-                keep.check_alone(run.recorder.recording().adds())?;
-                keep.save(stepper, run, 0)?;
-                0
-            }
-        };
-        keep.own.remove_parts::<Saved>();
-        keep.due = Due::new(checkpoint.count, checkpoint.interval(), first, steps);
-        Ok(Keeper { first, file: Some(Box::new(keep)) })
+        let every = checkpoint.count.map(|count| count.div_ceil(extent.unit));
+        let due = |first| Due::new(every, checkpoint.interval(), first, extent.end());
+        let path = file::Target::of(&checkpoint.path, "write").map_err(CheckpointError::from)?.into_path();
+        let mut kept = Kept { extent, path, line: None, described, saved: 0, due: due(0), unsaved: None };
+        match kept.read()? {
+            Some(saved) => kept.restore(saved, pass)?,
+            None => kept.save(0, pass)?,
+        }
+        file::remove_parts(&kept.path, extent.kind.magic().as_bytes());
+        kept.due = due(kept.saved);
+        Ok(Keeper { first: kept.saved, file: Some(Box::new(kept)) })
     }
 }
 
 impl Keeper {
-    /// The number of the step to start with.
+    /// The step or chunk to start with.
     pub(crate) fn first(&self) -> u64 {
         self.first
     }
@@ -97,135 +127,134 @@ impl Keeper {
         self.file.is_some()
     }
 
-    /// The next node at which it may be time to save.
+    /// When it may be time to save next.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn next(&self) -> u64 {
         self.file.as_ref().map_or(u64::MAX, |file| file.due.next())
     }
 
-    /// Whether to save at `node`, the number of steps taken.
+    /// Whether to save when so much is done.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn is_due(&mut self, node: u64) -> bool {
-        self.file.as_mut().is_some_and(|file| file.due.is_due(node))
+    pub(crate) fn is_due(&mut self, done: u64) -> bool {
+        self.file.as_mut().is_some_and(|file| done <= file.extent.end() && file.due.is_due(done))
     }
 
-    /// Saves the run at `node`.
+    /// Saves the run. It has more to lose than its checkpoint: where that cannot be written, it goes on.
+    ///
+    /// # Errors
+    /// What no later attempt mends: the file is another run's.
     #[cold]
     #[inline(never)]
-    pub(crate) fn save<H: Discretized<E>, E, C: Carry<f64>>(
-        &mut self,
-        stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector>,
-        node: u64,
-    ) -> Result<(), Error> {
-        if let Some(file) = &mut self.file {
-            let outcome = file.save(stepper, run, node);
-            file.due.done();
-            file.unsaved.note(outcome)?;
-        }
+    pub(crate) fn save(&mut self, done: u64, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), Error> {
+        let Some(file) = &mut self.file else { return Ok(()) };
+        let outcome = file.save(done, pass);
+        file.due.done();
+        file.unsaved = match outcome {
+            Ok(()) => None,
+            Err(CheckpointError::File(error)) => {
+                if file.unsaved.is_none() {
+                    eprintln!(
+                        "wzvi: {error}; the run goes on without this checkpoint, and tries again at the next one"
+                    );
+                }
+                Some(error)
+            }
+            Err(error) => return Err(error.into()),
+        };
         Ok(())
+    }
+
+    /// So much is done, and no more will be: saves it if it is not.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn close(&mut self, done: u64, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), Error> {
+        match &self.file {
+            Some(file) if done <= file.extent.end() && done > file.saved => self.save(done, pass),
+            _ => Ok(()),
+        }
+    }
+
+    /// What the file does not fit, found after it was opened.
+    pub(super) fn other_run(&self, difference: Difference) -> CheckpointError {
+        let path = self.file.as_ref().map_or_else(PathBuf::new, |file| file.path.clone());
+        CheckpointError::OtherRun { path, differences: vec![difference] }
     }
 
     /// Why the last checkpoint could not be written.
     pub(crate) fn unsaved(&self) -> Option<FileError> {
-        self.file.as_ref().and_then(|file| file.unsaved.error())
+        self.file.as_ref().and_then(|file| file.unsaved.clone())
     }
 }
 
-impl Keep {
-    /// Nodes without a checkpoint are someone's: this run writes its first checkpoint before its first node.
-    fn check_alone(&self, records: bool) -> Result<(), CheckpointError> {
-        let nodes = self.nodes.path();
-        let is_there = records && nodes.try_exists().map_err(CheckpointError::file(nodes, "read"))?;
-        match is_there {
-            true => {
-                Err(CheckpointError::Orphan { nodes: nodes.to_owned(), path: self.own.path().to_owned() })
-            }
-            false => Ok(()),
-        }
+impl Kept {
+    /// What the file says; `None` if there is none.
+    fn read(&mut self) -> Result<Option<Saved>, CheckpointError> {
+        let Some(mut file) = file::open(&self.path)? else { return Ok(None) };
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(CheckpointError::file(&self.path, "read"))?;
+        let (line, saved) = format::decode(self.extent.kind, &bytes);
+        self.line = Some(line);
+        let path = self.path.clone();
+        saved.map(Some).map_err(|why| match why {
+            Unreadable::Foreign => CheckpointError::Foreign { path },
+            Unreadable::Kind(kind) => CheckpointError::Kind { path, kind },
+            Unreadable::Version(found) => CheckpointError::Version { path, found, expected: VERSION },
+            Unreadable::Damaged(damage) => CheckpointError::Damaged { path, damage },
+        })
     }
 
-    /// Brings a run from its start to where it was saved; the number of that node.
-    fn restore<H: Discretized<E>, E, C: Carry<f64>>(
-        &mut self,
-        saved: Saved,
-        steps: u64,
-        stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector>,
-    ) -> Result<u64, CheckpointError> {
-        let Run { state, recorder, wiener: path, looks, watch, tally } = run;
-        self.compare(&saved, state.q.components().len())?;
-        let step = saved.step;
-        if step > steps {
-            return Err(CheckpointError::Beyond { path: self.own.path().to_owned(), step, steps });
+    /// Brings a run from its start to where it was saved.
+    fn restore(&mut self, saved: Saved, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), CheckpointError> {
+        let (path, differences) = (self.path.clone(), self.described.differences(&saved));
+        if !differences.is_empty() {
+            return Err(CheckpointError::OtherRun { path, differences });
         }
-        let expected = recorder.recording().nodes(step);
-        let parts = (saved.nodes == expected)
-            .then_some(())
-            .and_then(|()| Tape::read(format::bits(&saved.state), |tape| state.pass(tape)))
-            .and_then(|()| Tape::read(format::bits(&saved.stepper), |tape| stepper.pass(tape)))
-            .and_then(|()| {
-                Tape::read(format::bits(&saved.recorder), |tape| {
-                    recorder.pass(tape);
-                    looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
-                    watch.pass(tape);
-                    tally.iter_mut().for_each(|tally| tally.pass(tape));
-                })
-            })
-            .and_then(|()| Tape::read(format::bits(&saved.wiener), |tape| path.pass(tape)));
-        if parts.is_none() {
-            let damage = Damage::Content("a part of it has the wrong length".to_owned());
-            return Err(CheckpointError::damaged(self.own.path(), damage));
+        if saved.done > self.extent.end() {
+            let Extent { kind, all, unit } = self.extent;
+            return Err(match kind {
+                Kind::Path => CheckpointError::Beyond { path, step: saved.done, steps: all },
+                #[cfg(feature = "ensemble")]
+                Kind::Ensemble => {
+                    CheckpointError::MorePaths { path, done: saved.done.saturating_mul(unit), paths: all }
+                }
+            });
         }
-        let forces = identity::forces(stepper.system(), state);
-        if forces != saved.forces {
-            let field = identity::forces_at("checkpoint");
-            let difference = Difference { field, checkpoint: Some(saved.forces), run: Some(forces) };
-            return Err(self.own.other_run(vec![difference]));
-        }
-        self.nodes.read(saved.nodes, saved.nodes_checksum.0, recorder)?;
-        Ok(step)
+        let damaged = || CheckpointError::Damaged { path, damage: format::nonsense() };
+        Tape::read(saved.content, pass).ok_or_else(damaged)?;
+        self.saved = saved.done;
+        Ok(())
     }
 
-    /// Whether the file is of this run: what the user set comes first, because the rest follows from it.
-    fn compare(&self, saved: &Saved, degrees: usize) -> Result<(), CheckpointError> {
-        let mut differences = identity::differences(&saved.settings, &self.settings);
-        differences.extend(identity::start_differences(degrees, &saved.start, &self.start));
-        if differences.is_empty() {
-            differences = identity::differences(&saved.derived, &self.derived);
-        }
-        if differences.is_empty() { Ok(()) } else { Err(self.own.other_run(differences)) }
-    }
-
-    /// Nodes first: a checkpoint is never ahead of them.
-    fn save<H: Discretized<E>, E, C: Carry<f64>>(
-        &mut self,
-        stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector>,
-        step: u64,
-    ) -> Result<(), CheckpointError> {
-        let Run { state, recorder, wiener: path, looks, watch, tally } = run;
-        self.own.check_ours()?;
-        self.nodes.append(recorder)?;
-        let (nodes, checksum) = self.nodes.written();
-        let saved = Saved {
-            settings: self.settings.clone(),
-            derived: self.derived.clone(),
-            start: self.start.clone(),
-            step,
-            forces: identity::forces(stepper.system(), state),
-            state: format::words(Tape::write(|tape| state.pass(tape))),
-            stepper: format::words(Tape::write(|tape| stepper.pass(tape))),
-            recorder: format::words(Tape::write(|tape| {
-                recorder.pass(tape);
-                looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
-                watch.pass(tape);
-                tally.iter_mut().for_each(|tally| tally.pass(tape));
-            })),
-            wiener: format::words(Tape::write(|tape| path.pass(tape))),
-            nodes,
-            nodes_checksum: Word(checksum),
+    fn save(&mut self, done: u64, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), CheckpointError> {
+        self.check_ours()?;
+        let Described { settings, derived, start, .. } = &self.described;
+        let mut saved = Saved {
+            settings: settings.clone(),
+            derived: derived.clone(),
+            start: start.clone(),
+            done,
+            content: Tape::write(pass),
         };
-        self.own.write(&saved)
+        let encoded = Encoded::new(self.extent.kind, &mut saved);
+        let staged = Staged::write(&self.path, |file| encoded.write(file))?;
+        // Once more: the disk may have taken its time.
+        self.check_ours()?;
+        staged.publish()?;
+        (self.line, self.saved) = (Some(encoded.line), done);
+        Ok(())
+    }
+
+    /// Whether the file is as this run left it: nothing of another run is replaced.
+    fn check_ours(&self) -> Result<(), CheckpointError> {
+        let is_ours = match (&self.line, file::open(&self.path)?) {
+            (None, None) => true,
+            (Some(line), Some(file)) => {
+                let mut start = Vec::with_capacity(line.len());
+                let read = file.take(line.len() as u64).read_to_end(&mut start);
+                read.map_err(CheckpointError::file(&self.path, "read"))?;
+                start == *line
+            }
+            _ => false,
+        };
+        if is_ours { Ok(()) } else { Err(CheckpointError::Taken { path: self.path.clone() }) }
     }
 }

@@ -92,7 +92,6 @@ impl<'a, V> Tally<'a, V> {
     }
 
     /// What it takes of a path, for a checkpoint to compare, and its values at a state.
-    #[cfg(feature = "serde")]
     pub(crate) fn settings(&self, start: &State<V>) -> (Vec<(String, String)>, Vec<f64>) {
         let fields = [
             ("the averages of", self.names.join(", ")),

@@ -86,7 +86,7 @@ where
         if self.keeper.is_due(node) || halt.is_some() {
             let Subdivision { stepper, watch, .. } = &mut *path.stepper;
             let mut run = Run::averaging(path.state, path.account, self.tally, watch);
-            self.keeper.save(stepper, &mut run, node)?;
+            self.keeper.save_path(stepper, &mut run, node)?;
         }
         halt.map_or(Ok(()), Err)
     }
@@ -141,7 +141,7 @@ where
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
         let recorder = Recorder::new(&state, h, processes, &Recording::default(), grid.steps)?;
         let mut account = Records::new(recorder, processes, setup.keeping.is_set());
-        let mut keeper = setup.keeping.open(
+        let mut keeper = setup.keeping.open_path(
             &mut stepper.stepper,
             &mut Run::averaging(&mut state, &mut account, tally, &mut stepper.watch),
             noise.as_ref(),

@@ -1,6 +1,5 @@
 //! A trajectory in the making.
 
-#[cfg(feature = "serde")]
 mod kept;
 
 use std::marker::PhantomData;
@@ -13,8 +12,6 @@ use crate::path::recording::{Moment, Recording};
 use crate::path::section::Crossing;
 use crate::path::step::StepInfo;
 use crate::scheme::system::Exchange;
-#[cfg(feature = "serde")]
-pub(crate) use kept::Kept;
 
 /// Takes down what a run passes.
 pub(crate) struct Recorder<V> {

@@ -125,7 +125,6 @@ fn a_failure_leaves_nothing_behind() {
 }
 
 /// What is cleared away is what a dead writer of the same file left, and nothing else.
-#[cfg(feature = "serde")]
 #[test]
 fn parts_of_the_dead_only() {
     let folder = folder_of("parts");

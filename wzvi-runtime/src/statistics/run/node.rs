@@ -57,7 +57,10 @@ impl Statistic for Nodes {
                     first.clear();
                     first.extend_from_slice(values);
                 } else if *has_first {
-                    first.iter_mut().zip(values).for_each(|(first, second)| *first = 0.5 * *first + 0.5 * second);
+                    first
+                        .iter_mut()
+                        .zip(values)
+                        .for_each(|(first, second)| *first = 0.5 * *first + 0.5 * second);
                     pairs.push(first, scratch);
                 }
                 *has_first = path.is_multiple_of(2);
@@ -98,14 +101,24 @@ impl Numbers for Nodes {
 
 impl Nodes {
     /// Every node with every observable.
-    fn each<'s>(&'s self, run: &'s Statistics) -> impl Iterator<Item = (&'s StatisticsNode, usize, &'s String)> {
+    fn each<'s>(
+        &'s self,
+        run: &'s Statistics,
+    ) -> impl Iterator<Item = (&'s StatisticsNode, usize, &'s String)> {
         let names = run.observables();
-        self.all.iter().flat_map(|node| names.iter().enumerate().map(move |(index, name)| (node, index, name)))
+        self.all
+            .iter()
+            .flat_map(|node| names.iter().enumerate().map(move |(index, name)| (node, index, name)))
     }
 
     fn moments(&self, run: &Statistics) -> Table {
-        let columns =
-            [("time", NUMBER), ("observable", TEXT), ("count", COUNT), ("lost", COUNT), ("not_finite", COUNT)];
+        let columns = [
+            ("time", NUMBER),
+            ("observable", TEXT),
+            ("count", COUNT),
+            ("lost", COUNT),
+            ("not_finite", COUNT),
+        ];
         let numbers = ["mean", "standard_error", "error_bound", "largest_share", "variance"];
         let mut table = Table::new("moments", columns, numbers);
         for (node, index, name) in self.each(run) {
@@ -190,7 +203,14 @@ impl StatisticsNode {
     ) -> Self {
         let moments = Moments::new(observables, has_covariances);
         let quantiles = vec![Quantiles::default(); if has_quantiles { observables } else { 0 }];
-        Self { time: f64::NAN, lost: 0, pairs: has_pairs.then(|| moments.clone()), moments, quantiles, histograms }
+        Self {
+            time: f64::NAN,
+            lost: 0,
+            pairs: has_pairs.then(|| moments.clone()),
+            moments,
+            quantiles,
+            histograms,
+        }
     }
 
     /// Bytes of memory that one of these takes.

@@ -7,11 +7,8 @@ use crate::path::recording::Recording;
 use crate::path::section::Crossing;
 use crate::path::trajectory::{Iterations, Path};
 
-/// Nodes after the start and the increments between them, by rows.
-pub(crate) type Kept<V> = (Vec<State<V>>, Vec<f64>);
-
 impl<V: Vector> Recorder<V> {
-    /// Everything that steps change but the recorded nodes, which only grow.
+    /// Everything that steps change.
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
         let Self { path, recording, pending, kept, next, inside } = self;
         let Path {
@@ -19,9 +16,9 @@ impl<V: Vector> Recorder<V> {
             every: _,
             steps,
             iterations,
-            processes: _,
-            increments: _,
-            states: _,
+            processes,
+            increments,
+            states,
             last: _,
             chosen: _,
             observed: _,
@@ -42,6 +39,16 @@ impl<V: Vector> Recorder<V> {
         }
         *next = recording.next(*steps);
         *inside = recording.inside(*steps);
+        // The start is always there.
+        let Some(start) = states.first().cloned() else { return };
+        let nodes = tape.length(states.len() - 1);
+        if nodes as u64 != recording.nodes(*steps) {
+            return tape.refuse();
+        }
+        states.resize(nodes + 1, start);
+        states.iter_mut().skip(1).for_each(|state| state.pass(tape));
+        increments.resize(nodes * *processes, 0.0);
+        tape.numbers(increments);
     }
 
     /// The crossings so far, of states like this one.
@@ -55,17 +62,5 @@ impl<V: Vector> Recorder<V> {
     /// Which nodes are recorded.
     pub(crate) fn recording(&self) -> &Recording {
         &self.recording
-    }
-
-    /// The nodes recorded after the first `known`, the start not counted, and the increments that led to them.
-    pub(crate) fn nodes_after(&self, known: usize) -> (&[State<V>], &[f64]) {
-        let states = self.path.states.get(known + 1..).unwrap_or(&[]);
-        (states, self.path.increments.get(known * self.path.processes..).unwrap_or(&[]))
-    }
-
-    /// Puts the nodes back that were recorded after the start.
-    pub(crate) fn put_back(&mut self, (states, increments): Kept<V>) {
-        self.path.states.extend(states);
-        self.path.increments.extend(increments);
     }
 }

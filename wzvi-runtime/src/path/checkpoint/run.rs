@@ -1,0 +1,93 @@
+//! What a single path is, for its checkpoint.
+
+use super::format::Kind;
+use super::identity;
+use super::keeper::{Described, Extent, Keeper};
+use super::{CheckpointError, Difference, Keeping};
+use crate::algebra::carry::Carry;
+use crate::algebra::state::Vector;
+use crate::ground::numbers::{Numbers, Tape};
+use crate::increments::{Identity, Noise};
+use crate::path::Error;
+use crate::path::retry::Retry;
+use crate::path::section::Sections;
+use crate::path::simulate::Run;
+use crate::path::span::Grid;
+use crate::path::step::Stepper;
+use crate::scheme::system::Discretized;
+
+impl Keeping {
+    /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
+    /// start, with the nodes to go to, a `retry` and sections to name; they become those of the run at the checkpoint.
+    pub(crate) fn open_path<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
+        self,
+        stepper: &mut Stepper<'_, H, E, C>,
+        run: &mut Run<'_, '_, '_, H::Vector>,
+        noise: Option<&N>,
+        (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
+    ) -> Result<Keeper, Error> {
+        if !self.is_set() {
+            return Ok(Keeper::default());
+        }
+        let described = described(stepper, run, noise, (grid, retry, sections))?;
+        let (extent, mut forces) = (Extent { kind: Kind::Path, all: grid.steps, unit: 1 }, String::new());
+        let keeper = self.open(extent, described, &mut |tape| forces = pass(stepper, run, tape))?;
+        // Of the state that was read, or of the start, which was written.
+        let found = identity::forces(stepper.system(), run.state);
+        if forces != found {
+            let field = identity::forces_at("checkpoint");
+            let difference = Difference { field, checkpoint: Some(forces), run: Some(found) };
+            return Err(keeper.other_run(difference).into());
+        }
+        Ok(keeper)
+    }
+}
+
+impl Keeper {
+    /// Saves a path at `node`.
+    pub(crate) fn save_path<H: Discretized<E>, E, C: Carry<f64>>(
+        &mut self,
+        stepper: &mut Stepper<'_, H, E, C>,
+        run: &mut Run<'_, '_, '_, H::Vector>,
+        node: u64,
+    ) -> Result<(), Error> {
+        self.save(node, &mut |tape| drop(pass(stepper, run, tape)))
+    }
+}
+
+/// What makes a path another than others.
+fn described<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
+    stepper: &Stepper<'_, H, E, C>,
+    run: &Run<'_, '_, '_, H::Vector>,
+    noise: Option<&N>,
+    (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
+) -> Result<Described, CheckpointError> {
+    let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
+    let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
+    let (state, recording) = (&*run.state, run.recorder.recording());
+    // The degrees of freedom are those of the state: the system may not know them before its first step.
+    let mut settings = identity::settings(stepper, state.q.components().len(), recording, retry, noise);
+    settings.extend(identity::between(grid, sections, state));
+    settings.extend(run.tally.as_ref().map(|tally| identity::averages(tally, state)).into_iter().flatten());
+    let derived = identity::derived(stepper.system(), stepper.prepared(), state);
+    Ok(Described::new(settings, derived, state))
+}
+
+/// All that steps change; the checksum of energies and forces that goes with it.
+fn pass<H: Discretized<E>, E, C: Carry<f64>>(
+    stepper: &mut Stepper<'_, H, E, C>,
+    run: &mut Run<'_, '_, '_, H::Vector>,
+    tape: &mut Tape,
+) -> String {
+    let Run { state, recorder, wiener, looks, watch, tally } = run;
+    let mut forces = identity::forces(stepper.system(), state);
+    forces.pass(tape);
+    state.pass(tape);
+    stepper.pass(tape);
+    recorder.pass(tape);
+    looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
+    watch.pass(tape);
+    tally.iter_mut().for_each(|tally| tally.pass(tape));
+    wiener.pass(tape);
+    forces
+}
