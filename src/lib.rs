@@ -140,7 +140,7 @@
 //! | `serde` | | states and paths that serialise |
 //! | `columnar` | | Parquet files |
 //! | `correlation` | | correlation functions and times along a path, mean square displacements |
-//! | `interrupt` | | Ctrl-C during a long ensemble keeps what is done |
+//! | `interrupt` | | Ctrl-C stops runs whose handle asks for it, and keeps what is done |
 //! | `mpi` | | ensembles on many machines (needs an MPI library) |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -170,7 +170,7 @@ pub use wzvi_macros::hamiltonian_fn;
 pub use wzvi_runtime::algebra::{lanes, memory, scalar, state};
 #[cfg(feature = "ensemble")]
 pub use wzvi_runtime::ensemble;
-pub use wzvi_runtime::ground::{calculus, numbers, variables};
+pub use wzvi_runtime::ground::{calculus, handle, numbers, variables};
 /// The crate that [`Ensemble::run_on`](ensemble::Ensemble::run_on) takes its communicators from.
 #[cfg(feature = "mpi")]
 pub use wzvi_runtime::mpi;
@@ -209,6 +209,7 @@ pub mod prelude {
     pub use crate::absent::WorkPrecision;
     pub use wzvi_macros::{hamiltonian, hamiltonian_fn};
     pub use wzvi_runtime::algebra::state::State;
+    pub use wzvi_runtime::ground::handle::Handle;
     pub use wzvi_runtime::increments::{Increments, Noise};
     pub use wzvi_runtime::integrate::Integrate;
     #[cfg(feature = "noise")]

@@ -3,6 +3,7 @@
 use fixtures::edge::Edge;
 use fixtures::small::Kubo;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -195,6 +196,34 @@ fn a_stop_does_not_wait_for_a_block() {
     assert!(run.is_partial());
 }
 
+/// Another thread hears how far the run is, and ends it; what begins later with the same handle ends at once.
+#[test]
+fn a_handle_stops_from_another_thread() {
+    let reports = Arc::new(AtomicU64::new(0));
+    let counts = Arc::clone(&reports);
+    let handle = Handle::reporting(move |progress| {
+        assert!(progress.done <= progress.all && progress.all == 1 << 40);
+        counts.fetch_add(1, Ordering::Relaxed);
+    });
+    let run = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while handle.progress().done < 1000 {
+                sleep(Duration::from_millis(1));
+            }
+            handle.stop();
+        });
+        kubo(2).paths(1 << 40).handle(&handle).run().unwrap()
+    });
+    let done = run.last().unwrap().count();
+    assert!(run.is_partial() && done >= 1000 && reports.load(Ordering::Relaxed) > 0, "{done}");
+    assert_eq!(run.mean("q"), kubo(2).paths(done).run().unwrap().mean("q"));
+    let later = kubo(2).paths(1000).handle(&handle).run().unwrap();
+    assert!(later.is_partial() && later.last().unwrap().count() == 0);
+    let levels = KUBO.multilevel::<Midpoint>(0.1).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    let levels = levels.observe("q", |state| state.q[0]).target(1e-9).handle(&handle).run().unwrap();
+    assert!(levels.is_partial() && levels.levels().is_empty());
+}
+
 const CHILD: &str = "WZVI_TEST_CONTROL";
 
 /// Minutes of work, unless it is stopped; says so on standard output when it has begun.
@@ -210,6 +239,8 @@ fn child() {
         }
         false
     });
+    #[cfg(feature = "interrupt")]
+    let run = run.handle(&Handle::new().on_interrupt());
     let run = if order == "quiet" { run.quiet() } else { run };
     let run = run.run().unwrap();
     println!(

@@ -60,7 +60,6 @@ use crate::algebra::state::State;
 use crate::ensemble::execution::Execution;
 use crate::ensemble::schedule::in_order;
 use crate::error::ConfigError;
-use crate::ground::interrupt::Interrupt;
 use crate::increments::Noise;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 use crate::path::Error;
@@ -415,9 +414,8 @@ where
         let execution = std::mem::take(&mut self.setup.execution);
         let (control, keeping) =
             (std::mem::take(&mut self.setup.control), std::mem::take(&mut self.setup.keeping));
-        let (threads, instructions, interrupt) =
-            (execution.threads()?, execution.instructions, Interrupt::watch());
-        let stop = || execution.is_stopped(&interrupt);
+        let (threads, instructions) = (execution.threads()?, execution.instructions);
+        let stop = || execution.is_stopped();
         let job = self.job(&stop)?;
         if job.source.is_antithetic() && WIDTH % 2 == 1 {
             return Err(

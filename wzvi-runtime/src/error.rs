@@ -22,6 +22,7 @@ mod report;
 mod series;
 #[cfg(feature = "ensemble")]
 mod statistics;
+mod stopped;
 
 use std::fmt;
 
@@ -49,6 +50,7 @@ pub use report::ReportError;
 pub use series::SeriesError;
 #[cfg(feature = "ensemble")]
 pub use statistics::StatisticsError;
+pub use stopped::StoppedError;
 
 /// A step that failed. The state is bit for bit what it was.
 #[derive(Clone, Copy, Debug, PartialEq)]

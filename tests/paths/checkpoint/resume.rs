@@ -100,6 +100,28 @@ fn a_finished_run_is_returned_at_once_and_left_alone() {
     assert_eq!(contents(&folder), files);
 }
 
+/// A path that is stopped has what it did, and its checkpoint has that, too.
+#[test]
+fn a_handle_stops_a_path_that_goes_on_later() {
+    let folder = folder!("stopped-by-handle");
+    let run = |steps| PENDULUM.run(Wiener::seed(7), steps, 1000);
+    let checkpoint = || Checkpoint::to(folder.join("run"));
+    let handle = Handle::new();
+    let stopped = run(1 << 40).checkpoint(checkpoint()).handle(&handle);
+    let stopped = stopped.record_every(1 << 30).inspect(|_, _| handle.stop());
+    let (path, error) = stopped.run_partial().unwrap();
+    let done = path.steps();
+    assert!(
+        matches!(error, Some(wzvi::Error::Stopped(stopped)) if stopped.done == done && done > 0),
+        "{error:?}"
+    );
+    assert_eq!(handle.progress().done, done);
+    let path = run(done + 10).record_every(1 << 30).checkpoint(checkpoint()).run().unwrap();
+    assert_eq!(bits(&path), bits(&run(done + 10).record_every(1 << 30).run().unwrap()));
+    let error = run(1 << 40).record_every(0).handle(&handle).run().unwrap_err();
+    assert!(error.to_string().contains(".run_partial()"), "{error}");
+}
+
 #[test]
 fn an_earlier_end_is_refused() {
     let folder = folder!("beyond");

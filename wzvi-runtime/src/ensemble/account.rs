@@ -7,7 +7,7 @@ use super::halt::Halt;
 use super::job::Job;
 use super::keeping;
 use crate::ground::numbers::Numbers as _;
-use crate::ground::progress::Progress;
+use crate::ground::progress::ProgressLine;
 use crate::path::Error;
 use crate::path::checkpoint::{Keeper, Keeping};
 use crate::scheme::system::Discretized;
@@ -22,7 +22,7 @@ pub(super) struct Account {
     statistics: Statistics,
     keeper: Keeper,
     targets: Targets,
-    progress: Progress,
+    progress: ProgressLine,
     /// Paths of the run, at most, and of a chunk.
     limit: u64,
     size: u64,
@@ -39,7 +39,7 @@ impl Account {
         job: &Job<'_, H, E>,
         control: &Control,
         keeping: Keeping,
-        progress: Progress,
+        progress: ProgressLine,
     ) -> Result<Self, Error>
     where
         H: Discretized<E> + Sync,

@@ -32,7 +32,6 @@ use super::keeping::described;
 use super::starts::Systems;
 use crate::ensemble::schedule::Queue;
 use crate::error::ConfigError;
-use crate::ground::interrupt::Interrupt;
 use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::Serves;
@@ -78,8 +77,7 @@ where
         let (control, keeping) =
             (std::mem::take(&mut self.setup.control), std::mem::take(&mut self.setup.keeping));
         let (threads, instructions) = (execution.threads.unwrap_or(1), execution.instructions);
-        let interrupt = Interrupt::watch();
-        let stop = || execution.is_stopped(&interrupt);
+        let stop = || execution.is_stopped();
         let job = agree(&world, check_threads(threads).and_then(|()| self.job(&stop)))?;
         let described = agree(&world, described(&job))?;
         same(&world, &described.lines(job.paths))?;

@@ -2,20 +2,27 @@
 
 use crate::ensemble::InstructionSet;
 use crate::error::ConfigError;
-use crate::ground::interrupt::Interrupt;
-use crate::ground::progress::Progress;
+use crate::ground::handle::Handle;
+use crate::ground::progress::ProgressLine;
 
 /// What the user wants of a run besides its result.
 pub(crate) struct Execution<'a> {
     pub(crate) threads: Option<usize>,
     pub(crate) stop: Option<Box<dyn Fn() -> bool + Send + Sync + 'a>>,
     pub(crate) is_quiet: bool,
+    pub(crate) handle: Option<Handle>,
     pub(crate) instructions: InstructionSet,
 }
 
 impl Default for Execution<'_> {
     fn default() -> Self {
-        Self { threads: None, stop: None, is_quiet: false, instructions: InstructionSet::best() }
+        Self {
+            threads: None,
+            stop: None,
+            is_quiet: false,
+            handle: None,
+            instructions: InstructionSet::best(),
+        }
     }
 }
 
@@ -28,13 +35,13 @@ impl Execution<'_> {
         crate::ensemble::schedule::threads(self.threads)
     }
 
-    /// Whether the run is to end, by Ctrl-C or because the user says so.
-    pub(crate) fn is_stopped(&self, interrupt: &Interrupt) -> bool {
-        interrupt.requested() || self.stop.as_ref().is_some_and(|stop| stop())
+    /// Whether the run is to end, because its handle or a function says so.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.handle.as_ref().is_some_and(Handle::is_stopped) || self.stop.as_ref().is_some_and(|stop| stop())
     }
 
     /// The line that shows how many of these are done.
-    pub(crate) fn progress(&self, unit: &'static str) -> Progress {
-        Progress::new(unit, self.is_quiet)
+    pub(crate) fn progress(&self, unit: &'static str) -> ProgressLine {
+        ProgressLine::new(unit, self.is_quiet, self.handle.clone())
     }
 }

@@ -41,8 +41,7 @@ use crate::algebra::state::{State, Vector};
 use crate::ensemble::execution::Execution;
 use crate::ensemble::schedule::in_order;
 use crate::error::{ConfigError, InternalError};
-use crate::ground::interrupt::Interrupt;
-use crate::ground::progress::Progress;
+use crate::ground::progress::ProgressLine;
 use crate::increments::Noise as _;
 use crate::noise::{Paths as _, StepNormals, Truncation};
 use crate::path::Error;
@@ -197,8 +196,7 @@ where
         let target = self.checked()?;
         let setup = self.setup;
         let Setup { system, h, span, execution, .. } = setup;
-        let interrupt = Interrupt::watch();
-        let stop = || execution.is_stopped(&interrupt);
+        let stop = || execution.is_stopped();
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }
@@ -307,7 +305,7 @@ struct Run<'a, 'o, H: Discretized<E>, E> {
     target: f64,
     weak_order: f64,
     finest: usize,
-    progress: Progress,
+    progress: ProgressLine,
 }
 
 /// One level, with what is known of it.

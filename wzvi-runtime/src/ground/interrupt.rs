@@ -1,39 +1,27 @@
 //! Ctrl-C during a long computation ends that, not the program.
 
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, Once, PoisonError, Weak};
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
-static WATCHING: AtomicUsize = AtomicUsize::new(0);
+use super::handle::Shared;
+
+static WATCHED: Mutex<Vec<Weak<Shared>>> = Mutex::new(Vec::new());
 static HANDLER: Once = Once::new();
 
-/// Ctrl-C while this lives is noted; a second one, or one outside, ends the program.
-pub(crate) struct Interrupt(());
-
-impl Interrupt {
-    pub(crate) fn watch() -> Self {
-        // A program with a handler of its own keeps it.
-        HANDLER.call_once(|| drop(ctrlc::try_set_handler(on_interrupt)));
-        WATCHING.fetch_add(1, Ordering::SeqCst);
-        Self(())
-    }
-
-    pub(crate) fn requested(&self) -> bool {
-        REQUESTED.load(Ordering::Relaxed)
-    }
+/// Ctrl-C while this lives stops it.
+pub(super) fn watch(handle: &Arc<Shared>) {
+    // A program with a handler of its own keeps it.
+    HANDLER.call_once(|| drop(ctrlc::try_set_handler(on_interrupt)));
+    WATCHED.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::downgrade(handle));
 }
 
-impl Drop for Interrupt {
-    fn drop(&mut self) {
-        if WATCHING.fetch_sub(1, Ordering::SeqCst) == 1 {
-            REQUESTED.store(false, Ordering::SeqCst);
-        }
-    }
-}
-
+/// A second one, or one that nobody waits for, ends the program.
 fn on_interrupt() {
-    let again = REQUESTED.swap(true, Ordering::SeqCst);
-    if again || WATCHING.load(Ordering::SeqCst) == 0 {
+    let mut watched = WATCHED.lock().unwrap_or_else(PoisonError::into_inner);
+    watched.retain(|handle| handle.strong_count() > 0);
+    let stopped = watched.iter().filter_map(Weak::upgrade);
+    let newly = stopped.filter(|handle| !handle.is_stopped.swap(true, Ordering::Relaxed)).count();
+    if newly == 0 {
         std::process::exit(130);
     }
 }

@@ -5,18 +5,20 @@ use std::time::Duration;
 
 use crate::ground::clock::{self, Moment};
 use crate::ground::due::Due;
+use crate::ground::handle::Handle;
 
 /// Runs that are over by then show nothing.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Between two looks at the line.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// A line that shows how far a run is; it goes when this is dropped.
-pub(crate) struct Progress {
+/// A line that shows how far a run is, which goes when this is dropped, and the handle that knows it, too.
+pub(crate) struct ProgressLine {
     /// What is counted.
     unit: &'static str,
-    /// Whether Ctrl-C ends the run with a result.
-    is_stoppable: bool,
+    handle: Option<Handle>,
+    /// When the handle's function was called.
+    reported: Option<Moment>,
     /// `None` where nobody looks, or where there is no clock.
     watch: Option<Watch>,
     is_shown: bool,
@@ -29,22 +31,23 @@ struct Watch {
     wait: Duration,
 }
 
-impl Progress {
-    /// Of a run that Ctrl-C ends with a result, where the feature is on.
-    #[cfg(feature = "ensemble")]
-    pub(crate) fn new(unit: &'static str, is_quiet: bool) -> Self {
-        Self::with(unit, is_quiet, cfg!(feature = "interrupt"))
-    }
-
-    fn with(unit: &'static str, is_quiet: bool, is_stoppable: bool) -> Self {
+impl ProgressLine {
+    pub(crate) fn new(unit: &'static str, is_quiet: bool, handle: Option<Handle>) -> Self {
         let is_silent = is_quiet || !stderr().is_terminal();
         let now = if is_silent { None } else { clock::now() };
         let watch = now.map(|now| Watch { began: now, looked: now, wait: PATIENCE });
-        Self { unit, is_stoppable, watch, is_shown: false }
+        Self { unit, handle, reported: None, watch, is_shown: false }
     }
 
     /// So many are done, of so many.
     pub(crate) fn show(&mut self, done: u64, all: u64) {
+        if let Some(handle) = &self.handle {
+            handle.reach(done, all);
+            if self.reported.as_ref().is_none_or(|reported| clock::since(reported) >= PAUSE) {
+                self.reported = clock::now();
+                handle.report();
+            }
+        }
         let Some(watch) = &mut self.watch else { return };
         let Some(now) = clock::now() else { return };
         if clock::between(&watch.looked, &now) < watch.wait {
@@ -53,7 +56,7 @@ impl Progress {
         (watch.looked, watch.wait) = (now, PAUSE);
         self.is_shown = true;
         let mut line = line(self.unit, done, all, clock::since(&watch.began));
-        if self.is_stoppable {
+        if self.handle.as_ref().is_some_and(Handle::hears_interrupt) {
             line += " (Ctrl-C stops and keeps what is done)";
         }
         // Who cannot write to the terminal cannot say so there either.
@@ -63,7 +66,7 @@ impl Progress {
 
 /// How far a single path is. Where nobody looks, it is never due.
 pub(crate) struct StepsShown {
-    line: Option<(Progress, Due)>,
+    line: Option<(ProgressLine, Due)>,
     /// The nodes from which and to which the run goes.
     first: u64,
     end: u64,
@@ -71,9 +74,9 @@ pub(crate) struct StepsShown {
 
 impl StepsShown {
     /// From one node to another.
-    pub(crate) fn new(is_quiet: bool, is_stoppable: bool, first: u64, end: u64) -> Self {
-        let progress = Progress::with("steps", is_quiet, is_stoppable && cfg!(feature = "interrupt"));
-        let is_seen = progress.watch.is_some();
+    pub(crate) fn new(is_quiet: bool, handle: Option<Handle>, first: u64, end: u64) -> Self {
+        let progress = ProgressLine::new("steps", is_quiet, handle);
+        let is_seen = progress.watch.is_some() || progress.handle.is_some();
         Self { line: is_seen.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), first, end }
     }
 
@@ -83,18 +86,19 @@ impl StepsShown {
         self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next())
     }
 
-    /// The run has reached a node.
-    pub(crate) fn look(&mut self, node: u64) {
-        if let Some((progress, due)) = &mut self.line
-            && due.is_due(node)
-        {
-            progress.show(node.saturating_sub(self.first), self.end.saturating_sub(self.first));
-            due.done();
+    /// The run has reached a node; whether its handle wants it to stop there.
+    pub(crate) fn look(&mut self, node: u64) -> bool {
+        let Some((progress, due)) = &mut self.line else { return false };
+        if !due.is_due(node) {
+            return false;
         }
+        progress.show(node.saturating_sub(self.first), self.end.saturating_sub(self.first));
+        due.done();
+        node < self.end && progress.handle.as_ref().is_some_and(Handle::is_stopped)
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressLine {
     fn drop(&mut self) {
         if self.is_shown {
             let _ = write!(stderr(), "\r\x1b[K").and_then(|()| stderr().flush());

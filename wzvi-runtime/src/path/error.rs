@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::error::{
-    ConfigError, DomainError, FileError, InternalError, NoiseError, PathError, StepError, UnknownName,
+    ConfigError, DomainError, FileError, InternalError, NoiseError, PathError, StepError, StoppedError,
+    UnknownName,
 };
 
 /// An enum of errors, each of which it is made of: its messages are theirs.
@@ -54,6 +55,8 @@ any_of! {
     Internal(InternalError),
     /// A file could not be written.
     File(FileError),
+    /// A single path was stopped.
+    Stopped(StoppedError),
     /// A path of a multilevel run has no value.
     #[cfg(feature = "ensemble")]
     Level(crate::error::LevelError),

@@ -203,8 +203,8 @@ macro_rules! options {
         /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers what is done, and says that it is
         /// partial.
         ///
-        /// All threads call it about every 10 ms, and after each step or observed path that takes longer. With the feature `interrupt`,
-        /// Ctrl-C also stops a run.
+        /// All threads call it about every 10 ms, and after each step or observed path that takes longer. A [handle](Self::handle) also
+        /// stops a run.
         pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
             self.setup.execution.stop = Some(Box::new(stop));
             self
@@ -213,6 +213,13 @@ macro_rules! options {
         /// Shows no progress. By default progress appears after a second if standard error is a terminal.
         pub fn quiet(mut self) -> Self {
             self.setup.execution.is_quiet = true;
+            self
+        }
+
+        /// Lets this handle stop the run and say how far it is ([`crate::ground::handle`]). The result is then that of what is done, and says that
+        /// it is partial.
+        pub fn handle(mut self, handle: &crate::ground::handle::Handle) -> Self {
+            self.setup.execution.handle = Some(handle.clone());
             self
         }
     };

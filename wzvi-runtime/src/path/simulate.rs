@@ -10,7 +10,8 @@ use std::marker::PhantomData;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sums;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, StoppedError};
+use crate::ground::handle::Handle;
 use crate::ground::progress::StepsShown;
 use crate::increments::{Interval, NoNoise, Noise};
 use crate::path::Error;
@@ -101,6 +102,7 @@ struct Setup<'a, H: Hamiltonian> {
     /// All cores if none are asked for.
     threads: Option<usize>,
     is_quiet: bool,
+    handle: Option<Handle>,
     keeping: Keeping,
 }
 
@@ -118,6 +120,7 @@ impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
             is_watched: true,
             threads: None,
             is_quiet: false,
+            handle: None,
             keeping: Default::default(),
         };
         Self { setup, noise: None, observer: Unobserved, types: PhantomData }
@@ -168,6 +171,13 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         self
     }
 
+    /// Lets this handle stop the run and say how far it is ([`crate::ground::handle`]). A path that is stopped ends at a node with
+    /// [`Error::Stopped`]; [`Simulation::run_partial`] returns it up to there.
+    pub fn handle(mut self, handle: &Handle) -> Self {
+        self.setup.handle = Some(handle.clone());
+        self
+    }
+
     /// Calls `observer(state, node)` at each recorded node as the run reaches it, start and end included. With `record_every(0)` or
     /// [`Simulation::record_at`] alone it is called at each node. Use it to see increments and iterations, or to act during the run. States
     /// recorded between nodes are not shown.
@@ -207,10 +217,10 @@ where
     }
 
     /// Runs the path as far as possible. It returns the trajectory up to the last good state, and the error that ended it early, if there
-    /// was one ([`Error::Step`] or [`Error::Noise`]).
+    /// was one ([`Error::Step`], [`Error::Noise`] or [`Error::Stopped`]).
     ///
     /// # Errors
-    /// [`Error::Config`] or [`Error::Noise`] or [`Error::Checkpoint`] if the run could not start, so that there is no
+    /// [`Error::Config`], [`Error::Noise`] or [`Error::Checkpoint`] if the run could not start, so that there is no
     /// trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
     where
@@ -218,7 +228,7 @@ where
     {
         let Self { setup, noise, observer, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
-        let Setup { is_watched, threads, is_quiet, keeping, .. } = setup;
+        let Setup { is_watched, threads, is_quiet, handle, keeping, .. } = setup;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
@@ -241,7 +251,7 @@ where
         if let Some(looks) = &mut looks {
             looks.arrive(first, &state);
         }
-        let shown = StepsShown::new(is_quiet, false, first, grid.steps);
+        let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
         let due = keeper.next().min(shown.next());
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
         let mut monitor = Nodes { observer, keeper: &mut keeper, shown, due, grid, looks, dense };
@@ -466,12 +476,15 @@ where
             self.show(state, node, account, dw);
         }
         if node >= self.due {
-            if self.keeper.is_due(node) {
+            let is_stopped = self.shown.look(node);
+            if self.keeper.is_due(node) || (is_stopped && self.keeper.keeps()) {
                 let Subdivision { stepper, watch, .. } = &mut **stepper;
                 let mut run = Run::new(state, account, &mut self.looks, watch);
                 self.keeper.save_path(stepper, &mut run, node)?;
             }
-            self.shown.look(node);
+            if is_stopped {
+                return Err(StoppedError { done: node, all: self.grid.steps }.into());
+            }
             self.due = self.keeper.next().min(self.shown.next());
         }
         Ok(())

@@ -11,8 +11,7 @@ use super::number;
 use super::statistics::Spread;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, InternalError};
-use crate::ground::interrupt::Interrupt;
-use crate::ground::progress::Progress;
+use crate::ground::progress::ProgressLine;
 use crate::increments::{Interval, Noise as _};
 use crate::noise::{Driver, Paths as _, Wiener};
 use crate::path::Error;
@@ -28,7 +27,7 @@ impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
 {
-    /// Measures. Ctrl-C, or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
+    /// Measures. Its [handle](WorkPrecision::handle), or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
     /// On a terminal, progress and the time that remains are shown.
     ///
     /// A step that fails ends its path and is counted, no more.
@@ -41,9 +40,8 @@ where
             return Err(error);
         }
         let plan = self.checked()?;
-        let interrupt = Interrupt::watch();
         let execution = std::mem::take(&mut self.setup.execution);
-        let stopped = &|| execution.is_stopped(&interrupt);
+        let stopped = &|| execution.is_stopped();
         let work: usize = plan.runs.iter().map(|run| run.steps * plan.paths).sum();
         let timing: usize = plan.runs.iter().map(|run| run.batch_steps() * (self.repetitions + 1)).sum();
         let reference = plan.reference_steps * plan.paths;
@@ -255,13 +253,13 @@ where
 
 /// The steps of all that is measured, and how many are done.
 pub(super) struct Work {
-    progress: Progress,
+    progress: ProgressLine,
     done: u64,
     all: u64,
 }
 
 impl Work {
-    fn new(progress: Progress, steps: usize) -> Self {
+    fn new(progress: ProgressLine, steps: usize) -> Self {
         Self { progress, done: 0, all: steps as u64 }
     }
 

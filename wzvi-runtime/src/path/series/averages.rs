@@ -6,7 +6,6 @@ use super::BatchMeans;
 use super::tally::{Tally, Targets};
 use crate::algebra::state::State;
 use crate::error::{FileError, UnknownName};
-use crate::ground::interrupt::Interrupt;
 use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::Serves;
@@ -84,7 +83,7 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// println!("{:?}", averages.of("q²")?);
     /// ```
     ///
-    /// With `checkpoint` (feature `serde`) a run that was stopped goes on from its file, as one that keeps its path does; targets may then differ.
+    /// With `checkpoint` a run that was stopped goes on from its file, as one that keeps its path does; targets may then differ.
     pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R> {
         TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
     }
@@ -122,7 +121,8 @@ where
     }
 
     /// Ends the run early when `stop` says so: a deadline, for one. The averages are then those of what is done
-    /// ([`TimeAverages::is_partial`]). It is asked about ten times a second. With the feature `interrupt`, Ctrl-C stops a run, too.
+    /// ([`TimeAverages::is_partial`]). It is asked about ten times a second. The
+    /// [handle](Simulation::handle) of the path stops it, too.
     pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
         self.stop = Some(Box::new(stop));
         self
@@ -136,9 +136,9 @@ where
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
         let Self { mut simulation, discarded, targets, stop } = self;
         let observed = simulation.take_observables()?;
-        let ((h, stride), interrupt) = (simulation.spacing(), Interrupt::watch());
+        let (h, stride) = simulation.spacing();
         let mut tally = Tally::new(observed, stride, discarded, &targets)?;
-        let stop = || interrupt.requested() || stop.as_ref().is_some_and(|stop| stop());
+        let stop = || stop.as_ref().is_some_and(|stop| stop());
         let end = simulation.visit(&mut tally, &stop)?;
         let met_targets = (!targets.is_empty()).then(|| tally.meets_targets());
         let average = |(name, batches): (&String, &BatchMeans)| TimeAverage {

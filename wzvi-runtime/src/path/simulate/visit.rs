@@ -75,14 +75,14 @@ where
             true => self.tally.see(path.state, path.state.t - self.start),
             false => ControlFlow::Continue(()),
         };
+        let is_stopped = self.shown.look(node);
         let halt = match verdict {
             ControlFlow::Break(()) => Some(Halt::Enough(node)),
-            ControlFlow::Continue(()) if self.asks.is_due(node) && self.is_stopped() => {
+            ControlFlow::Continue(()) if is_stopped || (self.asks.is_due(node) && self.is_stopped()) => {
                 Some(Halt::Stopped(node))
             }
             ControlFlow::Continue(()) => None,
         };
-        self.shown.look(node);
         if self.keeper.is_due(node) || halt.is_some() {
             let Subdivision { stepper, watch, .. } = &mut *path.stepper;
             let mut run = Run::averaging(path.state, path.account, self.tally, watch);
@@ -162,7 +162,7 @@ where
             start: grid.start,
             tally,
             keeper: &mut keeper,
-            shown: StepsShown::new(setup.is_quiet, true, first, grid.steps),
+            shown: StepsShown::new(setup.is_quiet, setup.handle, first, grid.steps),
             stop,
             asks: Due::new(None, Some(PAUSE), first, grid.steps),
         };

@@ -1,0 +1,105 @@
+//! Runs that are watched from elsewhere: how far they are, and an order to stop.
+//!
+//! ```ignore
+//! let handle = Handle::new();
+//! std::thread::scope(|scope| {
+//!     scope.spawn(|| {
+//!         sleep(Duration::from_secs(60));
+//!         println!("{:?}", handle.progress());
+//!         handle.stop();
+//!     });
+//!     let statistics = kubo.ensemble::<Midpoint>(0.02).handle(&handle) /* ... */ .run()?;
+//!     println!("{}", statistics.is_partial());
+//! });
+//! ```
+//!
+//! A run that is stopped keeps what it has, and writes its checkpoint, if it has one: [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns it
+//! with `Error::Stopped`; averages, ensembles and multilevel runs return it and say that it is partial.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// What is done: paths of an ensemble, steps of all other runs.
+    pub done: u64,
+    /// How many there are, as far as is known.
+    pub all: u64,
+}
+
+/// Stops runs from any thread, and knows how far they are. A clone is the same handle.
+#[derive(Clone, Default)]
+pub struct Handle(Arc<Shared>);
+
+#[derive(Default)]
+pub(super) struct Shared {
+    pub(super) is_stopped: AtomicBool,
+    /// Whether Ctrl-C stops it.
+    hears_interrupt: AtomicBool,
+    done: AtomicU64,
+    all: AtomicU64,
+    report: Option<Box<dyn Fn(Progress) + Send + Sync>>,
+}
+
+impl fmt::Debug for Handle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut fields = f.debug_struct("Handle");
+        fields.field("is_stopped", &self.is_stopped()).field("progress", &self.progress());
+        fields.finish_non_exhaustive()
+    }
+}
+
+impl Handle {
+    /// For one run, or for several.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// One whose runs call `report` about ten times a second, from one of their threads.
+    pub fn reporting(report: impl Fn(Progress) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Shared { report: Some(Box::new(report)), ..Shared::default() }))
+    }
+
+    /// Lets Ctrl-C stop the runs of this handle, instead of ending the program; a second one ends it. A program that has a handler of its own
+    /// keeps that, and calls [`Handle::stop`] there.
+    #[cfg(all(feature = "interrupt", not(target_family = "wasm")))]
+    #[must_use = "it is the handle to give to runs"]
+    pub fn on_interrupt(self) -> Self {
+        self.0.hears_interrupt.store(true, Ordering::Relaxed);
+        super::interrupt::watch(&self.0);
+        self
+    }
+
+    /// Stops its runs, those under way and those that begin later, within about a tenth of a second or with the step that is being taken.
+    pub fn stop(&self) {
+        self.0.is_stopped.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether its runs are to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.0.is_stopped.load(Ordering::Relaxed)
+    }
+
+    /// How far the run is that said so last.
+    pub fn progress(&self) -> Progress {
+        Progress { done: self.0.done.load(Ordering::Relaxed), all: self.0.all.load(Ordering::Relaxed) }
+    }
+
+    pub(super) fn hears_interrupt(&self) -> bool {
+        self.0.hears_interrupt.load(Ordering::Relaxed)
+    }
+
+    /// A run has come so far.
+    pub(super) fn reach(&self, done: u64, all: u64) {
+        self.0.done.store(done, Ordering::Relaxed);
+        self.0.all.store(all, Ordering::Relaxed);
+    }
+
+    pub(super) fn report(&self) {
+        if let Some(report) = &self.0.report {
+            report(self.progress());
+        }
+    }
+}
