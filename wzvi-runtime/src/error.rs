@@ -1,5 +1,23 @@
 //! Errors. Each says where, why and what to do; none leaves a state changed.
 
+/// What errors say: for patterns of a type the format of a message and its arguments. The message of an error contains those of its causes,
+/// so that none has a source.
+macro_rules! messages {
+    ($type:ty: $($pattern:pat $(if $guard:expr)? => $format:literal $(, $argument:expr)*;)+) => {
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                match self {
+                    $($pattern $(if $guard)? => write!(f, $format $(, $argument)*),)+
+                }
+            }
+        }
+
+        impl std::error::Error for $type {}
+    };
+}
+#[cfg(feature = "ensemble")]
+pub(crate) use messages;
+
 #[cfg(feature = "ensemble")]
 mod words;
 
@@ -23,8 +41,6 @@ mod series;
 #[cfg(feature = "ensemble")]
 mod statistics;
 mod stopped;
-
-use std::fmt;
 
 use crate::ground::digits::Brief;
 pub use bath::BathError;
@@ -65,14 +81,9 @@ pub struct StepError {
     pub cause: StepFailure,
 }
 
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { step, t, h, cause } = self;
-        write!(f, "step {step} from t = {} with h = {}: {cause}", Brief(*t), Brief(*h))
-    }
+messages! { StepError:
+    Self { step, t, h, cause } => "step {step} from t = {} with h = {}: {cause}", Brief(*t), Brief(*h);
 }
-
-impl std::error::Error for StepError {}
 
 /// A run that cannot start.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,46 +141,25 @@ pub enum ConfigError {
     Setting(String),
 }
 
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::StepSize(h) => {
-                write!(f, "the step size is {}; it must be finite and not zero", Brief(*h))
-            }
-            Self::Parameter => {
-                write!(
-                    f,
-                    "a Hamiltonian indexes beyond the end of a `Vec`, or a parameter of the system is NaN"
-                )
-            }
-            Self::NotANumber { parameter } => write!(f, "the parameter `{parameter}` of the system is NaN"),
-            Self::Index(error) => error.fmt(f),
-            Self::Bath(error) => error.fmt(f),
-            Self::Singular { h, pivot, scale } => write!(
-                f,
-                "the matrix of the step is singular for h = {} (pivot {pivot:.1e} at scale {scale:.1e}); \
-                 take another step size",
-                Brief(*h)
-            ),
-            Self::Missing(what) => write!(f, "the run needs {what}"),
-            Self::End { start, end, h } => {
-                write!(
-                    f,
-                    "cannot run from t = {} to t = {} in steps of {}; check the sign and the size of h",
-                    Brief(*start),
-                    Brief(*end),
-                    Brief(*h)
-                )
-            }
-            Self::Start(cause) => write!(f, "the start is not usable: {cause}"),
-            Self::PathSystem { path, cause } => write!(f, "the system of path {path} is not usable: {cause}"),
-            Self::PathStart { path, cause } => write!(f, "the start of path {path} is not usable: {cause}"),
-            Self::Setting(what) => f.write_str(what),
-        }
-    }
+messages! { ConfigError:
+    Self::StepSize(h) => "the step size is {}; it must be finite and not zero", Brief(*h);
+    Self::Parameter =>
+        "a Hamiltonian indexes beyond the end of a `Vec`, or a parameter of the system is NaN";
+    Self::NotANumber { parameter } => "the parameter `{parameter}` of the system is NaN";
+    Self::Index(error) => "{error}";
+    Self::Bath(error) => "{error}";
+    Self::Singular { h, pivot, scale } =>
+        "the matrix of the step is singular for h = {} (pivot {pivot:.1e} at scale {scale:.1e}); \
+         take another step size", Brief(*h);
+    Self::Missing(what) => "the run needs {what}";
+    Self::End { start, end, h } =>
+        "cannot run from t = {} to t = {} in steps of {}; check the sign and the size of h",
+        Brief(*start), Brief(*end), Brief(*h);
+    Self::Start(cause) => "the start is not usable: {cause}";
+    Self::PathSystem { path, cause } => "the system of path {path} is not usable: {cause}";
+    Self::PathStart { path, cause } => "the start of path {path} is not usable: {cause}";
+    Self::Setting(what) => "{}", what;
 }
-
-impl std::error::Error for ConfigError {}
 
 /// A question that a recorded path cannot answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -208,39 +198,23 @@ pub enum PathError {
     Series(SeriesError),
 }
 
-impl fmt::Display for PathError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Gaps { every } => {
-                write!(
-                    f,
-                    "this needs every step of the path, but it was run with record_every({every}); use 1"
-                )
-            }
-            Self::Uneven { every, steps } => write!(
-                f,
-                "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, or `record_at` \
-                 added others"
-            ),
-            Self::Empty => f.write_str("the path has no step"),
-            Self::System { path, system } => write!(
-                f,
-                "the path is one of {} degrees of freedom and {} noises, the system has {} and {}",
-                path.0, path.1, system.0, system.1
-            ),
-            Self::Invariant { index, known: 0 } => {
-                write!(f, "there is no invariant {index}: the system lists none in `invariant = [...]`")
-            }
-            Self::Invariant { index, known } => {
-                write!(f, "there is no invariant {index}: the system has {known}, counted from 0")
-            }
-            Self::Domain(error) => error.fmt(f),
-            Self::Series(error) => error.fmt(f),
-        }
-    }
+messages! { PathError:
+    Self::Gaps { every } =>
+        "this needs every step of the path, but it was run with record_every({every}); use 1";
+    Self::Uneven { every, steps } =>
+        "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, or `record_at` \
+         added others";
+    Self::Empty => "the path has no step";
+    Self::System { path, system } =>
+        "the path is one of {} degrees of freedom and {} noises, the system has {} and {}",
+        path.0, path.1, system.0, system.1;
+    Self::Invariant { index, known: 0 } =>
+        "there is no invariant {index}: the system lists none in `invariant = [...]`";
+    Self::Invariant { index, known } =>
+        "there is no invariant {index}: the system has {known}, counted from 0";
+    Self::Domain(error) => "{error}";
+    Self::Series(error) => "{error}";
 }
-
-impl std::error::Error for PathError {}
 
 /// A name that nothing has.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -253,19 +227,10 @@ pub struct UnknownName {
     pub known: Vec<String>,
 }
 
-impl fmt::Display for UnknownName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, name, known } = self;
-        write!(f, "no {kind} has the name `{name}`: ")?;
-        if known.is_empty() {
-            write!(f, "the run has none")
-        } else {
-            write!(f, "there are `{}`", known.join("`, `"))
-        }
-    }
+messages! { UnknownName:
+    Self { kind, name, known } if known.is_empty() => "no {kind} has the name `{name}`: the run has none";
+    Self { kind, name, known } => "no {kind} has the name `{name}`: there are `{}`", known.join("`, `");
 }
-
-impl std::error::Error for UnknownName {}
 
 impl From<DomainError> for PathError {
     fn from(error: DomainError) -> Self {

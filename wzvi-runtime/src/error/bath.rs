@@ -1,7 +1,5 @@
 //! What is wrong with friction, temperature or masses.
 
-use std::fmt;
-
 use crate::ground::digits::Brief;
 
 /// Why a system has no Langevin equation.
@@ -40,41 +38,22 @@ pub enum BathError {
     },
 }
 
-impl fmt::Display for BathError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Temperature { temperature } => {
-                write!(f, "the temperature is {}; it must be finite and not negative", Brief(*temperature))
-            }
-            Self::Friction { rate } => {
-                write!(f, "the friction has the rate {}; it must be finite and not negative", Brief(*rate))
-            }
-            Self::Asymmetric { entry: [i, j] } => {
-                write!(f, "the damping matrix is not symmetric at row {i}, column {j} (from 0)")
-            }
-            Self::Mass { degree, inverse } => write!(
-                f,
-                "degree of freedom {degree} (from 0) has friction, but its inverse mass is {}; it must be positive",
-                Brief(*inverse)
-            ),
-            Self::Masses => write!(
-                f,
-                "the system has friction, but the masses of its kinetic energy are not a positive definite matrix"
-            ),
-            Self::Rates => write!(
-                f,
-                "`GjI` takes one rate of friction for all degrees of freedom: take `Gjf` for others"
-            ),
-            Self::Backwards { h } => write!(
-                f,
-                "the step size is {}: a system with friction cannot run backwards in time; take a positive one",
-                Brief(*h)
-            ),
-        }
-    }
+messages! { BathError:
+    Self::Temperature { temperature } =>
+        "the temperature is {}; it must be finite and not negative", Brief(*temperature);
+    Self::Friction { rate } =>
+        "the friction has the rate {}; it must be finite and not negative", Brief(*rate);
+    Self::Asymmetric { entry: [i, j] } =>
+        "the damping matrix is not symmetric at row {i}, column {j} (from 0)";
+    Self::Mass { degree, inverse } =>
+        "degree of freedom {degree} (from 0) has friction, but its inverse mass is {}; it must be positive",
+        Brief(*inverse);
+    Self::Masses =>
+        "the system has friction, but the masses of its kinetic energy are not a positive definite matrix";
+    Self::Rates => "`GjI` takes one rate of friction for all degrees of freedom: take `Gjf` for others";
+    Self::Backwards { h } =>
+        "the step size is {}: a system with friction cannot run backwards in time; take a positive one", Brief(*h);
 }
-
-impl std::error::Error for BathError {}
 
 #[cfg(feature = "ensemble")]
 impl BathError {

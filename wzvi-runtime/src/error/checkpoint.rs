@@ -1,6 +1,5 @@
 //! What can be wrong with a checkpoint.
 
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -118,83 +117,52 @@ impl CheckpointError {
     }
 }
 
-impl fmt::Display for CheckpointError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::Foreign { path } => {
-                write!(f, "{} is not a file of wzvi; it was not changed: name another file", path.display())
-            }
-            Self::Kind { path, kind } => write!(
-                f,
-                "{} is a checkpoint of {kind}; it was not changed: name another file",
-                path.display()
-            ),
-            Self::Version { path, found, expected } => write!(
-                f,
-                "{} has version {found} of the format, this program reads version {expected}; finish the run with \
-                 the program that wrote it, or name another file to start anew",
-                path.display()
-            ),
-            Self::Damaged { path, damage } => write!(
-                f,
-                "{} is damaged: {damage}; put back a copy, or remove it and what belongs to it to start anew",
-                path.display()
-            ),
-            Self::OtherRun { path, differences } => {
-                write!(f, "{} is the checkpoint of another run: ", path.display())?;
-                for (i, difference) in differences.iter().enumerate() {
-                    write!(f, "{}{difference}", if i == 0 { "" } else { "; " })?;
-                }
-                f.write_str(". Run with the settings of the checkpoint, or name another file to start anew")
-            }
-            Self::Beyond { path, step, steps } => write!(
-                f,
-                "{} is at step {step}, beyond the {steps} steps of this run; ask for at least {step}, or name \
-                 another file to start anew",
-                path.display()
-            ),
-            Self::MorePaths { path, done, paths } => write!(
-                f,
-                "{} has {done} paths, more than the {paths} of this run; ask for at least {done}, or name another \
-                 file to start anew",
-                path.display()
-            ),
-            Self::Taken { path } => write!(
-                f,
-                "{} was changed or removed while the run went on; let only one run at a time use it",
-                path.display()
-            ),
-            Self::Internal(error) => error.fmt(f),
-            Self::Noise => f.write_str(
-                "the source of the increments does not say what it is, so that a checkpoint cannot tell whether it \
-                 is the same one; implement `Noise::identity` for it",
-            ),
-        }
-    }
+messages! { CheckpointError:
+    Self::File(error) => "{error}";
+    Self::Foreign { path } =>
+        "{} is not a file of wzvi; it was not changed: name another file", path.display();
+    Self::Kind { path, kind } =>
+        "{} is a checkpoint of {kind}; it was not changed: name another file", path.display();
+    Self::Version { path, found, expected } =>
+        "{} has version {found} of the format, this program reads version {expected}; finish the run with \
+         the program that wrote it, or name another file to start anew", path.display();
+    Self::Damaged { path, damage } =>
+        "{} is damaged: {damage}; put back a copy, or remove it to start anew", path.display();
+    Self::OtherRun { path, differences } =>
+        "{} is the checkpoint of another run: {}. Run with the settings of the checkpoint, or name another file to start anew",
+        path.display(), in_words(differences);
+    Self::Beyond { path, step, steps } =>
+        "{} is at step {step}, beyond the {steps} steps of this run; ask for at least {step}, or name \
+         another file to start anew", path.display();
+    Self::MorePaths { path, done, paths } =>
+        "{} has {done} paths, more than the {paths} of this run; ask for at least {done}, or name another \
+         file to start anew", path.display();
+    Self::Taken { path } =>
+        "{} was changed or removed while the run went on; let only one run at a time use it", path.display();
+    Self::Internal(error) => "{error}";
+    Self::Noise =>
+        "the source of the increments does not say what it is, so that a checkpoint cannot tell whether it \
+         is the same one; implement `Noise::identity` for it";
 }
 
-impl fmt::Display for Damage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length { expected, found } => write!(f, "{expected} bytes were written, there are {found}"),
-            Self::Checksum { expected, found } => {
-                write!(f, "its checksum is {found:016x}, not {expected:016x}")
-            }
-            Self::Header => f.write_str("its first line cannot be read"),
-            Self::Content(cause) => write!(f, "its content makes no sense ({cause})"),
-        }
-    }
+messages! { Damage:
+    Self::Length { expected, found } => "{expected} bytes were written, there are {found}";
+    Self::Checksum { expected, found } => "its checksum is {found:016x}, not {expected:016x}";
+    Self::Header => "its first line cannot be read";
+    Self::Content(cause) => "its content makes no sense ({cause})";
 }
 
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let or_none = |value: &Option<String>| value.clone().unwrap_or_else(|| "not set".to_owned());
-        write!(f, "{} is {} there and {} here", self.field, or_none(&self.checkpoint), or_none(&self.run))
-    }
+messages! { Difference:
+    Self { field, checkpoint, run } => "{field} is {} there and {} here", or_none(checkpoint), or_none(run);
 }
 
-impl std::error::Error for CheckpointError {}
+fn in_words(differences: &[Difference]) -> String {
+    differences.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+fn or_none(value: &Option<String>) -> &str {
+    value.as_deref().unwrap_or("not set")
+}
 
 impl From<FileError> for CheckpointError {
     fn from(error: FileError) -> Self {

@@ -1,7 +1,5 @@
 //! What can go wrong between ranks.
 
-use std::fmt;
-
 /// A run on several ranks that ended on all of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -29,23 +27,12 @@ pub enum ClusterError {
     },
 }
 
-impl fmt::Display for ClusterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Threading => f.write_str(
-                "MPI was initialised for programs of one thread; use \
-                 `mpi::initialize_with_threading(Threading::Funneled)`",
-            ),
-            Self::Settings { rank, difference } => write!(
-                f,
-                "rank {rank} runs something else than rank 0 ({difference}); give all ranks the same settings"
-            ),
-            Self::Rank { rank, cause } => write!(f, "rank {rank} ended the run: {cause}"),
-            Self::Message { rank } => {
-                write!(f, "rank {rank} sent results of another shape; start the same program on all ranks")
-            }
-        }
-    }
+messages! { ClusterError:
+    Self::Threading => "MPI was initialised for programs of one thread; use \
+         `mpi::initialize_with_threading(Threading::Funneled)`";
+    Self::Settings { rank, difference } =>
+        "rank {rank} runs something else than rank 0 ({difference}); give all ranks the same settings";
+    Self::Rank { rank, cause } => "rank {rank} ended the run: {cause}";
+    Self::Message { rank } =>
+        "rank {rank} sent results of another shape; start the same program on all ranks";
 }
-
-impl std::error::Error for ClusterError {}

@@ -1,7 +1,5 @@
 //! Why a step failed.
 
-use std::fmt;
-
 use super::{BathError, FailedLanes, IndexError};
 
 /// Why the equations of one step have no (usable) solution.
@@ -74,59 +72,34 @@ impl StepFailure {
     }
 }
 
-impl fmt::Display for StepFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotConverged { iterations, correction } => write!(
-                f,
-                "the iteration did not converge in {iterations} steps (last correction {correction:.1e}); \
-                 take a smaller step"
-            ),
-            Self::Singular { pivot, scale } => write!(
-                f,
-                "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}), a pole of the scheme; \
-                 take a smaller step or truncate the increments"
-            ),
-            Self::NoSolution { reached } => write!(
-                f,
-                "the solution that continues the state could not be followed beyond {:.0} % of the step; \
-                 take a smaller step, or subdivide with `.retry(Retry::halving(n))`",
-                100.0 * reached
-            ),
-            Self::Unresolved { energy_error, scale } => write!(
-                f,
-                "the step is too long for the motion: the energy is off by {energy_error:.1e}, and stays off, where the \
-                 mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or look at the \
-                 energy yourself with `.unwatched()`"
-            ),
-            Self::OtherSolution { apart } => write!(
-                f,
-                "the equations of the step have several solutions: dual numbers end at another one than the step, {apart:.1e} of its \
-                 way apart, so that its derivative is not known; take a smaller step"
-            ),
-            Self::NonFinite => {
-                write!(f, "the new state is not finite; take a smaller step or check the domain of H")
-            }
-            Self::Increments { expected, got } => {
-                write!(
-                    f,
-                    "the system has {expected} noise{}, but {got} increment{} given",
-                    if *expected == 1 { "" } else { "s" },
-                    if *got == 1 { " was" } else { "s were" },
-                )
-            }
-            Self::Dimension { expected, got } => {
-                write!(f, "the system has {expected} degrees of freedom, but the state has {got}")
-            }
-            Self::Index(error) => error.fmt(f),
-            Self::Bath(error) => error.fmt(f),
-            Self::Lanes(_) => write!(f, "some of the lanes could not take the step"),
-            Self::NonFiniteInput => write!(f, "the state or an increment is NaN or infinite before the step"),
-        }
-    }
+messages! { StepFailure:
+    Self::NotConverged { iterations, correction } =>
+        "the iteration did not converge in {iterations} steps (last correction {correction:.1e}); \
+         take a smaller step";
+    Self::Singular { pivot, scale } =>
+        "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}), a pole of the scheme; \
+         take a smaller step or truncate the increments";
+    Self::NoSolution { reached } =>
+        "the solution that continues the state could not be followed beyond {:.0} % of the step; \
+         take a smaller step, or subdivide with `.retry(Retry::halving(n))`", 100.0 * reached;
+    Self::Unresolved { energy_error, scale } =>
+        "the step is too long for the motion: the energy is off by {energy_error:.1e}, and stays off, where the \
+         mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or look at the \
+         energy yourself with `.unwatched()`";
+    Self::OtherSolution { apart } =>
+        "the equations of the step have several solutions: dual numbers end at another one than the step, {apart:.1e} of its \
+         way apart, so that its derivative is not known; take a smaller step";
+    Self::NonFinite => "the new state is not finite; take a smaller step or check the domain of H";
+    Self::Increments { expected, got } =>
+        "the system has {expected} noise{}, but {got} increment{} given",
+        if *expected == 1 { "" } else { "s" }, if *got == 1 { " was" } else { "s were" };
+    Self::Dimension { expected, got } =>
+        "the system has {expected} degrees of freedom, but the state has {got}";
+    Self::Index(error) => "{error}";
+    Self::Bath(error) => "{error}";
+    Self::Lanes(_) => "some of the lanes could not take the step";
+    Self::NonFiniteInput => "the state or an increment is NaN or infinite before the step";
 }
-
-impl std::error::Error for StepFailure {}
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,5 @@
 //! What can be wrong with a file.
 
-use std::fmt;
 use std::fs::FileType;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -71,17 +70,8 @@ pub(crate) fn name(kind: FileType) -> &'static str {
     "a device"
 }
 
-impl fmt::Display for FileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::System { path, action, cause, .. } => {
-                write!(f, "cannot {action} {}: {cause}", path.display())
-            }
-            Self::Special { path, action, found } => {
-                write!(f, "cannot {action} {}: it is {found}; name a regular file", path.display())
-            }
-        }
-    }
+messages! { FileError:
+    Self::System { path, action, cause, .. } => "cannot {action} {}: {cause}", path.display();
+    Self::Special { path, action, found } =>
+        "cannot {action} {}: it is {found}; name a regular file", path.display();
 }
-
-impl std::error::Error for FileError {}

@@ -16,16 +16,8 @@ impl InternalError {
     }
 }
 
-impl fmt::Display for InternalError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "this is a mistake of wzvi {}, not of yours; please report it: this should hold: {} ({})",
-            env!("CARGO_PKG_VERSION"),
-            self.promise,
-            self.data
-        )
-    }
+messages! { InternalError:
+    Self { promise, data } =>
+        "this is a mistake of wzvi {}, not of yours; please report it: this should hold: {promise} ({data})",
+        env!("CARGO_PKG_VERSION");
 }
-
-impl std::error::Error for InternalError {}

@@ -1,7 +1,5 @@
 //! What can be wrong with a path of a multilevel run.
 
-use std::fmt;
-
 use super::StepError;
 
 /// Why a path has no value.
@@ -27,16 +25,12 @@ pub struct LevelError {
     pub cause: LevelFailure,
 }
 
-impl fmt::Display for LevelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { level, path, h, cause } = self;
-        write!(f, "path {path} of level {level}, in steps of {h}, has no value: ")?;
-        match cause {
-            LevelFailure::Step(error) => error.fmt(f)?,
-            LevelFailure::NonFinite(value) => write!(f, "its observable is {value}")?,
-        }
-        write!(f, "; begin the levels with a smaller step size")
-    }
+messages! { LevelFailure:
+    Self::Step(error) => "{error}";
+    Self::NonFinite(value) => "its observable is {value}";
 }
 
-impl std::error::Error for LevelError {}
+messages! { LevelError:
+    Self { level, path, h, cause } =>
+        "path {path} of level {level}, in steps of {h}, has no value: {cause}; begin the levels with a smaller step size";
+}

@@ -1,7 +1,5 @@
 //! What can be wrong with a noise.
 
-use std::fmt;
-
 use crate::ground::digits::Brief;
 
 /// Why there are no increments.
@@ -59,48 +57,23 @@ pub enum NoiseError {
     },
 }
 
-impl fmt::Display for NoiseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Time { t, limit } => {
-                write!(
-                    f,
-                    "there is no Wiener path at t = {}: times must be finite and less than {limit:.1e} from zero",
-                    Brief(*t)
-                )
-            }
-            Self::StepSize(h) => write!(f, "the step size is {}; it must be finite and not zero", Brief(*h)),
-            Self::Window(eps) => {
-                write!(
-                    f,
-                    "the width of the Wong-Zakai window is {}; it must be finite and positive",
-                    Brief(*eps)
-                )
-            }
-            Self::Unit(unit) => {
-                write!(f, "the unit of time is {}; it must be finite and positive", Brief(*unit))
-            }
-            Self::Truncation(k) => write!(
-                f,
-                "the truncation parameter is {}; it must be finite and at least 1 (take twice the strong order or more)",
-                Brief(*k)
-            ),
-            Self::Exhausted { step, available } => write!(
-                f,
-                "step {step} has no increments: {available} steps were given; give more or end earlier"
-            ),
-            Self::Processes { expected, got } => {
-                write!(f, "the system has {expected} noises, but the increments are those of {got} processes")
-            }
-            Self::Ragged { row, expected, got } => {
-                write!(f, "row {row} of the increments has length {got}, the first one {expected}")
-            }
-            Self::Setting(what) => f.write_str(what),
-            Self::NonFinite { step, process, value } => {
-                write!(f, "the increment of step {step} and noise {process} is {value}")
-            }
-        }
-    }
+messages! { NoiseError:
+    Self::Time { t, limit } =>
+        "there is no Wiener path at t = {}: times must be finite and less than {limit:.1e} from zero", Brief(*t);
+    Self::StepSize(h) => "the step size is {}; it must be finite and not zero", Brief(*h);
+    Self::Window(eps) =>
+        "the width of the Wong-Zakai window is {}; it must be finite and positive", Brief(*eps);
+    Self::Unit(unit) => "the unit of time is {}; it must be finite and positive", Brief(*unit);
+    Self::Truncation(k) =>
+        "the truncation parameter is {}; it must be finite and at least 1 (take twice the strong order or more)",
+        Brief(*k);
+    Self::Exhausted { step, available } =>
+        "step {step} has no increments: {available} steps were given; give more or end earlier";
+    Self::Processes { expected, got } =>
+        "the system has {expected} noises, but the increments are those of {got} processes";
+    Self::Ragged { row, expected, got } =>
+        "row {row} of the increments has length {got}, the first one {expected}";
+    Self::Setting(what) => "{}", what;
+    Self::NonFinite { step, process, value } =>
+        "the increment of step {step} and noise {process} is {value}";
 }
-
-impl std::error::Error for NoiseError {}

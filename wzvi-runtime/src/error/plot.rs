@@ -1,6 +1,5 @@
 //! What can go wrong with a plot.
 
-use std::fmt;
 use std::path::PathBuf;
 
 use super::FileError;
@@ -25,19 +24,11 @@ pub enum PlotError {
     },
 }
 
-impl fmt::Display for PlotError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::Drawing { figure, cause } => write!(f, "cannot draw the figure `{figure}`: {cause}"),
-            Self::Ending { path } => {
-                write!(f, "cannot draw {}: the name of a plot ends in .svg or .png", path.display())
-            }
-        }
-    }
+messages! { PlotError:
+    Self::File(error) => "{error}";
+    Self::Drawing { figure, cause } => "cannot draw the figure `{figure}`: {cause}";
+    Self::Ending { path } => "cannot draw {}: the name of a plot ends in .svg or .png", path.display();
 }
-
-impl std::error::Error for PlotError {}
 
 impl From<FileError> for PlotError {
     fn from(error: FileError) -> Self {

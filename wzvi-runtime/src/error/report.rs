@@ -1,6 +1,5 @@
 //! What can go wrong with a report.
 
-use std::fmt;
 use std::path::PathBuf;
 
 use super::{FileError, PlotError};
@@ -26,20 +25,13 @@ pub enum ReportError {
     Format(String),
 }
 
-impl fmt::Display for ReportError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::Overlay { path, line, cause } => {
-                write!(f, "{}, line {line}: {cause}; a line is name,seconds,error", path.display())
-            }
-            Self::Plot(error) => error.fmt(f),
-            Self::Format(cause) => write!(f, "cannot write the numbers down: {cause}"),
-        }
-    }
+messages! { ReportError:
+    Self::File(error) => "{error}";
+    Self::Overlay { path, line, cause } =>
+        "{}, line {line}: {cause}; a line is name,seconds,error", path.display();
+    Self::Plot(error) => "{error}";
+    Self::Format(cause) => "cannot write the numbers down: {cause}";
 }
-
-impl std::error::Error for ReportError {}
 
 impl From<FileError> for ReportError {
     fn from(error: FileError) -> Self {

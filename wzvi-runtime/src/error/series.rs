@@ -1,7 +1,5 @@
 //! What can be wrong with a series of values.
 
-use std::fmt;
-
 /// Why a series has no estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SeriesError {
@@ -26,20 +24,11 @@ pub enum SeriesError {
     },
 }
 
-impl fmt::Display for SeriesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Short { length } => write!(
-                f,
-                "{length} values are too few for how long they are correlated; run longer, or record less often"
-            ),
-            Self::Constant => write!(f, "all values are the same: there is nothing to correlate"),
-            Self::NonFinite { index } => write!(f, "value {index} (from 0) is NaN or infinite"),
-            Self::Lengths { expected, got } => {
-                write!(f, "series of {expected} and of {got} values: they must have the same length")
-            }
-        }
-    }
+messages! { SeriesError:
+    Self::Short { length } =>
+        "{length} values are too few for how long they are correlated; run longer, or record less often";
+    Self::Constant => "all values are the same: there is nothing to correlate";
+    Self::NonFinite { index } => "value {index} (from 0) is NaN or infinite";
+    Self::Lengths { expected, got } =>
+        "series of {expected} and of {got} values: they must have the same length";
 }
-
-impl std::error::Error for SeriesError {}

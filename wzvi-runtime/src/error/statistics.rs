@@ -1,7 +1,5 @@
 //! What can be wrong with a question to an ensemble.
 
-use std::fmt;
-
 use super::UnknownName;
 
 /// A question that the statistics of an ensemble cannot answer.
@@ -19,13 +17,7 @@ pub enum StatisticsError {
     },
 }
 
-impl fmt::Display for StatisticsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unknown(error) => error.fmt(f),
-            Self::NotComputed { what, remedy } => write!(f, "the run has no {what}: add `{remedy}` to it"),
-        }
-    }
+messages! { StatisticsError:
+    Self::Unknown(error) => "{error}";
+    Self::NotComputed { what, remedy } => "the run has no {what}: add `{remedy}` to it";
 }
-
-impl std::error::Error for StatisticsError {}

@@ -1,7 +1,5 @@
 //! A run that ended because it was told to.
 
-use std::fmt;
-
 /// A single path was stopped by its [`Handle`](crate::ground::handle::Handle).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoppedError {
@@ -11,11 +9,7 @@ pub struct StoppedError {
     pub all: u64,
 }
 
-impl fmt::Display for StoppedError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { done, all } = self;
-        write!(f, "the run was stopped after {done} of {all} steps; `.run_partial()` returns what is done")
-    }
+messages! { StoppedError:
+    Self { done, all } =>
+        "the run was stopped after {done} of {all} steps; `.run_partial()` returns what is done";
 }
-
-impl std::error::Error for StoppedError {}

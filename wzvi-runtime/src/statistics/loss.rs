@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
-use crate::error::{StepError, StepFailure};
+use crate::error::{StepError, StepFailure, messages};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Cell::{Count, Number, Text};
 use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
@@ -105,16 +105,9 @@ impl fmt::Debug for LossError {
     }
 }
 
-impl fmt::Display for LossError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { failed, begun, allowed, first, .. } = self;
-        write!(
-            f,
-            "{failed} of {begun} paths failed, more than the fraction of {allowed} that is allowed, and are missing in the means; the first, \
-             path {}: {}. Halve steps that fail with `.retry(Retry::halving(n))`, take a smaller step, or add `.allow_losses(fraction)`",
-            first.path, first.error
-        )
-    }
+messages! { LossError:
+    Self { failed, begun, allowed, first, .. } =>
+        "{failed} of {begun} paths failed, more than the fraction of {allowed} that is allowed, and are missing in the means; the first, \
+         path {}: {}. Halve steps that fail with `.retry(Retry::halving(n))`, take a smaller step, or add `.allow_losses(fraction)`",
+        first.path, first.error;
 }
-
-impl std::error::Error for LossError {}
