@@ -82,7 +82,7 @@ fn odd_observables_have_their_exact_mean() {
     let quiet = Additive { sigma: 0.0, gamma: 0.0 };
     let quiet =
         quiet.ensemble::<Midpoint>(0.1).start(State::new([1.0], [0.0])).paths(1).seed(5).steps(33).run();
-    for name in ["q0", "p0"] {
+    for name in ["q", "p"] {
         // 33 steps and 4096 additions round by 1e-16 each, mostly to both sides.
         assert!(
             (paired.mean(name).unwrap() - quiet.as_ref().unwrap().mean(name).unwrap()).abs() < 1e-14,
@@ -323,7 +323,7 @@ fn losses_are_said() {
     let edge = Edge { a: 1.0, sigma: 0.4 };
     let run =
         || edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.0])).paths(600).seed(4).until(1.0);
-    let Err(Error::Losses(error)) = run().until_error("q0", 10.0).run() else { panic!("no error") };
+    let Err(Error::Losses(error)) = run().until_error("q", 10.0).run() else { panic!("no error") };
     assert_eq!((error.begun, error.allowed), (600, 0.01));
     assert!(error.failed > 6 && error.statistics.failed() == error.failed);
     assert_eq!(error.first, error.statistics.failures()[0]);

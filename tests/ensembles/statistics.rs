@@ -235,9 +235,9 @@ fn brownian_passages_have_the_probability_of_the_reflection_principle() {
         let density = (-0.5f64 * x * x).exp() / std::f64::consts::TAU.sqrt();
         let allowed = 5.0 * (f * (1.0 - f) / n as f64).sqrt() / density + Quantiles::RELATIVE_ERROR * x.abs();
         assert!(
-            (run.quantile("p0", f).unwrap() - x).abs() < allowed,
+            (run.quantile("p", f).unwrap() - x).abs() < allowed,
             "{f}: {} {x}",
-            run.quantile("p0", f).unwrap()
+            run.quantile("p", f).unwrap()
         );
     }
 }
@@ -374,7 +374,7 @@ fn tables_of_two_runs_do_not_lie_beside_each_other() {
     std::fs::write(folder.join("run.part"), "mine").unwrap();
     let kramers = Kramers { s: 0.6 };
     let plain = kramers.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).seed(u64::MAX).until(1.0);
-    let part = plain.paths(2000).until_error("q0", 1e-9).run().unwrap();
+    let part = plain.paths(2000).until_error("q", 1e-9).run().unwrap();
     part.write_csv(&folder).unwrap();
     // Tables without rows have their first line.
     for name in ["paths.csv", "quantiles.csv", "histograms.csv", "passages.csv", "failures.csv"] {

@@ -143,7 +143,7 @@ fn ensembles_run_path_by_path() {
     let (one, two) = (run(1), run(2));
     assert!(one.failures().is_empty());
     let last = |statistics: &wzvi::ensemble::Statistics| {
-        (statistics.mean("q3").unwrap(), statistics.variance("q3").unwrap())
+        (statistics.mean("q[3]").unwrap(), statistics.variance("q[3]").unwrap())
     };
     assert_eq!(last(&one), last(&two));
     assert!(last(&one).1 > 1e-6, "the noise does something");

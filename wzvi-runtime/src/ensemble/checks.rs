@@ -8,6 +8,7 @@ use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
 use super::{Ensemble, Extras};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, UnknownName};
+use crate::ground::variables::Variables;
 use crate::increments::Interval;
 use crate::noise::StepNormals;
 use crate::path::Error;
@@ -104,12 +105,12 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let recorded = recorded.all(&grid, MOST_NODES)?;
         let (mut observables, mut own) = (setup.observables, setup.own);
         if observables.is_empty() {
-            observables = coordinates(start.q.components().len());
+            observables = coordinates(start.q.components().len(), &system.variables());
             own.push((
                 observables.len(),
                 Arc::new(|system: &H, state: &State<H::Vector>| system.energy(state)),
             ));
-            observables.push("energy".into(), elsewhere);
+            observables.push(observables.free("energy"), elsewhere);
         }
         let own_work = setup.wanted.has_work.then(|| observables.len());
         if own_work.is_some() {
@@ -239,17 +240,17 @@ pub(super) fn unknown(name: String, names: &[String]) -> ConfigError {
     ConfigError::Setting(UnknownName { kind: "observable", name, known: names.to_vec() }.to_string())
 }
 
-/// Coordinates and momenta, which are observed beside the energy if nothing is asked for.
-fn coordinates<'a, V: Vector>(degrees: usize) -> Observables<'a, V> {
+/// Coordinates and momenta by the names of the drift's closure, which are observed beside the energy if nothing is asked for.
+fn coordinates<'a, V: Vector>(degrees: usize, variables: &Variables) -> Observables<'a, V> {
     let component = |i: usize| move |vector: &V| vector.components().get(i).copied().unwrap_or(f64::NAN);
     let mut all = Observables::default();
     for i in 0..degrees {
         let q = component(i);
-        all.push(format!("q{i}"), move |state| q(&state.q));
+        all.push(variables.q.name(i), move |state| q(&state.q));
     }
     for i in 0..degrees {
         let p = component(i);
-        all.push(format!("p{i}"), move |state| p(&state.p));
+        all.push(variables.p.name(i), move |state| p(&state.p));
     }
     all
 }

@@ -56,7 +56,7 @@ where
     /// if let Some(statistics) = kubo.ensemble::<Midpoint>(0.02).start(start).paths(1_000_000).seed(7).steps(100)
     ///     .run_on(&universe.world())?
     /// {
-    ///     println!("{}", statistics.mean("q0"));
+    ///     println!("{}", statistics.mean("q"));
     /// }
     /// ```
     ///

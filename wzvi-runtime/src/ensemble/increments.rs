@@ -4,6 +4,7 @@ use super::draws::{STEPS, normals, normals_at, normals_of_processes};
 use super::source::Source;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
+use crate::error::InternalError;
 use crate::increments::{Interval, NoiseError};
 use crate::noise::Paths;
 
@@ -123,9 +124,9 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                         normals(key, self.path, step / STEPS as u64, kept);
                     }
                 }
-                for process in 0..processes {
-                    let normals = self.normals(process, step);
-                    self.drive(process, step, normals);
+                let row = self.values.iter_mut().skip(slot(step) * processes);
+                for (value, kept) in row.zip(kept) {
+                    *value = increment(Lanes::new(kept[slot(step)]), self.clip, self.deviation);
                 }
             }
             Origin::Pairs(..) => self.draw_pairs(step),
@@ -189,16 +190,15 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         Ok(())
     }
 
-    /// The normals of a step that has been drawn, before truncation; of lanes that keep them.
+    /// The normals of a step that has been drawn, before truncation.
+    ///
+    /// # Errors
+    /// [`InternalError`] where they are not kept.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn normals(&self, process: usize, step: u64) -> Lanes<L> {
-        match &self.origin {
-            Origin::Kept(_, kept) => Lanes::new(kept[process][slot(step)]),
-            _ => {
-                debug_assert!(false, "normals are kept where they are asked for");
-                Lanes::from_f64(f64::NAN)
-            }
-        }
+    pub(super) fn normals(&self, process: usize, step: u64) -> Result<Lanes<L>, InternalError> {
+        let kept = if let Origin::Kept(_, kept) = &self.origin { kept.get(process) } else { None };
+        let missing = || InternalError::new("normals are kept where they are asked for", process);
+        kept.map(|kept| Lanes::new(kept[slot(step)])).ok_or_else(missing)
     }
 
     /// Sets the increments of a step from normals.

@@ -52,6 +52,16 @@ impl<'a, V> Observables<'a, V> {
         self.0.is_empty()
     }
 
+    /// This name, or a longer one if an observable has it.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn free(&self, name: &str) -> String {
+        let mut free = name.to_owned();
+        while self.0.iter().any(|(known, _)| *known == free) {
+            free.push('_');
+        }
+        free
+    }
+
     #[cfg(feature = "ensemble")]
     pub(crate) fn len(&self) -> usize {
         self.0.len()

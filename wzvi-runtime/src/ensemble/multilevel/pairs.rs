@@ -64,7 +64,7 @@ impl<H: Discretized<E>, E, const L: usize> Advance for Coupled<'_, '_, H, E, L> 
         fine.draw(step)?;
         if let Some((coarse, first)) = coarse {
             for (process, first) in first.iter_mut().enumerate() {
-                let drawn = fine.increments.normals(process, step);
+                let drawn = fine.increments.normals(process, step)?;
                 if step % 2 == 1 {
                     coarse.increments.drive(process, step / 2, (*first + drawn) * FRAC_1_SQRT_2);
                 } else {
