@@ -22,6 +22,16 @@ pub struct Coupled {
     pub s: f64,
 }
 
+/// What is observed where nothing is asked for has the names of the closure, as the table of a path has.
+#[test]
+fn default_observables_have_the_names_of_the_closure() {
+    let coupled = Coupled { s: 0.1 };
+    let start = State::new([0.1, 0.2], [0.3, 0.4]);
+    let run = coupled.ensemble::<Midpoint>(0.1).start(start).paths(1).seed(1).steps(0).run().unwrap();
+    assert_eq!(run.observables(), ["x", "y", "u", "v", "energy"]);
+    assert_eq!([run.mean("y").unwrap(), run.mean("u").unwrap()], [0.2, 0.3]);
+}
+
 /// The same run in every way to split it. Threads share out groups of paths, and instructions are those within a group, so that each number of
 /// threads goes with one set.
 macro_rules! every_split {

@@ -373,7 +373,7 @@ mod tests {
     #[test]
     fn texts_come_back() {
         for text in ["", "a", "eight by", "ξ over nine bytes"] {
-            assert_eq!(copied((text.to_owned(), 7), ("before".to_owned(), 0)), (text.to_owned(), 7));
+            assert_eq!(copied((text.to_owned(), 7_u64), ("before".to_owned(), 0)), (text.to_owned(), 7));
         }
         let (mut read, nonsense) = (String::new(), u64::from_le_bytes([0xFF; 8]));
         assert_eq!(Tape::read(vec![1, 1, nonsense], |tape| read.pass(tape)), None);
