@@ -2,7 +2,7 @@
 
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
-use super::error::ClusterError;
+use crate::error::ClusterError;
 use crate::path::Error;
 
 /// What a process that panics ends with.

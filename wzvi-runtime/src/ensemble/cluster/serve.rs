@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use mpi::traits::Communicator;
 
-use super::error::ClusterError;
 use super::orders::{Answer, Answers, Order, Orders};
 use super::ranks::end_all;
 use crate::ensemble::schedule::{PATIENCE, Pace, Queue, Shared, StopOnPanic, in_order};
+use crate::error::ClusterError;
 use crate::ground::numbers::{Numbers as _, Tape};
 use crate::path::Error;
 use crate::statistics::Statistics;
