@@ -47,7 +47,7 @@ pub use crate::statistics::{
     Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
 };
 use account::Account;
-use chunk::Chunk;
+use chunk::{Chunks, in_a_row};
 use control::Control;
 pub use draws::Normals;
 use job::Inspector;
@@ -423,11 +423,17 @@ where
             );
         }
         let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
-        let work = |number| {
-            let chunk = Chunk::<H, E, P, WIDTH>::new(&job, number);
-            chunk.instructions(instructions).run(chunk)
+        let chunks = account.chunks();
+        let row = in_a_row(chunks.end - chunks.start, threads);
+        let work = |task| {
+            let first = chunks.start + task * row;
+            let chunks = Chunks::<H, E, P, WIDTH>::new(&job, first..chunks.end.min(first + row));
+            chunks.instructions(instructions).run(chunks)
         };
-        in_order(account.chunks(), threads, work, |_, chunk| account.take(chunk));
+        let tasks = 0..(chunks.end - chunks.start).div_ceil(row);
+        in_order(tasks, threads, work, |_, (found, halt)| {
+            found.into_iter().map(Ok).chain(halt.map(Err)).try_for_each(|chunk| account.take(chunk))
+        });
         account.close()
     }
 }

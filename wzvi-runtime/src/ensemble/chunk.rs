@@ -23,20 +23,37 @@ const fn is_wide<V>() -> bool {
     size_of::<V>() > size_of::<f64>()
 }
 
-/// One chunk, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
+/// Chunks that one thread does one after the other, at most: what a group of paths allocates once is made once for all of them.
+const MOST: u64 = 8;
+/// Tasks for each thread, at least: they are not done at the same time.
+const TASKS: u64 = 4;
+
+/// How many chunks are done one after the other, if there are so many for so many threads.
+pub(super) fn in_a_row(chunks: u64, threads: usize) -> u64 {
+    if threads == 1 { MOST } else { (chunks / (TASKS * threads as u64)).clamp(1, MOST) }
+}
+
+/// Chunks that follow each other, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
 /// one where steps are in vector instructions by themselves), or `WIDTH` if that is not 0.
-pub(super) struct Chunk<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
+pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     job: &'j Job<'a, H, E>,
-    paths: Range<u64>,
+    numbers: Range<u64>,
     systems: PhantomData<P>,
 }
 
-impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunk<'j, 'a, H, E, P, WIDTH> {
-    /// With this number.
-    pub(super) fn new(job: &'j Job<'a, H, E>, number: u64) -> Self {
-        let size = job.chunk();
-        let paths = number * size..job.paths.min((number + 1) * size);
-        Self { job, paths, systems: PhantomData }
+/// What chunks found out, in their order, and why there are no more of them, if one has no result.
+pub(super) type Found = (Vec<Statistics>, Option<Halt>);
+
+impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {
+    /// With these numbers.
+    pub(super) fn new(job: &'j Job<'a, H, E>, numbers: Range<u64>) -> Self {
+        Self { job, numbers, systems: PhantomData }
+    }
+
+    /// The paths of chunks.
+    fn paths(&self, numbers: &Range<u64>) -> Range<u64> {
+        let size = self.job.chunk();
+        numbers.start * size..self.job.paths.min(numbers.end * size)
     }
 
     /// The instructions that take no more paths beside each other than there are, if those asked for take more: lanes without a path cost as
@@ -45,13 +62,14 @@ impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunk<'j, 'a, H, E, P,
         if WIDTH == 0 && self.job.goes_path_by_path() {
             return asked;
         }
-        let paths = self.paths.end.saturating_sub(self.paths.start);
+        let Range { start, end } = self.paths(&self.numbers);
+        let paths = end.saturating_sub(start);
         asked.for_numbers(if is_wide::<H::Vector>() { 2 * paths } else { paths })
     }
 }
 
-impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunk<'_, '_, H, E, P, WIDTH> {
-    type Output = Result<Statistics, Halt>;
+impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_, '_, H, E, P, WIDTH> {
+    type Output = Found;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
@@ -67,17 +85,32 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunk<'_, 
     }
 }
 
-impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunk<'_, '_, H, E, P, WIDTH> {
+impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H, E, P, WIDTH> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_width<const L: usize>(self) -> Result<Statistics, Halt> {
-        let job = self.job;
-        let (mut group, mut observation) = (Group::<H, E, P, L>::new(job), Observation::new(job));
-        let Range { start: mut path, end } = self.paths;
+    fn of_width<const L: usize>(self) -> Found {
+        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job), Vec::new());
+        for number in self.numbers.clone() {
+            match self.of_chunk(&mut group, self.paths(&(number..number + 1))) {
+                Ok(statistics) => found.push(statistics),
+                Err(halt) => return (found, Some(halt)),
+            }
+        }
+        (found, None)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_chunk<const L: usize>(
+        &self,
+        group: &mut Group<'_, 'a, H, E, P, L>,
+        paths: Range<u64>,
+    ) -> Result<Statistics, Halt> {
+        let (job, Range { start: mut path, end }) = (self.job, paths);
+        let mut observation = Observation::new(job);
         while path < end {
             group.begin(path, end)?;
-            observation.begin(&mut group)?;
-            take_steps(&mut group, 0..job.steps, &mut observation)?;
-            observation.finish(&mut group);
+            observation.begin(group)?;
+            take_steps(group, 0..job.steps, &mut observation)?;
+            observation.finish(group);
             path += L as u64;
         }
         Ok(observation.statistics)

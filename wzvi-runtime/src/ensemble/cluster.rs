@@ -26,7 +26,7 @@ use serve::Hands;
 
 use super::Ensemble;
 use super::account::Account;
-use super::chunk::Chunk;
+use super::chunk::Chunks;
 use super::halt::Halt;
 use super::keeping::described;
 use super::starts::Systems;
@@ -87,14 +87,13 @@ where
         };
         let account = agree(&world, account)?;
         let failed = OnceLock::new();
-        let work = |number| match instructions.run(Chunk::<H, E, P, 0>::new(&job, number)) {
-            Ok(chunk) => Some(chunk),
-            Err(Halt::Stopped) => None,
-            Err(Halt::Failed(error)) => {
+        let work = |number| {
+            let (mut found, halt) = instructions.run(Chunks::<H, E, P, 0>::new(&job, number..number + 1));
+            if let Some(Halt::Failed(error)) = halt {
                 // One of the reasons is enough.
                 let _ = failed.set(error);
-                None
             }
+            found.pop()
         };
         // No longer all together: who has stalled is not waited for.
         let Some(mut account) = account else {
