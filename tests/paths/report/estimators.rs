@@ -208,7 +208,7 @@ fn what_is_missing_is_named() {
 #[ignore = "started by `ctrl_c_ends_the_measurement_not_the_program`"]
 fn long_measurement() {
     println!("measuring");
-    let report = kubo().paths(200_000).run().unwrap();
+    let report = kubo().paths(200_000).handle(&Handle::new().on_interrupt()).run().unwrap();
     println!("interrupted: {}, {} cells", report.interrupted, report.cells.len());
 }
 
