@@ -3,11 +3,11 @@
 use core::marker::PhantomData;
 
 use wzvi_runtime::algebra::carry::{Carry, Plain};
-use wzvi_runtime::algebra::scalar::Scalar;
+use wzvi_runtime::algebra::scalar::{Constant, Over, Scalar};
 use wzvi_runtime::algebra::solve::Effort;
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scheme::system::{At, Hamiltonian, Scheme};
+use wzvi_runtime::scheme::system::{At, Hamiltonian, Lift, Scheme};
 
 /// A system whose closures are checked.
 pub trait Checked {
@@ -57,24 +57,22 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
         conserves_energy: Knowledge::Unknown,
         commuting: Knowledge::Unknown,
     };
-    type Prepared = ();
+    type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
 
-    fn prepare(_: &H, _: f64) -> Result<(), ConfigError> {
+    fn prepare<K: Constant>(_: &H, _: Lift<'_, K>, _: K) -> Result<(), ConfigError> {
         Err(ConfigError::Parameter)
     }
 
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         _: &H,
         _: &(),
-        _: At<'_, S>,
+        _: At<'_, S, K>,
         _: &mut (),
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
         Err(StepFailure::NonFinite)
     }
-
-    wzvi_runtime::__apart!(H);
 }

@@ -248,8 +248,9 @@ pub mod __private {
     pub use wzvi_macros::__continue;
 
     pub use wzvi_runtime::algebra::carry::{Carry, Compensation, Plain};
-    pub use wzvi_runtime::algebra::lanes::Lanes;
-    pub use wzvi_runtime::algebra::scalar::{Beside, Constant, Mask, Number, Over, Rounded, Scalar};
+    pub use wzvi_runtime::algebra::scalar::{
+        Constant, Factored, Mask, Number, Of, Over, Reals, Rounded, Scalar, Truths,
+    };
     pub use wzvi_runtime::algebra::solve::*;
     pub use wzvi_runtime::algebra::state::{State, Vector};
     pub use wzvi_runtime::error::{ConfigError, StepFailure};
@@ -263,7 +264,7 @@ pub mod __private {
     pub use wzvi_runtime::scheme::modified::Conservative;
     pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{
-        Apart, Gradient, Hamiltonian, Kind, Listed, Scheme, Solution, Straight, StraightLine, covector,
+        Gradient, Hamiltonian, Kind, Lift, Listed, Scheme, Solution, Straight, StraightLine, covector,
         gradient,
     };
 

@@ -50,10 +50,10 @@ pub struct Multiplicative {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
-        Hamiltonian, Knowledge, Lanes, Listed, NoiseClass, Number, Ok, Option, Over,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution, Solver,
-        State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
+        Hamiltonian, Knowledge, Lift, Listed, NoiseClass, Number, Of, Ok, Option, Over,
+        PhantomData, Plain, Plan, Reals, Result, SVector, Scalar, Sized, Solution,
+        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
             Unknowns,
@@ -224,26 +224,25 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K: Constant> = [K; 2];
+        type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
-        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
-            let sigma: f64 = self.sigma;
-            if sigma.is_nan() {
+        fn prepare<K: Constant>(
+            &self,
+            lift: Lift<'_, K>,
+            h: K,
+        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+            let sigma = lift(0, self.sigma);
+            if sigma.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
             }
-            Ok([sigma, 0.5 * sigma])
-        }
-        fn gather<const L: usize>(
-            prepared: [&Self::Prepared<f64>; L],
-        ) -> Self::Prepared<Lanes<{ L }>> {
-            Beside::beside(prepared)
+            Ok([sigma, sigma * 0.5])
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Self::Prepared<K>,
-            t: f64,
-            h: f64,
+            prepared: &Of<Self::Prepared, K>,
+            t: K,
+            h: K,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
@@ -278,11 +277,11 @@ const _: () = {
         binding as at, binding as by_p, binding as by_q, binding as carry,
         binding as degrees, binding as dw, binding as factor, binding as h,
         binding as half_sigma, binding as index, binding as into,
-        binding as inverse_pivot, binding as memory, binding as next, binding as p,
-        binding as part, binding as prepared, binding as product, binding as product2,
-        binding as q, binding as sigma, binding as sigma_squared, binding as state,
-        binding as t, binding as term, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as inverse_pivot, binding as lift, binding as memory, binding as next,
+        binding as p, binding as part, binding as prepared, binding as product,
+        binding as product2, binding as q, binding as sigma, binding as sigma_squared,
+        binding as state, binding as t, binding as term, binding as total,
+        binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

@@ -79,9 +79,9 @@ pub struct Perturbed {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Constant, Facts, Hamiltonian, Kind, Knowledge, Lanes, Listed,
-        NoiseClass, Number, Option, Over, Result, SVector, Scalar, Scheme, Sized, Some,
-        StepFailure, bool, f64, str, usize,
+        self as wzvi, Constant, Facts, Hamiltonian, Kind, Knowledge, Lift, Listed,
+        NoiseClass, Number, Of, Option, Over, Reals, Result, SVector, Scalar, Scheme,
+        Sized, StepFailure, bool, f64, str, usize,
         compose::{
             Composes, Equations, Flows, Form, Nystrom, One, Parted, Parts, ROOM,
             Structure,
@@ -261,36 +261,14 @@ const _: () = {
             let omega: f64 = self.omega;
             k[0] = omega * omega;
         }
-        type Parameters<K: Constant> = [K; 2];
-        fn parameters_beside<const L: usize>(
-            systems: [&Self; L],
-        ) -> Option<Self::Parameters<Lanes<{ L }>>> {
-            Some([
-                Lanes::new(systems.map(|system| system.omega)),
-                Lanes::new(systems.map(|system| system.epsilon)),
-            ])
+        type Parameters = Reals<2>;
+        fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K> {
+            [lift(0, self.omega), lift(1, self.epsilon)]
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+        fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
             &self,
-            t: S,
-            h: S,
-            q: &[S],
-            p: &[S],
-            dw: &[S],
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            Self::slopes_over::<
-                S,
-                f64,
-                { BY_Q },
-                { BY_P },
-            >(&[self.omega, self.epsilon], t, h, q, p, dw, by_q, by_p)
-        }
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
-            parameters: &Self::Parameters<K>,
+            parameters: &Of<Self::Parameters, K>,
             t: S,
             h: S,
             q: &[S],
@@ -340,11 +318,11 @@ const _: () = {
     use ::wzvi::__private::{
         binding as at, binding as by_p, binding as by_q, binding as degrees,
         binding as dw, binding as epsilon, binding as factor, binding as h,
-        binding as index, binding as k, binding as omega, binding as omega_squared,
-        binding as p, binding as parameters, binding as part, binding as product,
-        binding as product2, binding as q, binding as system, binding as systems,
-        binding as t, binding as term, binding as total, binding as value,
-        binding as wanted, binding as weight,
+        binding as index, binding as k, binding as lift, binding as omega,
+        binding as omega_squared, binding as p, binding as parameters, binding as part,
+        binding as product, binding as product2, binding as q, binding as t,
+        binding as term, binding as total, binding as value, binding as wanted,
+        binding as weight,
     };
 };
 #[allow(

@@ -51,11 +51,11 @@ pub struct HenonHeiles;
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Block, Carry, ConfigError, Conservative, Constant, Err,
-        Extrapolation, Facts, Hamiltonian, Knowledge, Labels, Lanes, Listed, NoiseClass,
-        Number, Ok, Over, Plain, Plan, Result, Rounded, SVector, Scalar, Sized, Solution,
-        Solver, StepFailure, Straight, StraightLine, Variables, bool, f64, str, usize,
-        compose::{Composes, Equations, General, Many, ROOM, Structure},
+        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Err,
+        Extrapolation, Facts, Hamiltonian, Knowledge, Labels, Lift, Listed, NoiseClass,
+        Number, Of, Ok, Over, Plain, Plan, Reals, Result, Rounded, SVector, Scalar,
+        Sized, Solution, Solver, StepFailure, Straight, StraightLine, Variables, bool,
+        f64, str, usize, compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
             Unknowns,
@@ -234,23 +234,22 @@ const _: () = {
                 remembers: false,
                 is_linear: false,
             };
-            type Prepared<K: Constant> = [K; 3];
+            type Prepared = Reals<3>;
             type Memory<S: Scalar> = Extrapolation<S, 2>;
             type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
+            fn prepare<K: Constant>(
+                &self,
+                lift: Lift<'_, K>,
+                h: K,
+            ) -> Result<Of<Self::Prepared, K>, ConfigError> {
                 let h_squared = h * h;
-                Ok([0.5 * h, h_squared * 0.25, h_squared * 0.5])
-            }
-            fn gather<const L: usize>(
-                prepared: [&Self::Prepared<f64>; L],
-            ) -> Self::Prepared<Lanes<{ L }>> {
-                Beside::beside(prepared)
+                Ok([h * 0.5, h_squared * 0.25, h_squared * 0.5])
             }
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-                prepared: &Self::Prepared<K>,
-                t: f64,
-                h: f64,
+                prepared: &Of<Self::Prepared, K>,
+                t: K,
+                h: K,
                 q: [S; 2],
                 p: [S; 2],
                 dw: [S; 0],
@@ -335,7 +334,7 @@ const _: () = {
         binding as constants, binding as degrees, binding as delta_px,
         binding as delta_py, binding as dw, binding as effort, binding as factor,
         binding as given, binding as h, binding as h_squared, binding as half_h,
-        binding as half_h_squared, binding as iterate, binding as lane,
+        binding as half_h_squared, binding as iterate, binding as lane, binding as lift,
         binding as memory, binding as next, binding as node_px, binding as node_py,
         binding as number, binding as p, binding as part, binding as prepared,
         binding as product, binding as px, binding as py, binding as q,

@@ -84,10 +84,10 @@ pub struct Kubo {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
-        Hamiltonian, Knowledge, Lanes, Listed, NoiseClass, Number, Ok, Option, Over,
-        PhantomData, Plain, Plan, Result, SVector, Scalar, Sized, Solution, Solver,
-        State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
+        Hamiltonian, Knowledge, Lift, Listed, NoiseClass, Number, Of, Ok, Option, Over,
+        PhantomData, Plain, Plan, Reals, Result, SVector, Scalar, Sized, Solution,
+        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
         compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
@@ -260,27 +260,26 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K: Constant> = [K; 2];
+        type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
-        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
-            let a: f64 = self.a;
-            let sigma: f64 = self.sigma;
-            if a.is_nan() || sigma.is_nan() {
+        fn prepare<K: Constant>(
+            &self,
+            lift: Lift<'_, K>,
+            h: K,
+        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+            let a = lift(0, self.a);
+            let sigma = lift(1, self.sigma);
+            if a.magnitude().is_nan() || sigma.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
             }
             Ok([sigma, h * a])
         }
-        fn gather<const L: usize>(
-            prepared: [&Self::Prepared<f64>; L],
-        ) -> Self::Prepared<Lanes<{ L }>> {
-            Beside::beside(prepared)
-        }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Self::Prepared<K>,
-            t: f64,
-            h: f64,
+            prepared: &Of<Self::Prepared, K>,
+            t: K,
+            h: K,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
@@ -321,27 +320,26 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K: Constant> = [K; 2];
+        type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
-        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
-            let a: f64 = self.a;
-            let sigma: f64 = self.sigma;
-            if a.is_nan() || sigma.is_nan() {
+        fn prepare<K: Constant>(
+            &self,
+            lift: Lift<'_, K>,
+            h: K,
+        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+            let a = lift(0, self.a);
+            let sigma = lift(1, self.sigma);
+            if a.magnitude().is_nan() || sigma.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
             }
             Ok([sigma, h * a])
         }
-        fn gather<const L: usize>(
-            prepared: [&Self::Prepared<f64>; L],
-        ) -> Self::Prepared<Lanes<{ L }>> {
-            Beside::beside(prepared)
-        }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Self::Prepared<K>,
-            t: f64,
-            h: f64,
+            prepared: &Of<Self::Prepared, K>,
+            t: K,
+            h: K,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 1],
@@ -388,11 +386,11 @@ const _: () = {
         binding as a, binding as a_h, binding as at, binding as by_p, binding as by_q,
         binding as carry, binding as degrees, binding as dw, binding as factor,
         binding as h, binding as half_a, binding as half_sigma, binding as index,
-        binding as into, binding as inverse_pivot, binding as memory, binding as next,
-        binding as number, binding as p, binding as part, binding as prepared,
-        binding as product, binding as q, binding as sigma, binding as state,
-        binding as sum, binding as sum2, binding as t, binding as term, binding as total,
-        binding as value, binding as wanted, binding as weight,
+        binding as into, binding as inverse_pivot, binding as lift, binding as memory,
+        binding as next, binding as number, binding as p, binding as part,
+        binding as prepared, binding as product, binding as q, binding as sigma,
+        binding as state, binding as sum, binding as sum2, binding as t, binding as term,
+        binding as total, binding as value, binding as wanted, binding as weight,
     };
 };
 #[allow(

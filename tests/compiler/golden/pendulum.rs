@@ -76,9 +76,9 @@ pub struct Pendulum {
 )]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Beside, Block, Carry, ConfigError, Conservative, Constant, Effort,
-        Err, Extrapolation, Facts, Hamiltonian, Knowledge, Lanes, Listed, NoiseClass,
-        Number, Ok, Option, Over, PhantomData, Plain, Plan, Result, Rounded, SVector,
+        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Effort, Err,
+        Extrapolation, Facts, Hamiltonian, Knowledge, Lift, Listed, NoiseClass, Number,
+        Of, Ok, Option, Over, PhantomData, Plain, Plan, Reals, Result, Rounded, SVector,
         Scalar, Sized, Solution, Solver, StepFailure, Straight, StraightLine, bool, f64,
         str, usize, compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
@@ -195,26 +195,25 @@ const _: () = {
             remembers: false,
             is_linear: false,
         };
-        type Prepared<K: Constant> = [K; 1];
+        type Prepared = Reals<1>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
-        fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
-            let omega: f64 = self.omega;
-            if omega.is_nan() {
+        fn prepare<K: Constant>(
+            &self,
+            lift: Lift<'_, K>,
+            h: K,
+        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+            let omega = lift(0, self.omega);
+            if omega.magnitude().is_nan() {
                 return Err(ConfigError::Parameter);
             }
             Ok([omega * omega * h])
         }
-        fn gather<const L: usize>(
-            prepared: [&Self::Prepared<f64>; L],
-        ) -> Self::Prepared<Lanes<{ L }>> {
-            Beside::beside(prepared)
-        }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-            prepared: &Self::Prepared<K>,
-            t: f64,
-            h: f64,
+            prepared: &Of<Self::Prepared, K>,
+            t: K,
+            h: K,
             q: [S; 1],
             p: [S; 1],
             dw: [S; 0],
@@ -285,27 +284,26 @@ const _: () = {
                 remembers: false,
                 is_linear: false,
             };
-            type Prepared<K: Constant> = [K; 3];
+            type Prepared = Reals<3>;
             type Memory<S: Scalar> = Extrapolation<S, 1>;
             type Carry<S: Scalar> = Plain;
-            fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError> {
-                let omega: f64 = self.omega;
-                if omega.is_nan() {
+            fn prepare<K: Constant>(
+                &self,
+                lift: Lift<'_, K>,
+                h: K,
+            ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+                let omega = lift(0, self.omega);
+                if omega.magnitude().is_nan() {
                     return Err(ConfigError::Parameter);
                 }
                 let omega_squared = omega * omega;
-                Ok([0.5 * h, omega_squared * 0.5 * h, h * h * (0.25 * omega_squared)])
-            }
-            fn gather<const L: usize>(
-                prepared: [&Self::Prepared<f64>; L],
-            ) -> Self::Prepared<Lanes<{ L }>> {
-                Beside::beside(prepared)
+                Ok([h * 0.5, omega_squared * 0.5 * h, h * h * (omega_squared * 0.25)])
             }
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-                prepared: &Self::Prepared<K>,
-                t: f64,
-                h: f64,
+                prepared: &Of<Self::Prepared, K>,
+                t: K,
+                h: K,
                 q: [S; 1],
                 p: [S; 1],
                 dw: [S; 0],
@@ -389,12 +387,13 @@ const _: () = {
         binding as constants, binding as cos_stage_q, binding as degrees,
         binding as delta_p, binding as dw, binding as effort, binding as factor,
         binding as given, binding as h, binding as half_h, binding as index,
-        binding as iterate, binding as lane, binding as memory, binding as next,
-        binding as node_p, binding as number, binding as omega, binding as omega_squared,
-        binding as p, binding as part, binding as prepared, binding as product,
-        binding as product2, binding as q, binding as sin_stage_q, binding as stage_q,
-        binding as t, binding as taken, binding as term, binding as total,
-        binding as unknowns, binding as value, binding as wanted, binding as weight,
+        binding as iterate, binding as lane, binding as lift, binding as memory,
+        binding as next, binding as node_p, binding as number, binding as omega,
+        binding as omega_squared, binding as p, binding as part, binding as prepared,
+        binding as product, binding as product2, binding as q, binding as sin_stage_q,
+        binding as stage_q, binding as t, binding as taken, binding as term,
+        binding as total, binding as unknowns, binding as value, binding as wanted,
+        binding as weight,
     };
 };
 #[allow(

@@ -61,7 +61,7 @@ macro_rules! sweep_is_that_of_steppers {
         let list: Vec<$system> = (0..PATHS).map($of_path).collect();
         let prepared: Vec<_> =
             list.iter().map(|system| Discretized::<$scheme>::prepare(system, h).unwrap()).collect();
-        let lanes = SchemeOf::<$system, $scheme>::beside([&list[0], &list[1]], [&prepared[0], &prepared[1]]);
+        let lanes = <SchemeOf<$system, $scheme> as Scheme<$system>>::gather([&prepared[0], &prepared[1]]);
         assert!(lanes.is_some(), "{} goes in lanes", stringify!($scheme));
         let run = || list[0].ensemble::<$scheme>(h).systems_from(list.clone()).start($start).seed(5);
         let run = || run().keep_paths(1 << 20).steps(steps);

@@ -33,7 +33,7 @@ where
     let what = std::any::type_name::<(E, H)>();
     let list: Vec<H> = (0..PATHS).map(system).collect();
     let prepared: Vec<_> = list.iter().map(|system| system.prepare(self::H).expect("a step")).collect();
-    let beside = SchemeOf::<H, E>::beside([&list[0], &list[1]], [&prepared[0], &prepared[1]]);
+    let beside = SchemeOf::<H, E>::gather([&prepared[0], &prepared[1]]);
     assert_eq!(beside.is_some(), goes_in_lanes, "{what}");
     let start = State::new([q], [p]);
     let run = || list[0].ensemble::<E>(self::H).systems_from(list.clone()).start(start).seed(9);

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use proc_macro2::{Group, Ident, Literal, TokenStream, TokenTree};
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::compose;
@@ -69,16 +69,15 @@ fn field(
     let numbers = (&quote!(__S), Some(quote!(__K)));
     let system = (&mut *graph, line.parameters.as_slice());
     let (Body { statements, values }, reads) = evaluation_over(system, &letters, &inputs, numbers, &roots);
-    let (parameters, read): (Vec<_>, Vec<_>) = reads.into_iter().unzip();
-    let number = count(parameters.len());
-    let of_system = read.iter().map(|tokens| with_self(tokens.clone(), &format_ident!("__system")));
+    let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
+    let (parameters, tokens): (Vec<_>, Vec<_>) = reads.iter().map(|read| (&read.name, &read.tokens)).unzip();
     let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
     let (by_q, by_p) = values.split_at(degrees);
     let (degrees, noises) = (count(degrees), count(dw.len()));
     let stiffness = stiffness(graph, line, &slopes);
     let name = &item.ident;
     let (generics, arguments, filter) = item.generics.split_for_impl();
-    let (bool, f64, usize) = (quote!(__wzvi::bool), f64_type(), quote!(__wzvi::usize));
+    let bool = quote!(__wzvi::bool);
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::gauss::Field for #name #arguments #filter {
@@ -89,31 +88,19 @@ fn field(
 
             #stiffness
 
-            type Parameters<__K: __wzvi::Constant> = [__K; #number];
+            type Parameters = __wzvi::Reals<#number>;
 
-            fn parameters_beside<const __L: #usize>(
-                __systems: [&Self; __L],
-            ) -> __wzvi::Option<Self::Parameters<__wzvi::Lanes<__L>>> {
-                __wzvi::Some([#(__wzvi::Lanes::new(__systems.map(|__system| #of_system))),*])
-            }
-
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn step_slopes<__S: __wzvi::Scalar, const __BY_Q: #bool, const __BY_P: #bool>(
+            fn parameters<__K: __wzvi::Constant>(
                 &self,
-                __t: __S,
-                __h: __S,
-                __q: &[__S],
-                __p: &[__S],
-                __dw: &[__S],
-                __by_q: &mut [__S],
-                __by_p: &mut [__S],
-            ) {
-                Self::slopes_over::<__S, #f64, __BY_Q, __BY_P>(&[#(#read),*], __t, __h, __q, __p, __dw, __by_q, __by_p)
+                __lift: __wzvi::Lift<'_, __K>,
+            ) -> __wzvi::Of<Self::Parameters, __K> {
+                [#(__lift(#numbers, #tokens)),*]
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn slopes_over<__S: __wzvi::Over<__K>, __K: __wzvi::Constant, const __BY_Q: #bool, const __BY_P: #bool>(
-                __parameters: &Self::Parameters<__K>,
+            fn step_slopes<__K: __wzvi::Constant, __S: __wzvi::Over<__K>, const __BY_Q: #bool, const __BY_P: #bool>(
+                &self,
+                __parameters: &__wzvi::Of<Self::Parameters, __K>,
                 __t: __S,
                 __h: __S,
                 __q: &[__S],
@@ -136,18 +123,6 @@ fn field(
             }
         }
     }
-}
-
-/// With another name for `self`.
-fn with_self(tokens: TokenStream, name: &Ident) -> TokenStream {
-    let renamed = tokens.into_iter().map(|token| match token {
-        TokenTree::Ident(word) if word == "self" => TokenTree::Ident(name.clone()),
-        TokenTree::Group(group) => {
-            TokenTree::Group(Group::new(group.delimiter(), with_self(group.stream(), name)))
-        }
-        other => other,
-    });
-    renamed.collect()
 }
 
 /// The matrix of the linear part of the force, where there is one.

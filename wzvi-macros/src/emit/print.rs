@@ -213,6 +213,14 @@ impl<'p> Printer<'p> {
         self.lifted(op, Rank::Scalar)
     }
 
+    /// The value of `op`, which does not read the state, as an expression of the type of constants.
+    pub(crate) fn constant_value(&self, op: Op) -> TokenStream {
+        match self.program.operation(op).is_truth() {
+            true => self.truth(op, Rank::Constant),
+            false => self.lifted(op, Rank::Constant),
+        }
+    }
+
     /// The value of `op` as an expression of the type of a rank, which is at least its own.
     fn lifted(&self, op: Op, rank: Rank) -> TokenStream {
         let (value, scalar) = (self.value(op), &self.scalar);

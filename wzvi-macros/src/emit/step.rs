@@ -6,7 +6,6 @@ use quote::quote;
 use super::listed::listed;
 use super::names::Names;
 use super::plan::plan;
-use super::print::f64_type;
 use super::system::{Letters, count};
 use super::terms;
 use crate::discretise::Scheme;
@@ -72,7 +71,7 @@ pub(crate) fn emit(
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
     let quadrature = terms::quadrature(facts, &scheme.embedding, strategy, false);
     let plan = plan(scheme);
-    let (name, f64, usize) = (&item.ident, f64_type(), quote!(__wzvi::usize));
+    let name = &item.ident;
     let (generics, arguments, filter) = item.generics.split_for_impl();
     let embedding = scheme.embedding.path(&quote!(__wzvi));
     let step = quote! {
@@ -82,18 +81,16 @@ pub(crate) fn emit(
         impl #generics __wzvi::StraightLine<#embedding, #d, #n> for #name #arguments #filter {
             const PLAN: __wzvi::Plan = #plan;
             const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
-            type Prepared<__K: __wzvi::Constant> = #prepared_type;
+            type Prepared = #prepared_type;
             type Memory<__S: __wzvi::Scalar> = #memory;
             type Carry<__S: __wzvi::Scalar> = #carry;
 
-            fn prepare(&self, __h: #f64) -> __wzvi::Result<Self::Prepared<#f64>, __wzvi::ConfigError> {
+            fn prepare<__K: __wzvi::Constant>(
+                &self,
+                __lift: __wzvi::Lift<'_, __K>,
+                __h: __K,
+            ) -> __wzvi::Result<__wzvi::Of<Self::Prepared, __K>, __wzvi::ConfigError> {
                 #prepare
-            }
-
-            fn gather<const __L: #usize>(
-                __prepared: [&Self::Prepared<#f64>; __L],
-            ) -> Self::Prepared<__wzvi::Lanes<__L>> {
-                __wzvi::Beside::beside(__prepared)
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -103,9 +100,9 @@ pub(crate) fn emit(
                 __C: __wzvi::Carry<__S>,
                 const __CAREFUL: __wzvi::bool,
             >(
-                __prepared: &Self::Prepared<__K>,
-                __t: #f64,
-                __h: #f64,
+                __prepared: &__wzvi::Of<Self::Prepared, __K>,
+                __t: __K,
+                __h: __K,
                 __q: [__S; #d],
                 __p: [__S; #d],
                 __dw: [__S; #n],

@@ -73,20 +73,28 @@ pub(crate) fn evaluation(
 ) -> Body {
     let (body, reads) = evaluation_over(model, letters, inputs, (scalar, None), roots);
     let f64 = f64_type();
-    let reads = reads.iter().map(|(name, tokens)| quote!(let #name: #f64 = #tokens;));
+    let reads = reads.iter().map(|Read { name, tokens, .. }| quote!(let #name: #f64 = #tokens;));
     let statements = body.statements;
     Body { statements: quote!(#(#reads)* #statements), ..body }
 }
 
-/// The same without its beginning, where parameters of the system are bound to names: these, and what they are in the system. They are numbers
-/// of a type of their own, if there is one.
+/// A parameter that is read.
+pub(crate) struct Read {
+    /// Its number among all.
+    pub(crate) number: usize,
+    pub(crate) name: Ident,
+    /// What it is in the system.
+    pub(crate) tokens: TokenStream,
+}
+
+/// The same without its beginning, where parameters of the system are bound to names. They are numbers of a type of their own, if there is one.
 pub(crate) fn evaluation_over(
     (graph, parameters): (&mut Graph, &[Parameter]),
     letters: &Letters,
     inputs: &Inputs,
     (scalar, constant): (&TokenStream, Option<TokenStream>),
     roots: &[Expr],
-) -> (Body, Vec<(Ident, TokenStream)>) {
+) -> (Body, Vec<Read>) {
     let mut lowering = Lowering::new(graph, inputs.definitions.clone());
     let mut bound: Vec<(Op, Ident)> = Vec::new();
     for (symbol, name, level) in &inputs.names {
@@ -94,10 +102,10 @@ pub(crate) fn evaluation_over(
         bound.push((lowering.program.input(*symbol), name.clone()));
     }
     let mut reads = Vec::new();
-    for (name, parameter) in letters.parameters.iter().zip(parameters) {
+    for (number, (name, parameter)) in letters.parameters.iter().zip(parameters).enumerate() {
         lowering.program.declare(parameter.symbol, Level::Prepared);
         let op = lowering.program.input(parameter.symbol);
-        reads.push((op, name.clone(), &parameter.tokens));
+        reads.push((op, Read { number, name: name.clone(), tokens: parameter.tokens.clone() }));
     }
     let roots: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();
     let program = &lowering.program;
@@ -112,13 +120,12 @@ pub(crate) fn evaluation_over(
         printer.set(op, name);
     }
     reads.retain(|(op, ..)| uses[*op] > 0);
-    for (op, name, _) in &reads {
+    for (op, Read { name, .. }) in &reads {
         printer.set(*op, name.clone());
     }
     let statements = printer.bind(&roots, &uses, &|_| false);
     let values = roots.iter().map(|&root| printer.scalar_value(root)).collect();
-    let reads = reads.into_iter().map(|(_, name, tokens)| (name, tokens.clone()));
-    (Body { statements, values }, reads.collect())
+    (Body { statements, values }, reads.into_iter().map(|(_, read)| read).collect())
 }
 
 /// A number where a `usize` is expected.

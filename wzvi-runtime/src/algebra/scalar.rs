@@ -10,7 +10,7 @@ mod rounded;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-pub use constant::{Beside, Constant, Over};
+pub use constant::{Constant, Constants, Factored, Of, Over, Parameters, Reals, Truths};
 pub use dual::Dual;
 pub use rounded::Rounded;
 

@@ -24,6 +24,17 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     /// Replaces a part of them.
     fn set_part(&mut self, part: usize, numbers: Self::Part);
 
+    /// Parts as numbers, if they are: one stage each.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn numbers(_parts: &[Self::Part]) -> Option<&[S]> {
+        None
+    }
+    /// The same, to be written.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn numbers_mut(_parts: &mut [Self::Part]) -> Option<&mut [S]> {
+        None
+    }
+
     /// The same for each stage of a part.
     fn same(number: S) -> Self::Part;
     /// A constant for each stage of a part.
@@ -46,16 +57,6 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     /// A part of `Σ_j matrix[j] self_j`: of column `j` of a matrix times the number of stage `j`.
     fn product(&self, matrix: &[[f64; N]; N], part: usize) -> Self::Part;
 
-    /// `self + other`
-    fn plus(mut self, other: Self) -> Self {
-        (0..Self::PARTS).for_each(|part| self.set_part(part, self.part(part) + other.part(part)));
-        self
-    }
-    /// `self - other`
-    fn minus(mut self, other: Self) -> Self {
-        (0..Self::PARTS).for_each(|part| self.set_part(part, self.part(part) - other.part(part)));
-        self
-    }
     /// `self` times a number for each stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(mut self, factors: &[f64; N]) -> Self {
@@ -79,6 +80,18 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
         }
         in_pairs(list, |a, b| a + b)
     }
+}
+
+/// `a + b`
+pub fn plus<T: Stages<S, N>, S: Scalar, const N: usize>(mut a: T, b: T) -> T {
+    (0..T::PARTS).for_each(|part| a.set_part(part, a.part(part) + b.part(part)));
+    a
+}
+
+/// `a - b`
+pub fn minus<T: Stages<S, N>, S: Scalar, const N: usize>(mut a: T, b: T) -> T {
+    (0..T::PARTS).for_each(|part| a.set_part(part, a.part(part) - b.part(part)));
+    a
 }
 
 /// All of a list as one, in pairs, so that few operations wait for one another.
@@ -209,6 +222,14 @@ impl<S: Scalar, const N: usize> Stages<S, N> for [S; N] {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_part(&mut self, part: usize, numbers: S) {
         self[part] = numbers;
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn numbers(parts: &[S]) -> Option<&[S]> {
+        Some(parts)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn numbers_mut(parts: &mut [S]) -> Option<&mut [S]> {
+        Some(parts)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn same(number: S) -> S {

@@ -59,8 +59,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     alone: Vec<f64>,
     /// What is prepared of the system of each path, if it has its own.
     own: Vec<PreparedOf<H, E>>,
-    /// The same beside each other, where systems go so.
-    beside: Option<<SchemeOf<H, E> as Scheme<H>>::Beside<L>>,
+    /// The same in lanes, where systems go so.
+    gathered: Option<PreparedOf<H, E, Lanes<L>>>,
     /// Where steps are no matter of lanes ([`Properties::in_lanes`](crate::scheme::system::Properties::in_lanes)), or systems of paths are not, or somebody looks inside steps of which
     /// lanes keep less than a stepper: one for each.
     steppers: Vec<Stepper<'j, H, E, Plain>>,
@@ -107,7 +107,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             states: Vec::new(),
             alone: vec![0.0; processes],
             own: Vec::new(),
-            beside: None,
+            gathered: None,
             steppers: Vec::new(),
             subdivision: None,
             halved: [NEVER; L],
@@ -150,7 +150,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             for lane in 0..L {
                 self.own.push(self.prepared(lane)?);
             }
-            self.put_beside();
+            self.gather();
         }
         self.put_starts()?;
         // A stepper that is there starts anew by itself: paths begin at another time than they end.
@@ -208,13 +208,12 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         prepared.map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })
     }
 
-    /// The systems of all lanes beside each other; a lane whose path has failed has that of the first that has not.
+    /// Gathers the systems of all lanes; a lane whose path has failed has that of the first that has not.
     #[inline(never)]
-    fn put_beside(&mut self) {
+    fn gather(&mut self) {
         let Some(living) = self.living() else { return };
         let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
-        let systems = lanes.map(|lane| self.job.system_of(self.source_of(lane)));
-        self.beside = SchemeOf::<H, E>::beside(systems, lanes.map(|lane| &self.own[lane]));
+        self.gathered = SchemeOf::<H, E>::gather(lanes.map(|lane| &self.own[lane]));
     }
 
     /// The first lane whose path has not failed.
@@ -239,7 +238,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         // Lanes do not keep what a scheme knows between its nodes.
         !H::PROPERTIES.in_lanes
             || Self::goes_alone(self.job)
-            || (P::ARE_OWN && self.beside.is_none())
+            || (P::ARE_OWN && self.gathered.is_none())
             || (H::PROPERTIES.has_polynomial && self.looks_between)
             || self.job.own_work.is_some()
     }
@@ -303,16 +302,19 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             return self.one_by_one(step, t);
         }
         let memory = &mut self.memory;
-        let at = At { t, h: job.h, q: &mut self.q, p: &mut self.p, dw: self.increments.of(step) };
-        let outcome = match &self.beside {
-            Some(beside) if P::ARE_OWN => SchemeOf::<H, E>::advance_beside(beside, at, memory),
-            _ => SchemeOf::<H, E>::advance::<_, Plain, false>(
-                job.system,
-                &job.prepared,
-                at,
-                memory,
-                &mut Plain,
-            ),
+        let (q, p, dw) = (&mut self.q[..], &mut self.p[..], self.increments.of(step));
+        let outcome = match &self.gathered {
+            Some(prepared) if P::ARE_OWN => {
+                let [t, h] = [t, job.h].map(Lanes::from_f64);
+                let at = At { t, h, q, p, dw };
+                SchemeOf::<H, E>::advance::<_, _, Plain, false>(job.system, prepared, at, memory, &mut Plain)
+            }
+            _ => {
+                let (at, prepared) = (At { t, h: job.h, q, p, dw }, &job.prepared);
+                SchemeOf::<H, E>::advance::<f64, _, Plain, false>(
+                    job.system, prepared, at, memory, &mut Plain,
+                )
+            }
         };
         match outcome {
             Ok(_) => Ok(()),
@@ -360,8 +362,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
 
     fn fail(&mut self, lane: usize, error: StepError) {
         (self.failed[lane], self.any_failed) = (true, true);
-        if P::ARE_OWN && self.beside.is_some() {
-            self.put_beside();
+        if P::ARE_OWN && self.gathered.is_some() {
+            self.gather();
         }
         if self.counts[lane] {
             self.failures.push(PathFailure { path: self.path + lane as u64, error });

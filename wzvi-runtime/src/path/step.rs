@@ -16,7 +16,7 @@ use crate::scheme::continuation::Hard;
 use crate::scheme::dense::{DenseOutput, copy, copy_state};
 use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{
-    CarryOf, Discretized, Exchange, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf,
+    CarryOf, Discretized, Exchange, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
 };
 use account::Ledger;
 use rare::{Arrived, Cause, Rare, Refused};
@@ -448,7 +448,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 /// # Errors
 /// Those of the system, with the name of a parameter that is no number.
 pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<PreparedOf<H, E>, ConfigError> {
-    match system.validate().and_then(|()| SchemeOf::<H, E>::prepare(system, h)) {
+    match system.validate().and_then(|()| SchemeOf::<H, E>::prepare(system, &as_they_are, h)) {
         Err(ConfigError::Parameter) => Err(mistaken_parameter(system)),
         prepared => prepared,
     }

@@ -44,7 +44,6 @@
 //! A step is driven by the increments of the listed noises, followed by `√h` times the standard normals of its O parts: for each O part, in
 //! the order of the step, one for each degree of freedom. A system without temperature has friction alone, and no normals.
 
-mod beside;
 mod diagonal;
 mod matrix;
 mod modes;

@@ -25,7 +25,9 @@ use crate::algebra::memory::StepMemory;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::StepFailure;
-use crate::scheme::system::{At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf};
+use crate::scheme::system::{
+    At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
+};
 
 /// The longest part of a step in which its solution is followed, and the shortest.
 const LONGEST: f64 = 1.0 / 8.0;
@@ -198,7 +200,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         let (mut q, mut p, mut carry) = (self.q.clone(), self.p.clone(), self.carry.clone());
         let at = At { t: self.t, h, q: q.components_mut(), p: p.components_mut(), dw };
         let effort =
-            SchemeOf::<H, E>::advance::<f64, C, true>(self.system, prepared, at, memory, &mut carry)?;
+            SchemeOf::<H, E>::advance::<f64, f64, C, true>(self.system, prepared, at, memory, &mut carry)?;
         Ok(Continued { q, p, memory: (), carry, effort })
     }
 
@@ -225,7 +227,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 *scaled = fraction * dw;
             }
             let h = fraction * self.h;
-            let Ok(prepared) = SchemeOf::<H, E>::prepare(self.system, h) else { break };
+            let Ok(prepared) = SchemeOf::<H, E>::prepare(self.system, &as_they_are, h) else { break };
             let mut left = memory.clone();
             let tried = self.solve(&prepared, h, dw, &mut left);
             let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());

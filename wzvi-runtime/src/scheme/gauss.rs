@@ -23,7 +23,6 @@ mod equations;
 mod kept;
 mod newton;
 mod shape;
-mod source;
 mod stages;
 mod stiff;
 mod sweep;
@@ -32,19 +31,18 @@ mod wide;
 
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{Constant, Constants, Of, Over, Parameters, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::Slopes;
 use crate::scheme::elements::{self, Elements};
 use crate::scheme::plan::{Facts, Plan, Solver};
-use crate::scheme::system::{At, Properties, Scheme, Segment};
+use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives};
 
 pub use advance::Prepared;
 pub use kept::Memory;
 pub use shape::{Dynamic, Fixed, Shape};
-pub use source::Systems;
 pub use stages::{One, Stages};
 
 /// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
@@ -67,24 +65,11 @@ pub trait Field: Elements + Sized {
     /// Lists of one entry per noise.
     type Noises: Shape;
 
-    /// The numbers that slopes read of the system, which is nothing else then; [`Apart`](crate::scheme::system::Apart) where it is.
-    type Parameters<K: Constant>;
+    /// The numbers that slopes of systems whose lists are arrays read of the system, and nothing else; none of others.
+    type Parameters: Parameters;
 
-    /// Those of `L` systems beside each other; `None` where there are none.
-    fn parameters_beside<const L: usize>(systems: [&Self; L]) -> Option<Self::Parameters<Lanes<L>>>;
-
-    /// [`Field::step_slopes`] of systems with these parameters.
-    #[expect(clippy::too_many_arguments, reason = "as there")]
-    fn slopes_over<S: Over<K>, K: Constant, const BY_Q: bool, const BY_P: bool>(
-        parameters: &Self::Parameters<K>,
-        t: S,
-        h: S,
-        q: &[S],
-        p: &[S],
-        dw: &[S],
-        by_q: &mut [S],
-        by_p: &mut [S],
-    );
+    /// Them.
+    fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K>;
 
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
     fn stiffness(&self, _k: &mut [f64]) {}
@@ -95,8 +80,9 @@ pub trait Field: Elements + Sized {
         reason = "generated code implements it, and each is one thing that slopes depend on"
     )]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step_slopes<S: Scalar, const BY_Q: bool, const BY_P: bool>(
+    fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
         &self,
+        parameters: &Of<Self::Parameters, K>,
         t: S,
         h: S,
         q: &[S],
@@ -105,8 +91,31 @@ pub trait Field: Elements + Sized {
         by_q: &mut [S],
         by_p: &mut [S],
     ) {
+        let _ = parameters;
         elements::field::<_, S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
     }
+}
+
+/// The parameters of a system.
+///
+/// # Errors
+/// Where they have derivatives, and slopes read more of the system.
+pub(crate) fn parameters<F: Field, K: Constant>(
+    system: &F,
+    lift: Lift<'_, K>,
+    h: K,
+) -> Result<Of<F::Parameters, K>, ConfigError> {
+    if !F::Shape::IS_FIXED {
+        without_derivatives(h)?;
+    }
+    Ok(system.parameters(lift))
+}
+
+/// Those of systems in lanes; `None` where slopes read more of a system.
+pub(crate) fn gather<F: Field, const L: usize>(
+    of_lanes: [&Of<F::Parameters, f64>; L],
+) -> Option<Of<F::Parameters, Lanes<L>>> {
+    F::Shape::IS_FIXED.then(|| F::Parameters::gather(of_lanes))
 }
 
 /// What the slopes are for lists that do not fit the system.
@@ -134,47 +143,38 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         ),
         ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<<Self as Scheme<F>>::Memory<f64>>())
     };
-    type Prepared = Prepared<N>;
+    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, N>;
     type Memory<S: Scalar> = Memory<S, F::Shape, F::Noises, N>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
-    type Beside<const L: usize> = Systems<F, L, N>;
 
     fn memory(system: &F) -> Self::Memory<f64> {
         advance::memory(system)
     }
 
-    fn prepare(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
-        advance::prepare(system, h)
+    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+        advance::prepare(system, lift, h)
+    }
+
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        advance::gather::<F, L, N>(prepared)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Prepared<N>,
-        at: At<'_, S>,
+        prepared: &Self::Prepared<K>,
+        at: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        advance::advance::<F, S, C, N, CAREFUL>(system, prepared, at, memory, carry)
-    }
-
-    fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared<N>; L]) -> Option<Systems<F, L, N>> {
-        source::beside(systems, prepared)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_beside<const L: usize>(
-        beside: &Systems<F, L, N>,
-        at: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure> {
-        advance::advance_beside(beside, at, memory)
+        let prepared = (&prepared.parameters, &prepared.common);
+        advance::advance::<F, K, S, C, N, CAREFUL>(system, prepared, at, memory, carry)
     }
 
     fn slopes_between(
         system: &F,
-        (prepared, memory): (&Prepared<N>, &Self::Memory<f64>),
+        (prepared, memory): (&Self::Prepared<f64>, &Self::Memory<f64>),
         before: &State<F::Vector>,
         h: f64,
         dw: &[f64],
@@ -184,7 +184,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let prepared = advance::prepare::<F, N>(system, segment.h);
+        let prepared = advance::prepare::<F, f64, N>(system, &as_they_are, segment.h);
         prepared.map_or(f64::NAN, |prepared| action::value(system, &prepared, segment, dw))
     }
 }

@@ -1,7 +1,6 @@
 //! The traits that `#[hamiltonian]` implements.
 
 pub(crate) mod anew;
-mod apart;
 pub(crate) mod by_dual_numbers;
 mod own;
 mod scheme;
@@ -21,9 +20,11 @@ use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
 use crate::scheme::plan::Plan;
 
-pub use apart::Apart;
 pub use own::{OneStep, Own, Scratch, StepField};
-pub use scheme::{At, CarryOf, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf};
+pub(crate) use scheme::without_derivatives;
+pub use scheme::{
+    At, CarryOf, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, as_they_are,
+};
 pub use solution::{Solution, array_mut, covector, gradient, increments};
 pub use straight::{Straight, StraightLine};
 
@@ -393,7 +394,7 @@ impl<H: Listed<E>, E> Discretized<E> for H {
     }
 
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-        H::Scheme::prepare(self, h)
+        H::Scheme::prepare(self, &as_they_are, h)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -407,7 +408,7 @@ impl<H: Listed<E>, E> Discretized<E> for H {
         dw: &[S],
         memory: &mut Self::Memory<S>,
     ) -> Result<Effort, StepFailure> {
-        anew::advance::<H, H::Scheme, S>(self, prepared, At { t, h, q, p, dw }, memory)
+        anew::advance::<H, H::Scheme, f64, S>(self, prepared, At { t, h, q, p, dw }, memory)
     }
 
     fn discrete_lagrangian(&self, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {

@@ -2,13 +2,13 @@
 
 use nalgebra::{DVector, SVector};
 use wzvi_runtime::algebra::carry::{Carry, Plain};
-use wzvi_runtime::algebra::scalar::{Mask, Rounded, Scalar};
+use wzvi_runtime::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
 use wzvi_runtime::algebra::solve::{Block, Effort, Extrapolation, newton};
 use wzvi_runtime::algebra::state::State;
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::scheme::embedding::{DeltaPlus, Midpoint};
 use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scheme::system::{At, Hamiltonian, LagrangianGradient, Listed, Scheme, Segment};
+use wzvi_runtime::scheme::system::{At, Hamiltonian, LagrangianGradient, Lift, Listed, Scheme, Segment};
 
 pub(crate) type V1 = SVector<f64, 1>;
 
@@ -89,8 +89,6 @@ impl Listed<Midpoint> for Kubo {
 }
 
 impl Scheme<Kubo> for Midpoint {
-    wzvi_runtime::__apart!(Kubo);
-
     const PLAN: Plan = Plan {
         solver: Solver::Linear,
         unknowns: 2,
@@ -100,26 +98,26 @@ impl Scheme<Kubo> for Midpoint {
         conserves_energy: Knowledge::Proven,
         commuting: Knowledge::Proven,
     };
-    type Prepared = ();
+    type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
-    fn prepare(system: &Kubo, h: f64) -> Result<(), ConfigError> {
-        if (system.a * h).is_finite() && system.sigma.is_finite() {
+    fn prepare<K: Constant>(system: &Kubo, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
+        if (h * system.a).is_finite().all() && system.sigma.is_finite() {
             Ok(())
         } else {
             Err(ConfigError::Parameter)
         }
     }
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &Kubo,
         _prepared: &(),
-        At { h, q, p, dw, .. }: At<'_, S>,
+        At { h, q, p, dw, .. }: At<'_, S, K>,
         _memory: &mut (),
         _carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let (q0, p0, dw) = (one(q, dimension)?, one(p, dimension)?, one(dw, increments)?);
-        let theta = (dw * system.sigma + system.a * h) * 0.5;
+        let theta = (dw * system.sigma + h * system.a) * 0.5;
         let factor = theta * 2.0 / (theta * theta + 1.0);
         let (q1, p1) = (q0 + factor * (p0 - theta * q0), p0 - factor * (q0 + theta * p0));
         finite(q1, p1)?;
@@ -181,9 +179,9 @@ impl Hamiltonian for Pendulum {
 }
 
 /// The equation of half the increment, `x = h/2 p0 - h kick / 4 sin(q0 + x)`, and its slope.
-fn half_step<S: Scalar>(h: f64, kick: f64, q0: S, p0: S, x: S) -> ([S; 1], [[S; 1]; 1]) {
+fn half_step<K: Constant, S: Over<K>>(h: K, kick: K, q0: S, p0: S, x: S) -> ([S; 1], [[S; 1]; 1]) {
     let (sin, cos) = (q0 + x).sin_cos();
-    ([x - p0 * (0.5 * h) + sin * (0.25 * h * kick)], [[cos * (0.25 * h * kick) + 1.0]])
+    ([x - p0 * (h * 0.5) + sin * (h * 0.25 * kick)], [[cos * (h * 0.25 * kick) + 1.0]])
 }
 
 impl Listed<Midpoint> for Pendulum {
@@ -192,8 +190,6 @@ impl Listed<Midpoint> for Pendulum {
 }
 
 impl Scheme<Pendulum> for Midpoint {
-    wzvi_runtime::__apart!(Pendulum);
-
     const PLAN: Plan = Plan {
         solver: Solver::Newton,
         unknowns: 1,
@@ -204,17 +200,18 @@ impl Scheme<Pendulum> for Midpoint {
         commuting: Knowledge::Proven,
     };
     /// `h ω²`
-    type Prepared = f64;
+    type Prepared<K: Constant> = K;
     type Memory<S: Scalar> = Extrapolation<S, 1>;
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
-    fn prepare(system: &Pendulum, h: f64) -> Result<f64, ConfigError> {
-        Some(h * system.omega * system.omega).filter(|x| x.is_finite()).ok_or(ConfigError::Parameter)
+    fn prepare<K: Constant>(system: &Pendulum, lift: Lift<'_, K>, h: K) -> Result<K, ConfigError> {
+        let omega = lift(0, system.omega);
+        Some(h * omega * omega).filter(|x| x.is_finite().all()).ok_or(ConfigError::Parameter)
     }
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         _: &Pendulum,
-        &kick: &f64,
-        At { h, q, p, dw, .. }: At<'_, S>,
+        &kick: &K,
+        At { h, q, p, dw, .. }: At<'_, S, K>,
         memory: &mut Extrapolation<S, 1>,
         _carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -226,6 +223,7 @@ impl Scheme<Pendulum> for Midpoint {
             evaluate: |&[x]: &[S; 1]| half_step(h, kick, q0, p0, x),
             rounded: |&[x]: &[S; 1], lane: usize| {
                 let [q0, p0] = [q0, p0].map(|number| Rounded::exact(number.lane(lane)));
+                let [h, kick] = [h, kick].map(|number| number.lane(lane));
                 half_step(h, kick, q0, p0, Rounded::nearest(x.lane(lane))).0
             },
         };
@@ -305,8 +303,6 @@ impl Listed<DeltaPlus> for Rotors {
 }
 
 impl Scheme<Rotors> for DeltaPlus {
-    wzvi_runtime::__apart!(Rotors);
-
     const PLAN: Plan = Plan {
         solver: Solver::Explicit,
         unknowns: 0,
@@ -316,17 +312,17 @@ impl Scheme<Rotors> for DeltaPlus {
         conserves_energy: Knowledge::Refuted,
         commuting: Knowledge::Proven,
     };
-    type Prepared = ();
+    type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
-    fn prepare(_: &Rotors, _: f64) -> Result<(), ConfigError> {
+    fn prepare<K: Constant>(_: &Rotors, _: Lift<'_, K>, _: K) -> Result<(), ConfigError> {
         Ok(())
     }
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &Rotors,
         _prepared: &(),
-        At { h, q, p, dw, .. }: At<'_, S>,
+        At { h, q, p, dw, .. }: At<'_, S, K>,
         _memory: &mut (),
         _carry: &mut C,
     ) -> Result<Effort, StepFailure> {

@@ -8,15 +8,13 @@ use crate::emit::program::{Op, Program};
 use crate::emit::system::count;
 use crate::emit::{Printer, f64_type};
 
-/// By type: numbers and truths of the state, those of constants, and those that are the same for all systems.
+/// By type: numbers and truths of the state, and those of constants.
 #[derive(Default)]
 pub(super) struct Given {
     numbers: Vec<Ident>,
     masks: Vec<Ident>,
     constants: Vec<Ident>,
     truths: Vec<Ident>,
-    times: Vec<Ident>,
-    flags: Vec<Ident>,
 }
 
 impl Given {
@@ -37,10 +35,8 @@ impl Given {
             let list = match (printer.rank(op), program.operation(op).is_truth()) {
                 (Rank::Scalar, false) => &mut given.numbers,
                 (Rank::Scalar, true) => &mut given.masks,
-                (Rank::Constant, false) => &mut given.constants,
-                (Rank::Constant, true) => &mut given.truths,
-                (Rank::Number, false) => &mut given.times,
-                (Rank::Number, true) => &mut given.flags,
+                (_, false) => &mut given.constants,
+                (_, true) => &mut given.truths,
             };
             list.push(name.clone());
         }
@@ -49,14 +45,12 @@ impl Given {
 
     /// One argument for each list that is not empty; `of` makes it of a list and of what kind that is.
     fn arguments(&self, of: impl Fn(&[Ident], Kind) -> TokenStream) -> TokenStream {
-        let Self { numbers, masks, constants, truths, times, flags } = self;
+        let Self { numbers, masks, constants, truths } = self;
         let lists = [
             (numbers, Kind::Number),
             (masks, Kind::Mask),
             (constants, Kind::Constant),
             (truths, Kind::Truth),
-            (times, Kind::Time),
-            (flags, Kind::Flag),
         ];
         let arguments =
             lists.iter().filter(|(names, _)| !names.is_empty()).map(|(names, kind)| of(names, *kind));
@@ -70,15 +64,12 @@ impl Given {
 
     /// As parameters of a function of numbers `__S` and constants `__K`.
     pub(super) fn parameters(&self) -> TokenStream {
-        let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
         self.arguments(|names, kind| {
             let ty = match kind {
                 Kind::Number => quote!(__S),
                 Kind::Mask => quote!(__S::Mask),
                 Kind::Constant => quote!(__K),
                 Kind::Truth => quote!(<__K as __wzvi::Scalar>::Mask),
-                Kind::Time => f64.clone(),
-                Kind::Flag => bool.clone(),
             };
             let (list, length) = (kind.list(), count(names.len()));
             quote!(#list: [#ty; #length])
@@ -90,8 +81,8 @@ impl Given {
         let (f64, bool) = (f64_type(), quote!(__wzvi::bool));
         self.arguments(|names, kind| {
             let ty = match kind {
-                Kind::Number | Kind::Constant | Kind::Time => &f64,
-                Kind::Mask | Kind::Truth | Kind::Flag => &bool,
+                Kind::Number | Kind::Constant => &f64,
+                Kind::Mask | Kind::Truth => &bool,
             };
             let (list, length) = (kind.list(), count(names.len()));
             quote!(#list: [#ty; #length])
@@ -119,7 +110,6 @@ impl Given {
         self.arguments(|names, kind| match kind {
             Kind::Number | Kind::Constant => quote!([#(#names.lane(__lane)),*]),
             Kind::Mask | Kind::Truth => quote!([#(__wzvi::Mask::lane(#names, __lane)),*]),
-            Kind::Time | Kind::Flag => quote!([#(#names),*]),
         })
     }
 
@@ -141,8 +131,6 @@ enum Kind {
     Mask,
     Constant,
     Truth,
-    Time,
-    Flag,
 }
 
 impl Kind {
@@ -153,8 +141,6 @@ impl Kind {
             Self::Mask => format_ident!("__masks"),
             Self::Constant => format_ident!("__constants"),
             Self::Truth => format_ident!("__truths"),
-            Self::Time => format_ident!("__times"),
-            Self::Flag => format_ident!("__flags"),
         }
     }
 }

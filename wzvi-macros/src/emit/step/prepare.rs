@@ -5,10 +5,10 @@ use quote::{format_ident, quote};
 
 use super::flow::{Flow, Solve};
 use super::memory::tuple;
+use crate::emit::Printer;
 use crate::emit::names::Names;
 use crate::emit::program::Op;
 use crate::emit::system::{count, parameter_names};
-use crate::emit::{Printer, f64_type};
 use crate::model::Parameter;
 use crate::symbolic::Graph;
 
@@ -19,7 +19,7 @@ pub(super) struct Prepared {
     pub(super) truths: Vec<(Op, Ident)>,
     /// One for each matrix that never changes, with its size.
     pub(super) factors: Vec<(usize, Ident)>,
-    /// The body of a method that makes a `__Prepared` of `self` and `__h`.
+    /// The body of a method that makes them of `self` and `__h`, in constants `__K`.
     pub(super) body: TokenStream,
 }
 
@@ -33,21 +33,27 @@ impl Prepared {
 
         let mut own = Names::default();
         let own_names = parameter_names(&mut own, graph, parameters);
-        let mut printer = Printer::new(&flow.program, f64_type(), &flow.hints, own);
+        let inverses = flow.solves.iter().filter_map(|solve| match solve {
+            Solve::Inverted { inverse, .. } => Some(*inverse),
+            _ => None,
+        });
+        let varied: Vec<Op> = flow.parameters.iter().copied().chain([flow.h]).chain(inverses).collect();
+        let constant = quote!(__K);
+        let mut printer =
+            Printer::new(&flow.program, constant.clone(), &flow.hints, own).with_constants(&varied, constant);
         printer.set(flow.h, format_ident!("__h"));
         let mut statements = TokenStream::new();
-        let parameters = flow.parameters.iter().zip(parameters).zip(own_names);
-        let read: Vec<_> = parameters.filter(|((op, _), _)| used[**op] > 0).collect();
-        let f64 = f64_type();
-        for ((op, parameter), name) in &read {
-            let tokens = &parameter.tokens;
-            statements.extend(quote!(let #name: #f64 = #tokens;));
+        let parameters = flow.parameters.iter().zip(parameters).zip(own_names).enumerate();
+        let read: Vec<_> = parameters.filter(|(_, ((op, _), _))| used[**op] > 0).collect();
+        for (number, ((op, Parameter { tokens, .. }), name)) in &read {
+            let number = count(*number);
+            statements.extend(quote!(let #name = __lift(#number, #tokens);));
             printer.set(**op, name.clone());
         }
         if !read.is_empty() {
-            let read = read.iter().map(|(_, name)| name);
+            let read = read.iter().map(|(_, (_, name))| name);
             statements.extend(quote! {
-                if #(#read.is_nan())||* {
+                if #(#read.magnitude().is_nan())||* {
                     return __wzvi::Err(__wzvi::ConfigError::Parameter);
                 }
             });
@@ -57,18 +63,17 @@ impl Prepared {
             match solve {
                 Solve::Inverted { pivot, inverse } => {
                     statements.extend(printer.bind(&[*pivot], &used, &|_| false));
-                    let (name, value) = (printer.name(*inverse), printer.value(*pivot));
+                    let (name, value) = (printer.name(*inverse), printer.constant_value(*pivot));
                     statements
                         .extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::reciprocal(#value))?;));
                 }
                 Solve::Factored { matrix, .. } => {
                     let entries: Vec<Op> = matrix.iter().flatten().copied().collect();
                     statements.extend(printer.bind(&entries, &used, &|_| false));
-                    let rows = rows(&printer, matrix);
+                    let rows = rows(matrix, |entry| printer.constant_value(entry));
                     let name = names.take("factor");
-                    statements.extend(
-                        quote!(let #name = __wzvi::prepared(__h, __wzvi::Factor::new([#(#rows),*]))?;),
-                    );
+                    let factor = quote!(<__K as __wzvi::Constant>::factor([#(#rows),*]));
+                    statements.extend(quote!(let #name = __wzvi::prepared(__h, #factor)?;));
                     factors.push((matrix.len(), name));
                 }
                 _ => {}
@@ -76,7 +81,7 @@ impl Prepared {
         }
         statements.extend(printer.bind(&read_by_step, &used, &|_| false));
         let [numbers, flags] = [&constants, &truths].map(|ops| {
-            let values = ops.iter().map(|&op| printer.value(op));
+            let values = ops.iter().map(|&op| printer.constant_value(op));
             quote!([#(#values),*])
         });
         let made = factors.iter().map(|(_, name)| quote!(#name)).collect();
@@ -92,14 +97,14 @@ impl Prepared {
         Self { constants, truths, factors, body }
     }
 
-    /// The type `__Prepared<__K>`.
+    /// What it is, for constants of any type.
     pub(super) fn ty(&self) -> TokenStream {
         let (constants, truths) = (count(self.constants.len()), count(self.truths.len()));
         let factors = self.factors.iter().map(|(size, _)| {
             let size = count(*size);
-            quote!(<__K as __wzvi::Constant>::Factor<#size>)
+            quote!(__wzvi::Factored<#size>)
         });
-        let (numbers, flags) = (quote!([__K; #constants]), quote!([<__K as __wzvi::Scalar>::Mask; #truths]));
+        let (numbers, flags) = (quote!(__wzvi::Reals<#constants>), quote!(__wzvi::Truths<#truths>));
         parts(&self.constants, numbers, &self.truths, flags, factors.collect())
     }
 
@@ -135,11 +140,12 @@ fn parts<T>(
     tuple(numbers.into_iter().chain(flags).chain(factors).collect())
 }
 
-pub(super) fn rows(printer: &Printer<'_>, matrix: &[Vec<Op>]) -> Vec<TokenStream> {
+/// A matrix by rows.
+pub(super) fn rows(matrix: &[Vec<Op>], value: impl Fn(Op) -> TokenStream) -> Vec<TokenStream> {
     matrix
         .iter()
         .map(|row| {
-            let entries = row.iter().map(|&entry| printer.scalar_value(entry));
+            let entries = row.iter().map(|&entry| value(entry));
             quote!([#(#entries),*])
         })
         .collect()

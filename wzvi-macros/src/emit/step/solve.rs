@@ -32,7 +32,8 @@ pub(super) fn solution(
     Arguments { q, p, dw }: &Arguments,
     names: Names,
 ) -> Solution {
-    let constants: Vec<Op> = prepared.constants.iter().chain(&prepared.truths).map(|(op, _)| *op).collect();
+    let made = prepared.constants.iter().chain(&prepared.truths).map(|(op, _)| *op);
+    let constants: Vec<Op> = made.chain([flow.h, flow.t]).collect();
     let mut printer =
         Printer::new(&flow.program, quote!(__S), &flow.hints, names).with_constants(&constants, quote!(__K));
     printer.set(flow.h, format_ident!("__h"));
@@ -102,7 +103,8 @@ impl SolveBody<'_> {
                 Solve::Linear { matrix, rhs, unknowns } => {
                     let entries: Vec<Op> = matrix.iter().flatten().chain(rhs).copied().collect();
                     let shared = self.bind(&entries);
-                    let (rows, rhs) = (rows(&self.printer, matrix), self.values(rhs));
+                    let (rows, rhs) =
+                        (rows(matrix, |entry| self.printer.scalar_value(entry)), self.values(rhs));
                     let names = self.names(unknowns);
                     quote!(#shared let [#(#names),*] = __wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?;)
                 }
@@ -187,7 +189,7 @@ impl SolveBody<'_> {
         let mut inner = self.printer.clone();
         let shared = inner.bind(roots, &self.flow.program.uses(roots), &|_| false);
         let values: Vec<TokenStream> = residual.iter().map(|&op| inner.scalar_value(op)).collect();
-        let rows = rows(&inner, jacobian);
+        let rows = rows(jacobian, |entry| inner.scalar_value(entry));
         let number = match self.flow.newton_sizes().len() {
             1 => String::new(),
             _ => self.records.len().to_string(),

@@ -22,23 +22,10 @@ pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
             const IN_LANES: #bool = #in_lanes;
             type Shape = __wzvi::gauss::Dynamic;
             type Noises = __wzvi::gauss::Dynamic;
-            type Parameters<__K: __wzvi::Constant> = __wzvi::Apart;
+            type Parameters = __wzvi::Reals<0>;
 
-            fn parameters_beside<const __L: __wzvi::usize>(_: [&Self; __L]) -> __wzvi::Option<__wzvi::Apart> {
-                __wzvi::None
-            }
-
-            fn slopes_over<__S: __wzvi::Over<__K>, __K: __wzvi::Constant, const __BY_Q: #bool, const __BY_P: #bool>(
-                __parameters: &__wzvi::Apart,
-                _: __S,
-                _: __S,
-                _: &[__S],
-                _: &[__S],
-                _: &[__S],
-                _: &mut [__S],
-                _: &mut [__S],
-            ) {
-                match *__parameters {}
+            fn parameters<__K: __wzvi::Constant>(&self, _: __wzvi::Lift<'_, __K>) -> [__K; 0] {
+                []
             }
         }
     }

@@ -1,24 +1,49 @@
-//! Numbers that the state does not enter: one for all lanes of a step, or one for each.
+//! Numbers that the state does not enter: one for all lanes of a step, one for each, or one with its derivatives.
 
+use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{Mask, Scalar};
+use super::{Dual, Mask, Scalar};
 use crate::algebra::lanes::{LaneMask, Lanes};
 use crate::algebra::solve::{Factor, FactorsByLane};
+use crate::error::StepFailure;
 
-/// What is prepared of a system: `f64` where all lanes of a step are of one system, [`Lanes`] where each is of its own.
+/// What is prepared of a system: `f64` where all lanes of a step are of one system, [`Lanes`] where each is of its own, [`Dual`] where derivatives by
+/// its parameters and the step size are taken.
 pub trait Constant: Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
+
+    /// Factors a matrix, given by rows.
+    ///
+    /// # Errors
+    /// Those of [`Factor::new`].
+    fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Self::Factor<N>, StepFailure>;
 }
 
 impl Constant for f64 {
     type Factor<const N: usize> = Factor<f64, N>;
+
+    fn factor<const N: usize>(matrix: [[f64; N]; N]) -> Result<Factor<f64, N>, StepFailure> {
+        Factor::new(matrix)
+    }
+}
+
+impl<const D: usize> Constant for Dual<D> {
+    type Factor<const N: usize> = Factor<Self, N>;
+
+    fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Factor<Self, N>, StepFailure> {
+        Factor::new(matrix)
+    }
 }
 
 impl<const L: usize> Constant for Lanes<L> {
     type Factor<const N: usize> = FactorsByLane<L, N>;
+
+    fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<FactorsByLane<L, N>, StepFailure> {
+        FactorsByLane::new(matrix)
+    }
 }
 
 /// Numbers that are computed with constants `K`.
@@ -56,7 +81,26 @@ impl<S: Scalar> Over<f64> for S {
     }
 }
 
-impl<const L: usize> Over<Lanes<L>> for Lanes<L> {
+impl<const D: usize> Over<Self> for Dual<D> {
+    #[inline]
+    fn constant(constant: Self) -> Self {
+        constant
+    }
+    #[inline]
+    fn truth(truth: bool) -> bool {
+        truth
+    }
+    #[inline]
+    fn choose(truth: bool, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        if truth { then() } else { otherwise() }
+    }
+    #[inline]
+    fn solve_factored<const N: usize>(factor: &Factor<Self, N>, b: [Self; N]) -> [Self; N] {
+        factor.solve(b)
+    }
+}
+
+impl<const L: usize> Over<Self> for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: Self) -> Self {
         constant
@@ -75,54 +119,95 @@ impl<const L: usize> Over<Lanes<L>> for Lanes<L> {
     }
 }
 
-/// What is made of `L` values of `T`, each of which becomes a lane.
-pub trait Beside<T, const L: usize> {
-    /// All of them, in the order of the lanes.
-    fn beside(lanes: [&T; L]) -> Self;
+/// Constants of a step, in numbers of any type.
+pub trait Constants {
+    /// In numbers of one type.
+    type Of<K: Constant>: Clone + Debug + Send + Sync;
+
+    /// Those of `L` systems, each in its lane.
+    fn gather<const L: usize>(of_lanes: [&Self::Of<f64>; L]) -> Self::Of<Lanes<L>>;
 }
 
-impl<const L: usize> Beside<f64, L> for Lanes<L> {
-    fn beside(lanes: [&f64; L]) -> Self {
-        Self::new(lanes.map(|number| *number))
+/// Constants in numbers of one type.
+pub type Of<C, K> = <C as Constants>::Of<K>;
+
+/// `N` numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Reals<const N: usize>;
+
+/// Constants that are numbers and nothing else.
+pub trait Parameters: Constants {
+    /// Those of one lane, without derivatives.
+    fn lane<K: Constant>(of: &Self::Of<K>, lane: usize) -> Self::Of<f64>;
+}
+
+impl<const N: usize> Parameters for Reals<N> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lane<K: Constant>(of: &[K; N], lane: usize) -> [f64; N] {
+        of.map(|number| number.lane(lane))
     }
 }
 
-impl<const L: usize> Beside<bool, L> for LaneMask<L> {
-    fn beside(lanes: [&bool; L]) -> Self {
-        let mut mask = Self::from_bool(false);
-        lanes.iter().enumerate().for_each(|(lane, truth)| mask.set(lane, **truth));
-        mask
+impl<const N: usize> Constants for Reals<N> {
+    type Of<K: Constant> = [K; N];
+
+    fn gather<const L: usize>(of_lanes: [&[f64; N]; L]) -> [Lanes<L>; N] {
+        from_fn(|i| Lanes::new(of_lanes.map(|numbers| numbers[i])))
     }
 }
 
-impl<T, B: Beside<T, L>, const N: usize, const L: usize> Beside<[T; N], L> for [B; N] {
-    fn beside(lanes: [&[T; N]; L]) -> Self {
-        std::array::from_fn(|i| B::beside(lanes.map(|lane| &lane[i])))
+/// `N` comparisons.
+#[derive(Clone, Copy, Debug)]
+pub struct Truths<const N: usize>;
+
+impl<const N: usize> Constants for Truths<N> {
+    type Of<K: Constant> = [K::Mask; N];
+
+    fn gather<const L: usize>(of_lanes: [&[bool; N]; L]) -> [LaneMask<L>; N] {
+        from_fn(|i| {
+            let mut mask = LaneMask::from_bool(false);
+            of_lanes.iter().enumerate().for_each(|(lane, truths)| mask.set(lane, truths[i]));
+            mask
+        })
+    }
+}
+
+/// A factored matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Factored<const N: usize>;
+
+impl<const N: usize> Constants for Factored<N> {
+    type Of<K: Constant> = K::Factor<N>;
+
+    fn gather<const L: usize>(of_lanes: [&Factor<f64, N>; L]) -> FactorsByLane<L, N> {
+        FactorsByLane::gather(of_lanes)
     }
 }
 
 /// As long as those of [`Numbers`](crate::ground::numbers::Numbers).
 macro_rules! tuples {
-    ($(($($part:ident $lane:ident $place:tt)+))+) => {$(
-        impl<$($part,)+ $($lane: Beside<$part, L>,)+ const L: usize> Beside<($($part,)+), L> for ($($lane,)+) {
-            fn beside(lanes: [&($($part,)+); L]) -> Self {
-                ($($lane::beside(lanes.map(|lane| &lane.$place)),)+)
+    ($(($($part:ident $place:tt)+))+) => {$(
+        impl<$($part: Constants,)+> Constants for ($($part,)+) {
+            type Of<Number: Constant> = ($($part::Of<Number>,)+);
+
+            fn gather<const LANES: usize>(of_lanes: [&Self::Of<f64>; LANES]) -> Self::Of<Lanes<LANES>> {
+                ($($part::gather(of_lanes.map(|parts| &parts.$place)),)+)
             }
         }
     )+};
 }
 
 tuples! {
-    (A Z 0)
-    (A Z 0 B Y 1)
-    (A Z 0 B Y 1 C X 2)
-    (A Z 0 B Y 1 C X 2 D W 3)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5 G T 6)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5 G T 6 H S 7)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5 G T 6 H S 7 I R 8)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5 G T 6 H S 7 I R 8 J Q 9)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5 G T 6 H S 7 I R 8 J Q 9 K P 10)
-    (A Z 0 B Y 1 C X 2 D W 3 E V 4 F U 5 G T 6 H S 7 I R 8 J Q 9 K P 10 M O 11)
+    (A 0)
+    (A 0 B 1)
+    (A 0 B 1 C 2)
+    (A 0 B 1 C 2 D 3)
+    (A 0 B 1 C 2 D 3 E 4)
+    (A 0 B 1 C 2 D 3 E 4 F 5)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10 L 11)
 }

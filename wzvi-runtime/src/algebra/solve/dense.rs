@@ -50,9 +50,9 @@ pub(super) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
 ///
 /// # Errors
 /// The cause, with the step size.
-pub fn prepared<T>(h: f64, outcome: Result<T, StepFailure>) -> Result<T, ConfigError> {
+pub fn prepared<T>(h: impl Scalar, outcome: Result<T, StepFailure>) -> Result<T, ConfigError> {
     outcome.map_err(|cause| match cause {
-        StepFailure::Singular { pivot, scale } => ConfigError::Singular { h, pivot, scale },
+        StepFailure::Singular { pivot, scale } => ConfigError::Singular { h: h.lane(0), pivot, scale },
         _ => ConfigError::Parameter,
     })
 }

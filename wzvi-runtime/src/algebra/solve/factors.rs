@@ -1,8 +1,11 @@
 //! Factored matrices beside each other, one for each lane.
 
+use std::array::from_fn;
+
 use super::dense::{Factor, substitute};
 use crate::algebra::lanes::{LaneMask, Lanes};
-use crate::algebra::scalar::{Beside, Mask, Scalar};
+use crate::algebra::scalar::{Constants, Mask, Reals, Scalar};
+use crate::error::StepFailure;
 
 /// [`Factor`] by lane. Each has the order of rows that its own pivots ask for.
 #[derive(Clone, Debug)]
@@ -33,8 +36,19 @@ impl<const L: usize, const N: usize> FactorsByLane<L, N> {
     }
 }
 
-impl<const L: usize, const N: usize> Beside<Factor<f64, N>, L> for FactorsByLane<L, N> {
-    fn beside(lanes: [&Factor<f64, N>; L]) -> Self {
+impl<const L: usize, const N: usize> FactorsByLane<L, N> {
+    /// Factors a matrix for each lane.
+    ///
+    /// # Errors
+    /// The first of those of [`Factor::new`].
+    pub fn new(matrix: [[Lanes<L>; N]; N]) -> Result<Self, StepFailure> {
+        let of_lane = |lane: usize| Factor::new(matrix.map(|row| row.map(|entry| entry[lane])));
+        let factors: Vec<Factor<f64, N>> = (0..L).map(of_lane).collect::<Result<_, _>>()?;
+        Ok(Self::gather(from_fn(|lane| &factors[lane])))
+    }
+
+    /// Those of all lanes.
+    pub fn gather(lanes: [&Factor<f64, N>; L]) -> Self {
         let parts = lanes.map(Factor::parts);
         let order = parts.first().map_or([0; N], |(_, order)| **order);
         let is_same = parts.iter().all(|(_, other)| **other == order);
@@ -45,7 +59,8 @@ impl<const L: usize, const N: usize> Beside<Factor<f64, N>, L> for FactorsByLane
             }
             Box::new(chosen)
         });
-        Self { lu: Beside::beside(parts.map(|(lu, _)| lu)), order, chosen }
+        let lu = from_fn(|row| Reals::gather(parts.map(|(lu, _)| &lu[row])));
+        Self { lu, order, chosen }
     }
 }
 
@@ -67,12 +82,17 @@ mod tests {
         assert!(orders.len() > 2, "{orders:?}");
         let b = [1.0, -0.0, 0.3];
         let lanes: [&Factor<f64, 3>; 4] = std::array::from_fn(|lane| &factors[lane]);
-        let solved = FactorsByLane::beside(lanes).apply(b.map(Lanes::<4>::from_f64));
+        let solved = FactorsByLane::gather(lanes).apply(b.map(Lanes::<4>::from_f64));
         for (lane, factor) in factors.iter().enumerate() {
             let alone = factor.apply(b);
             assert_eq!(solved.map(|x| x[lane].to_bits()), alone.map(f64::to_bits), "lane {lane}");
         }
-        let same = FactorsByLane::beside([&factors[1]; 4]);
+        let of_lanes = std::array::from_fn(|row| {
+            std::array::from_fn(|column| Lanes::new(matrices.map(|matrix| matrix[row][column])))
+        });
+        let same_bits = FactorsByLane::<4, 3>::new(of_lanes).unwrap().apply(b.map(Lanes::from_f64));
+        assert_eq!(same_bits, solved);
+        let same = FactorsByLane::gather([&factors[1]; 4]);
         assert!(same.chosen.is_none());
         assert_eq!(same.apply(b.map(Lanes::from_f64)).map(|x| x[3]), factors[1].apply(b));
     }

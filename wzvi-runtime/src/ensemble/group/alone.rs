@@ -125,8 +125,9 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             (alone(lane, &self.q), alone(lane, &self.p), alone(lane, self.increments.of(step)));
         let (system, prepared) = self.system_of(lane);
         let at = At { t, h: job.h, q: &mut q, p: &mut p, dw: &dw };
-        let outcome =
-            SchemeOf::<H, E>::advance::<Lanes<1>, Plain, false>(system, &prepared, at, memory, &mut Plain);
+        let outcome = SchemeOf::<H, E>::advance::<f64, Lanes<1>, Plain, false>(
+            system, &prepared, at, memory, &mut Plain,
+        );
         match outcome {
             Ok(_) => {
                 for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {

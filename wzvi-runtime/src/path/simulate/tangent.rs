@@ -14,7 +14,7 @@ use crate::path::step::StepInfo;
 use crate::path::steps::{Single, TakeStep, Unmonitored, take_steps};
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
-use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf, anew};
+use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are};
 
 /// Derivatives that are taken beside each other.
 const BESIDE: usize = 4;
@@ -130,7 +130,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         Ok(Self {
             whole,
             system,
-            prepared: SchemeOf::<H, E>::prepare(system, h)?,
+            prepared: SchemeOf::<H, E>::prepare(system, &as_they_are, h)?,
             h,
             blocks: (0..2 * degrees).step_by(BESIDE).map(block).collect(),
             dw: Vec::new(),
@@ -152,7 +152,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
                 numbers.iter_mut().zip(values.components()).for_each(|(number, value)| number.value = *value);
             }
             let at = At { t: before.t, h: *h, q: &mut *q, p: &mut *p, dw: &*own };
-            anew::advance::<H, SchemeOf<H, E>, Number>(system, prepared, at, memory)?;
+            anew::advance::<H, SchemeOf<H, E>, f64, Number>(system, prepared, at, memory)?;
             for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
                 end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
                 if !is_near(before, [after, end]) {

@@ -21,8 +21,8 @@ pub(super) struct Diagonal<N = f64> {
 }
 
 impl<const L: usize> Diagonal<Lanes<L>> {
-    /// Those of systems beside each other.
-    pub(super) fn beside(laws: [&Diagonal; L]) -> Self {
+    /// Those of systems in lanes.
+    pub(super) fn gather(laws: [&Diagonal; L]) -> Self {
         let list = |of: fn(&Diagonal) -> &[f64]| {
             let lists = laws.map(of);
             let degrees = lists.iter().map(|list| list.len()).min().unwrap_or(0);
@@ -42,13 +42,13 @@ pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
 /// Places that are taken beside each other.
 const BESIDE: usize = 8;
 
-impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
+impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
     /// All momenta, between two drifts over a time where there are coordinates; the heat.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>>(
         &self,
         normals: &[S],
-        mut drift: Option<(f64, &mut [S])>,
+        mut drift: Option<(N, &mut [S])>,
         p: &mut [S],
     ) -> S {
         let (mut heat, degrees) = (S::from_f64(0.0), self.decay.len().min(p.len()));
@@ -70,7 +70,7 @@ impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
     fn one_by_one<S: Scalar + Mul<N, Output = S>>(
         &self,
         normals: &[S],
-        mut drift: Option<(f64, &mut [S])>,
+        mut drift: Option<(N, &mut [S])>,
         p: &mut [S],
     ) -> S {
         let Self { decay, deviation, inverse_mass } = self;
@@ -94,7 +94,7 @@ impl<N: Copy + Mul<f64, Output = N>> Diagonal<N> {
         &self,
         places: Range<usize>,
         normals: &[S],
-        drift: Option<(f64, &mut [S])>,
+        drift: Option<(N, &mut [S])>,
         p: &mut [S],
     ) -> S {
         let zero = S::from_f64(0.0);

@@ -1,5 +1,6 @@
 //! The O parts of a step: their constants, their share of what drives it, and the heat that they bring.
 
+use std::any::Any;
 use std::ops::Range;
 
 use super::diagonal::{BLOCK, Diagonal};
@@ -7,8 +8,10 @@ use super::modes::Decay;
 use super::relaxation::Momenta;
 use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{ConfigError, StepFailure};
+use crate::scheme::system::without_derivatives;
 
 /// The O parts of a step: how many, with an equal share each, and how momenta decay in them.
 #[derive(Clone, Copy, Debug)]
@@ -27,18 +30,29 @@ impl Shares {
 ///
 /// # Errors
 /// [`ConfigError::Bath`]
-pub(super) fn prepare<T: Damped>(
+pub(super) fn prepare<T: Damped, K: Constant>(
     system: &T,
-    h: f64,
+    h: K,
     shares: Shares,
-) -> Result<Option<Relaxation>, ConfigError> {
-    let degrees = system.degrees();
+) -> Result<Option<Relaxation<K>>, ConfigError> {
+    let (h, degrees) = (without_derivatives(h)?, system.degrees());
     if degrees == 0 {
         Relaxation::check(system).map_err(ConfigError::Bath)?;
         return Ok(None);
     }
     let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(ConfigError::Bath)?;
-    Ok(Some(relaxation))
+    Ok(Some(relaxation.constant()))
+}
+
+/// Those of systems in lanes; `None` where there are none.
+pub(super) fn gather<const L: usize>(
+    of_lanes: [&Option<Relaxation>; L],
+) -> Option<Option<Relaxation<Lanes<L>>>> {
+    let mut relaxations = [of_lanes.first()?.as_ref()?; L];
+    for (relaxation, of_lane) in relaxations.iter_mut().zip(of_lanes) {
+        *relaxation = of_lane.as_ref()?;
+    }
+    Relaxation::gather(relaxations).map(Some)
 }
 
 /// Constants of steps of one size, of a system of so many degrees of freedom.
@@ -97,13 +111,13 @@ impl<S: Scalar> Memory<S> {
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
     /// [`StepFailure::Bath`] as [`prepare`]; what [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check) says in the first step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn parts<'m, T: Damped>(
+    pub(super) fn parts<'m, T: Damped, K: Constant>(
         &'m mut self,
         system: &'m T,
-        prepared: &'m Option<Relaxation>,
-        (h, shares, degrees): (f64, Shares, usize),
+        prepared: &'m Option<Relaxation<K>>,
+        (h, shares, degrees): (K, Shares, usize),
         (dw, noises): (&'m [S], usize),
-    ) -> Result<Parts<'m, T, S>, StepFailure> {
+    ) -> Result<Parts<'m, T, K, S>, StepFailure> {
         let expected = noises + normals(system, degrees, shares.parts);
         if dw.len() != expected {
             return Err(StepFailure::Increments { expected, got: dw.len() });
@@ -112,12 +126,14 @@ impl<S: Scalar> Memory<S> {
         let relaxation = match prepared {
             Some(relaxation) => relaxation,
             None => {
+                let h = h.lane(0);
                 let own = self.own.take().filter(|own| own.h == h && own.degrees == degrees);
                 let own = match own {
                     Some(own) => own,
                     None => Own::new(system, degrees, h, shares)?,
                 };
-                &self.own.insert(own).relaxation
+                // What knows no size is prepared of one system, without derivatives.
+                same(&self.own.insert(own).relaxation).ok_or(StepFailure::NonFinite)?
             }
         };
         let per_part = (expected - noises) / shares.parts;
@@ -126,66 +142,54 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
+/// A value of one type as what it is, if it is of that type.
+fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
+    (value as &dyn Any).downcast_ref()
+}
+
 /// Standard normals that drive a step with so many O parts.
 pub(super) fn normals<T: Damped>(system: &T, degrees: usize, parts: usize) -> usize {
     if system.temperature().is_some() { parts * degrees } else { 0 }
 }
 
 /// The O parts of a step.
-pub(super) struct Parts<'m, T, S> {
+pub(super) struct Parts<'m, T, K, S> {
     system: &'m T,
-    relaxation: &'m Relaxation,
+    relaxation: &'m Relaxation<K>,
     normals: &'m [S],
     per_part: usize,
     room: &'m mut Vec<S>,
     blocks: &'m mut Vec<f64>,
 }
 
-/// O parts of a step: of one system, or of several beside each other.
-pub(super) trait Relaxes<S: Scalar> {
+impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
+    /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
+        let Self { relaxation, normals, per_part, blocks, .. } = self;
+        let (law, normals) = (same(relaxation.diagonal()?)?, S::plain(normals)?);
+        blocks.resize(parts * degrees.div_ceil(BLOCK), 0.0);
+        Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
+    }
+
     /// Whether there is no friction, and nothing to do.
-    fn are_still(&self) -> bool;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn are_still(&self) -> bool {
+        self.relaxation.is_still()
+    }
 
     /// The first part between two drifts over `time`, and its heat; `None` where that is not done at once.
-    fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S>;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn apply_between_drifts(&mut self, time: K, q: &mut [S], p: &mut [S]) -> Option<S> {
+        self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
+    }
 
     /// Part number `part`, and its heat.
     ///
     /// # Errors
     /// [`StepFailure::Bath`] where friction is negative; `p` is then any.
-    fn apply<C: Carry<S>>(
-        &mut self,
-        part: usize,
-        q: &[S],
-        p: &mut [S],
-        lost: &mut [S],
-    ) -> Result<S, StepFailure>;
-}
-
-impl<'m, T: Damped, S: Scalar> Parts<'m, T, S> {
-    /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
-        let Self { relaxation, normals, per_part, blocks, .. } = self;
-        let (law, normals) = (relaxation.diagonal()?, S::plain(normals)?);
-        blocks.resize(parts * degrees.div_ceil(BLOCK), 0.0);
-        Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
-    }
-}
-
-impl<T: Damped, S: Scalar> Relaxes<S> for Parts<'_, T, S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn are_still(&self) -> bool {
-        self.relaxation.is_still()
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_between_drifts(&mut self, time: f64, q: &mut [S], p: &mut [S]) -> Option<S> {
-        self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply<C: Carry<S>>(
+    pub(super) fn apply<C: Carry<S>>(
         &mut self,
         part: usize,
         q: &[S],

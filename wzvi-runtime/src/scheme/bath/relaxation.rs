@@ -18,21 +18,22 @@ use super::Damped;
 use super::diagonal::Diagonal;
 use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::lanes::Lanes;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{BathError, StepFailure};
 
 /// The O part of a step, with everything that does not depend on the state.
 #[derive(Clone, Debug)]
-pub struct Relaxation(Law);
+pub struct Relaxation<K = f64>(Law<K>);
 
 /// Lists have one number per degree of freedom, matrices all rows, one after the other.
 #[derive(Clone, Debug)]
-enum Law {
+enum Law<K> {
     /// No friction.
     Still,
     /// Rates and masses by degree of freedom: lists.
-    Diagonal(Diagonal),
-    /// The same as matrices.
+    Diagonal(Diagonal<K>),
+    /// The same as matrices, of one system.
     Matrix { decay: Vec<f64>, deviation: Vec<f64>, inverse_mass: Vec<f64> },
     /// By the friction at each state.
     Frozen(Frozen),
@@ -114,6 +115,39 @@ impl Relaxation {
         }
     }
 
+    /// How much room [`Relaxation::apply`] needs.
+    pub(super) fn room<T: Damped>(degrees: usize) -> usize {
+        if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
+    }
+
+    /// The same in constants.
+    pub(super) fn constant<K: Constant>(self) -> Relaxation<K> {
+        Relaxation(match self.0 {
+            Law::Still => Law::Still,
+            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => {
+                let [decay, deviation, inverse_mass] =
+                    [decay, deviation, inverse_mass].map(|list| list.into_iter().map(K::from_f64).collect());
+                Law::Diagonal(Diagonal { decay, deviation, inverse_mass })
+            }
+            Law::Matrix { decay, deviation, inverse_mass } => Law::Matrix { decay, deviation, inverse_mass },
+            Law::Frozen(frozen) => Law::Frozen(frozen),
+        })
+    }
+
+    /// Those of systems in lanes: where rates and masses of all are lists, or none has friction.
+    pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
+        if of_lanes.iter().all(|law| law.is_still()) {
+            return Some(Relaxation(Law::Still));
+        }
+        let mut laws = [of_lanes.first()?.diagonal()?; L];
+        for (law, of_lane) in laws.iter_mut().zip(of_lanes) {
+            *law = of_lane.diagonal()?;
+        }
+        Some(Relaxation(Law::Diagonal(Diagonal::gather(laws))))
+    }
+}
+
+impl<K: Constant> Relaxation<K> {
     /// Whether there is no friction.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_still(&self) -> bool {
@@ -122,9 +156,9 @@ impl Relaxation {
 
     /// A drift over `time`, the O part, and the same drift again, in one pass over lists of masses and rates; `None` where they are no lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply_between_drifts<S: Scalar>(
+    pub(super) fn apply_between_drifts<S: Over<K>>(
         &self,
-        time: f64,
+        time: K,
         normals: &[S],
         q: &mut [S],
         p: &mut [S],
@@ -135,13 +169,8 @@ impl Relaxation {
 
     /// Rates and masses, if they are lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn diagonal(&self) -> Option<&Diagonal> {
+    pub(super) fn diagonal(&self) -> Option<&Diagonal<K>> {
         if let Law::Diagonal(law) = &self.0 { Some(law) } else { None }
-    }
-
-    /// How much room [`Relaxation::apply`] needs.
-    pub(super) fn room<T: Damped>(degrees: usize) -> usize {
-        if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
     }
 
     /// Moves the momenta, and gives the heat that they took: the gain of kinetic energy. Lanes do not account for it.
@@ -149,7 +178,7 @@ impl Relaxation {
     /// # Errors
     /// [`BathError::Friction`] where it is negative; `p` is then any.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply<T: Damped, S: Scalar, C: Carry<S>>(
+    pub(super) fn apply<T: Damped, S: Over<K>, C: Carry<S>>(
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
@@ -159,7 +188,7 @@ impl Relaxation {
             Law::Still => S::from_f64(0.0),
             Law::Diagonal(law) if !C::CARRIES => law.all_blocks(momenta.normals, None, momenta.p),
             Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
-                .relax::<C>(inverse_mass, |i| Ok((S::from_f64(decay[i]), S::from_f64(deviation[i]))))?,
+                .relax::<C, K>(inverse_mass, |i| Ok((S::constant(decay[i]), S::constant(deviation[i]))))?,
             Law::Matrix { decay, deviation, inverse_mass } => {
                 let d = momenta.p.len();
                 for (i, to) in room.iter_mut().enumerate().take(d) {
@@ -200,11 +229,14 @@ impl<S: Scalar> Momenta<'_, S> {
     /// # Errors
     /// Those of the constants `E` and `R / √h`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relax<C: Carry<S>>(
+    fn relax<C: Carry<S>, K: Constant>(
         &mut self,
-        inverse_mass: &[f64],
+        inverse_mass: &[K],
         constants: impl Fn(usize) -> Result<(S, S), StepFailure>,
-    ) -> Result<S, StepFailure> {
+    ) -> Result<S, StepFailure>
+    where
+        S: Over<K>,
+    {
         let mut heat = S::from_f64(0.0);
         for (i, inverse) in inverse_mass.iter().enumerate().take(self.p.len()) {
             let (decay, deviation) = constants(i)?;
@@ -276,7 +308,7 @@ fn check_rate(rate: f64) -> Result<f64, BathError> {
     if rate >= 0.0 && rate.is_finite() { Ok(rate) } else { Err(BathError::Friction { rate }) }
 }
 
-fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, BathError> {
+fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law<f64>, BathError> {
     let (mut decay, mut deviation) = (vec![1.0; rates.len()], vec![0.0; rates.len()]);
     for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
         if rate == 0.0 {
@@ -292,7 +324,12 @@ fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, B
 }
 
 /// One rate for masses that are a matrix.
-fn uniform(rate: Option<f64>, mass: &Factors, inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law, BathError> {
+fn uniform(
+    rate: Option<f64>,
+    mass: &Factors,
+    inverse_mass: Vec<f64>,
+    bath: &Bath,
+) -> Result<Law<f64>, BathError> {
     let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(0.0))?);
     let deviation: Vec<f64> = mass.mass.iter().map(|entry| noise * entry).collect();
     let mut decay = vec![0.0; deviation.len()];
@@ -307,7 +344,7 @@ fn constant(
     inverse_mass: Vec<f64>,
     bath: &Bath,
     d: usize,
-) -> Result<Law, BathError> {
+) -> Result<Law<f64>, BathError> {
     for i in 0..d {
         for j in 0..i {
             if gamma[i * d + j] != gamma[j * d + i] {
@@ -358,7 +395,7 @@ impl Frozen {
         let (rates, new) = room.split_at_mut(momenta.p.len());
         system.damping(momenta.q, rates);
         if T::HAS_DIAGONAL_MASSES {
-            return momenta.relax::<C>(&self.inverse_mass, |i| {
+            return momenta.relax::<C, f64>(&self.inverse_mass, |i| {
                 let (decay, noise) = self.mode(rates[i])?;
                 Ok((decay, noise / self.inverse_mass[i].sqrt()))
             });

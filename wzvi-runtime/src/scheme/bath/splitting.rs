@@ -8,10 +8,8 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::beside::Baths;
 use super::modes::Decay;
-use super::part::Shares;
-use super::part::{self, Relaxes};
+use super::part::{self, Parts, Shares};
 use super::relaxation::is_list;
 use super::windowed::WithBath;
 use super::word::{A, B, O, Spelling, Word};
@@ -19,19 +17,19 @@ use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{StepMemory, Threads};
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{BathError, ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
-use crate::scheme::compose::flows::{Flows, FlowsBeside, FlowsOf, Slopes};
+use crate::scheme::compose::flows::{Flows, FlowsOf};
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages, Take};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{self, Givens, least_alone, takes_windows};
 use crate::scheme::elements::Taken;
-use crate::scheme::gauss::{Field, Shape};
+use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
-use crate::scheme::system::{At, Exchange, Properties, Scheme, fits};
+use crate::scheme::system::{At, Exchange, Lift, Properties, Scheme, fits};
 
 /// A word of kicks, drifts and O parts, and how these are taken.
 pub trait Letters {
@@ -78,11 +76,12 @@ pub struct Splitting<W>(PhantomData<W>);
 
 /// What is computed once.
 #[derive(Clone, Debug)]
-pub struct Prepared {
+pub struct Prepared<P, K> {
+    parameters: P,
     flows: Stages,
     /// The same with neighbours as one: without friction nothing is between them.
     still: Stages,
-    relaxation: Option<Relaxation>,
+    relaxation: Option<Relaxation<K>>,
 }
 
 /// What a step leaves.
@@ -139,7 +138,7 @@ where
         is_variational: false,
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
-    type Prepared = Prepared;
+    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, K>;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
@@ -156,22 +155,34 @@ where
         Memory { flows: stages::Memory::of_system(system), bath: part::Memory::of_system(system) }
     }
 
-    fn prepare(system: &F, h: f64) -> Result<Self::Prepared, ConfigError> {
+    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         stages::check(system)?;
         let relaxation = part::prepare(system, h, shares::<W>())?;
         let substeps: Vec<Substep> =
             W::SPELLING.flows().iter().map(|&(half, weight, _)| (half, weight)).collect();
-        let factor = if W::IS_SHORTENED { shortened(system, h)? } else { 1.0 };
+        let factor = if W::IS_SHORTENED { shortened(system, h.lane(0))? } else { 1.0 };
         let flows = W::SPELLING.flows().iter().map(|&(half, weight, node)| (half, factor * weight, node));
         let flows = Stages::listed(flows);
-        Ok(Prepared { flows, still: Stages::of(&substeps), relaxation })
+        let parameters = parameters(system, lift, h)?;
+        Ok(Prepared { parameters, flows, still: Stages::of(&substeps), relaxation })
+    }
+
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        // Each system has kicks and drifts of its own length.
+        if W::IS_SHORTENED {
+            return None;
+        }
+        let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
+        let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
+        let Prepared { flows, still, .. } = (*prepared.first()?).clone();
+        Some(Prepared { parameters, flows, still, relaxation })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Self::Prepared,
-        At { t, h, q, p, dw }: At<'_, S>,
+        prepared: &Self::Prepared<K>,
+        At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -184,9 +195,10 @@ where
             && takes_windows::<F>(degrees)
             && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
+            let (t, h) = (t.lane(0), h.lane(0));
             let givens = Givens { t, h, q, p, dw: &own[..noises.min(own.len())] };
             if let Some(taken) =
-                in_windows::<F, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
+                in_windows::<F, K, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
             {
                 let (taken, heat) = taken?;
                 taken.copy(q, p);
@@ -196,9 +208,9 @@ where
         }
         let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
         let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
-        let mut word = Spoken::<_, _, S, W>::new(FlowsOf { system, t, h, count: list.len() }, parts);
-        let effort =
-            stages::advance(system, &mut word, list, At { t, h, q, p, dw: &dw[..noises] }, memory, carry)?;
+        let flows = FlowsOf { system, parameters: &prepared.parameters, t, h, count: list.len() };
+        let mut word = Spoken::<_, K, S, W>::new(flows, parts);
+        let effort = stages::advance(system, &mut word, list, [q, p], &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
     }
@@ -206,7 +218,7 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Self::Prepared,
+        prepared: &Self::Prepared<f64>,
         [t, h]: [f64; 2],
         [q, p]: [&mut F::Vector; 2],
         dw: &[f64],
@@ -218,7 +230,7 @@ where
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
             let Memory { flows, bath } = memory;
             if let Some(taken) =
-                in_windows::<F, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
+                in_windows::<F, f64, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
             {
                 let (taken, heat) = taken?;
                 taken.exchange(q, p);
@@ -227,34 +239,7 @@ where
             }
         }
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        Self::advance::<f64, C, CAREFUL>(system, prepared, at, memory, carry)
-    }
-
-    type Beside<const L: usize> = Beside<F, L>;
-
-    fn beside<const L: usize>(systems: [&F; L], prepared: [&Prepared; L]) -> Option<Beside<F, L>> {
-        // Each system has kicks and drifts of its own length.
-        if !is_list::<F>() || F::PER_STATE || W::IS_SHORTENED {
-            return None;
-        }
-        let first = *prepared.first()?;
-        let baths = Baths::new(systems, prepared.map(|prepared| &prepared.relaxation), F::noises)?;
-        let stages = if baths.are_still() { &first.still } else { &first.flows };
-        Some(Beside { flows: FlowsBeside::new(systems, stages)?, baths })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_beside<const L: usize>(
-        beside: &Beside<F, L>,
-        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure> {
-        let Beside { flows: system, baths } = beside;
-        let (Stages(list), (dw, parts)) =
-            (system.stages(), baths.parts(W::SPELLING.relaxes_before().len(), dw)?);
-        let flows = FlowsOf { system, t, h, count: list.len() };
-        let mut word = Spoken::<_, _, _, W>::new(flows, parts);
-        stages::advance(system, &mut word, list, At { t, h, q, p, dw }, &mut memory.flows, &mut Plain)
+        Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
 }
 
@@ -283,16 +268,16 @@ fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
 
 /// A step window by window, and its heat; `None` where friction and masses are no lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
+fn in_windows<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters>(
     system: &F,
-    prepared: &'m Prepared,
+    prepared: &'m Prepared<Of<F::Parameters, K>, K>,
     givens: Givens<'_>,
     dw: &[S],
     windows: &'m mut windowed::Memory,
     bath: &mut part::Memory<S>,
 ) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
     let (degrees, parts) = (givens.q.len(), W::SPELLING.relaxes_before().len());
-    let size = (givens.h, shares::<W>(), degrees);
+    let size = (K::from_f64(givens.h), shares::<W>(), degrees);
     let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
         Ok(driven) => driven,
         Err(failure) => return Some(Err(failure)),
@@ -303,25 +288,19 @@ fn in_windows<'m, F: Flows + Damped, S: Scalar, W: Letters>(
     Some(taken.map(|(taken, word)| (taken, word.heat())))
 }
 
-/// What a step of `L` systems beside each other reads of them.
-pub struct Beside<F: Field, const L: usize> {
-    flows: FlowsBeside<F, L>,
-    baths: Baths<L>,
-}
-
 /// The parts of a step.
-struct Spoken<'m, F, B, S, W> {
-    flows: FlowsOf<'m, F>,
-    parts: B,
+struct Spoken<'m, F: Field, K: Constant, S, W> {
+    flows: FlowsOf<'m, F, K>,
+    parts: Parts<'m, F, K, S>,
     heat: S,
     /// Whether the O part and the drift behind it have been taken with the drift before it.
     is_done: bool,
     word: PhantomData<W>,
 }
 
-impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Spoken<'m, F, B, S, W> {
+impl<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters> Spoken<'m, F, K, S, W> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(flows: FlowsOf<'m, F>, parts: B) -> Self {
+    fn new(flows: FlowsOf<'m, F, K>, parts: Parts<'m, F, K, S>) -> Self {
         Self { flows, parts, heat: S::from_f64(0.0), is_done: false, word: PhantomData }
     }
 
@@ -344,11 +323,11 @@ impl<'m, F, B: Relaxes<S>, S: Scalar, W: Letters> Spoken<'m, F, B, S, W> {
     }
 }
 
-impl<F, B, S, W> Take<S, F::Shape> for Spoken<'_, F, B, S, W>
+impl<F, K, S, W> Take<S, F::Shape> for Spoken<'_, F, K, S, W>
 where
-    F: Slopes<S>,
-    B: Relaxes<S>,
-    S: Scalar,
+    F: Flows + Damped,
+    K: Constant,
+    S: Over<K>,
     W: Letters,
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -366,7 +345,7 @@ where
             && !self.parts.are_still()
         {
             let Rooms { q, p, .. } = rooms;
-            let time = stage.weight * self.flows.h;
+            let time = self.flows.h * stage.weight;
             if let Some(heat) = self.parts.apply_between_drifts(time, q.as_mut(), p.as_mut()) {
                 (self.heat, self.is_done) = (self.heat + heat, true);
                 return Ok(());

@@ -5,22 +5,22 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::beside::Baths;
 use super::modes::Decay;
-use super::part::{self, Relaxes, Shares, normals};
-use super::relaxation::is_list;
+use super::part::{self, Parts, Shares, normals};
 use super::{Damped, Relaxation, with_bath};
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{Iteration, Method, StepMemory, Threads};
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::kept;
 use crate::scheme::elements::are_finite;
 use crate::scheme::plan::Plan;
-use crate::scheme::system::{At, Exchange, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits};
+use crate::scheme::system::{
+    At, Exchange, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits,
+};
 
 /// O parts in front of and behind a step.
 const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
@@ -31,9 +31,9 @@ pub struct Around<E>(PhantomData<E>);
 
 /// What is computed once.
 #[derive(Clone, Debug)]
-pub struct Prepared<M> {
+pub struct Prepared<M, K> {
     step: M,
-    relaxation: Option<Relaxation>,
+    relaxation: Option<Relaxation<K>>,
 }
 
 /// What a step leaves.
@@ -112,11 +112,10 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
         is_variational: false,
         ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)
     };
-    type Prepared = Prepared<PreparedOf<T, E>>;
+    type Prepared<K: Constant> = Prepared<PreparedOf<T, E, K>, K>;
     type Memory<S: Scalar> = Memory<S, MemoryOf<T, E, S>>;
     type Compensated<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Compensated<S>;
     type Carry<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Carry<S>;
-    type Beside<const L: usize> = Beside<<SchemeOf<T, E> as Scheme<T>>::Beside<L>, L>;
 
     fn increments(system: &T, degrees: usize) -> usize {
         SchemeOf::<T, E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
@@ -139,16 +138,22 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
         }
     }
 
-    fn prepare(system: &T, h: f64) -> Result<Self::Prepared, ConfigError> {
+    fn prepare<K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         let relaxation = part::prepare(system, h, SHARES)?;
-        Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, h)?, relaxation })
+        Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, lift, h)?, relaxation })
+    }
+
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
+        let step = SchemeOf::<T, E>::gather(prepared.map(|prepared| &prepared.step))?;
+        Some(Prepared { step, relaxation })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &T,
-        prepared: &Self::Prepared,
-        At { t, h, q, p, dw }: At<'_, S>,
+        prepared: &Self::Prepared<K>,
+        At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -165,52 +170,17 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
         let (effort, heat) = between(&mut parts, [q, p], (kept, lost), carry, |[q, p], memory, carry| {
             let at = At { t, h, q, p, dw: &dw[..noises] };
-            SchemeOf::<T, E>::advance::<S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
+            SchemeOf::<T, E>::advance::<K, S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
         })?;
         bath.heat = heat;
         Ok(effort)
     }
-
-    fn beside<const L: usize>(systems: [&T; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
-        if !is_list::<T>() || T::PER_STATE {
-            return None;
-        }
-        let relaxations = prepared.map(|prepared| &prepared.relaxation);
-        let noises = |system: &T| SchemeOf::<T, E>::increments(system, system.degrees());
-        let baths = Baths::new(systems, relaxations, noises)?;
-        let step = SchemeOf::<T, E>::beside(systems, prepared.map(|prepared| &prepared.step))?;
-        Some(Beside { step, baths })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_beside<const L: usize>(
-        beside: &Self::Beside<L>,
-        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure> {
-        let (expected, got) = (q.len(), p.len());
-        if got != expected {
-            return Err(StepFailure::Dimension { expected, got });
-        }
-        let (dw, mut parts) = beside.baths.parts(SHARES.parts, dw)?;
-        let Memory { kept, lost, .. } = memory;
-        let taken = between(&mut parts, [q, p], (kept, lost), &mut Plain, |[q, p], memory, _| {
-            SchemeOf::<T, E>::advance_beside(&beside.step, At { t, h, q, p, dw }, memory)
-        })?;
-        Ok(taken.0)
-    }
-}
-
-/// What a step of `L` systems beside each other reads of them.
-pub struct Beside<B, const L: usize> {
-    step: B,
-    baths: Baths<L>,
 }
 
 /// A step between its O parts, and the heat of both; a step that fails changes nothing.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
-    parts: &mut impl Relaxes<S>,
+fn between<T: Damped, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
+    parts: &mut Parts<'_, T, K, S>,
     [q, p]: [&mut [S]; 2],
     (kept, lost): (&mut kept::Memory<S, M, ()>, &mut [Vec<S>; 2]),
     carry: &mut C,
@@ -239,8 +209,8 @@ fn between<S: Scalar, C: Carry<S>, M: StepMemory>(
 
 /// An O part of a state, with what is carried for it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn relax<S: Scalar, C: Carry<S>>(
-    parts: &mut impl Relaxes<S>,
+fn relax<T: Damped, K: Constant, S: Over<K>, C: Carry<S>>(
+    parts: &mut Parts<'_, T, K, S>,
     part: usize,
     q: &[S],
     p: &mut [S],

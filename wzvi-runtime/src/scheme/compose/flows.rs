@@ -15,19 +15,19 @@
 use std::marker::PhantomData;
 
 use super::lagrangian::{self, Followed};
-use super::stages::{Fits, Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::stages::{Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
 use super::substeps::{Half, Substeps, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{self, Flow, Taken, WindowPlan, Word, add_slopes, nothing};
-use crate::scheme::gauss::{Field, Shape};
+use crate::scheme::elements::{Flow, Slopes, Taken, WindowPlan, Word, add_slopes, nothing};
+use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Hamiltonian, Properties, Scheme, Segment};
+use crate::scheme::system::{At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are};
 
 /// A system with `F = T(p) + V(q, t)`; generated.
 pub trait Flows: Field {
@@ -52,130 +52,6 @@ pub trait Flows: Field {
     }
 }
 
-/// What the flows of a step need to know in numbers `S`: of a system, or of several beside each other.
-pub(crate) trait Slopes<S: Scalar> {
-    /// As [`Field::Shape`].
-    type Shape: Shape;
-    /// As [`Flows::FORCE_READS_TIME`].
-    const FORCE_READS_TIME: bool;
-    /// Whether [`Slopes::add_force`] and [`Slopes::add_velocity`] add without room of their own.
-    const IN_PLACE: bool;
-
-    /// As [`Field::step_slopes`].
-    #[expect(clippy::too_many_arguments, reason = "as there")]
-    fn slopes<const BY_Q: bool, const BY_P: bool>(
-        &self,
-        t: f64,
-        h: f64,
-        q: &[S],
-        p: &[S],
-        dw: &[S],
-        by_q: &mut [S],
-        by_p: &mut [S],
-    );
-
-    /// `p ← p + ∂F/∂q`, only where it is [`Slopes::IN_PLACE`].
-    fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
-        let _ = (t, h, q, dw, p);
-    }
-
-    /// `q ← q + ∂F/∂p`, likewise.
-    fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
-        let _ = (t, h, p, dw, q);
-    }
-}
-
-impl<F: Flows, S: Scalar> Slopes<S> for F {
-    type Shape = <F as Field>::Shape;
-    const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
-    // Loops add to each place in turn.
-    const IN_PLACE: bool = !<<F as Field>::Shape as Shape>::IS_FIXED;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes<const BY_Q: bool, const BY_P: bool>(
-        &self,
-        t: f64,
-        h: f64,
-        q: &[S],
-        p: &[S],
-        dw: &[S],
-        by_q: &mut [S],
-        by_p: &mut [S],
-    ) {
-        Field::step_slopes::<S, BY_Q, BY_P>(self, S::from_f64(t), S::from_f64(h), q, p, dw, by_q, by_p);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force(&self, t: f64, h: f64, q: &[S], dw: &[S], p: &mut [S]) {
-        add_slopes(self, Flow { t, h, dw }, q, elements::Slopes::BY_COORDINATES, p);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_velocity(&self, t: f64, h: f64, p: &[S], dw: &[S], q: &mut [S]) {
-        add_slopes(self, Flow { t, h, dw }, p, elements::Slopes::BY_MOMENTA, q);
-    }
-}
-
-/// The flows of `L` systems beside each other.
-#[derive(Debug)]
-pub struct FlowsBeside<F: Field, const L: usize> {
-    stages: Stages,
-    parameters: F::Parameters<Lanes<L>>,
-    degrees: usize,
-    noises: usize,
-}
-
-impl<F: Flows, const L: usize> FlowsBeside<F, L> {
-    /// Of systems that go so, with stages that are the same for all.
-    pub(crate) fn new(systems: [&F; L], stages: &Stages) -> Option<Self> {
-        let first = *systems.first()?;
-        let (degrees, noises) = (first.degrees(), Hamiltonian::noises(first));
-        let parameters = F::parameters_beside(systems)?;
-        Some(Self { stages: stages.clone(), parameters, degrees, noises })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn stages(&self) -> &Stages {
-        &self.stages
-    }
-}
-
-impl<F: Flows, const L: usize> Slopes<Lanes<L>> for FlowsBeside<F, L> {
-    type Shape = <F as Field>::Shape;
-    const FORCE_READS_TIME: bool = <F as Flows>::FORCE_READS_TIME;
-    const IN_PLACE: bool = false;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes<const BY_Q: bool, const BY_P: bool>(
-        &self,
-        t: f64,
-        h: f64,
-        q: &[Lanes<L>],
-        p: &[Lanes<L>],
-        dw: &[Lanes<L>],
-        by_q: &mut [Lanes<L>],
-        by_p: &mut [Lanes<L>],
-    ) {
-        let [t, h] = [t, h].map(Lanes::from_f64);
-        F::slopes_over::<Lanes<L>, Lanes<L>, BY_Q, BY_P>(&self.parameters, t, h, q, p, dw, by_q, by_p);
-    }
-}
-
-impl<F: Field, const L: usize> Fits for FlowsBeside<F, L> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fits(&self, degrees: usize) -> bool {
-        degrees == self.degrees
-    }
-    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-        let (expected, got) = (self.degrees, degrees);
-        if got == expected { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn noises(&self) -> usize {
-        self.noises
-    }
-}
-
 /// The drifts and kicks `W` in turn.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W>(PhantomData<W>);
@@ -187,7 +63,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         fills_registers_from: least_alone::<F>(),
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
-    type Prepared = Stages;
+    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>>;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
@@ -196,15 +72,21 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         Memory::of_system(system)
     }
 
-    fn prepare(system: &F, _: f64) -> Result<Stages, ConfigError> {
-        check(system).map(|()| Stages::of(&W::list()))
+    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+        check(system)?;
+        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: Stages::of(&W::list()) })
+    }
+
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
+        Some(Prepared { parameters, stages: prepared.first()?.stages.clone() })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Stages,
-        At { t, h, q, p, dw }: At<'_, S>,
+        Prepared { parameters, stages: Stages(stages) }: &Self::Prepared<K>,
+        At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -212,36 +94,19 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
             && takes_windows::<F>(q.len())
             && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
-            let givens = Givens { t, h, q, p, dw };
-            let (taken, _) = memory.windows.advance(system, &prepared.0, givens, |flows| flows)?;
+            let givens = Givens { t: t.lane(0), h: h.lane(0), q, p, dw };
+            let (taken, _) = memory.windows.advance(system, stages, givens, |flows| flows)?;
             taken.copy(q, p);
             return Ok(Effort::fast(0));
         }
-        let mut flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &mut flows, &prepared.0, At { t, h, q, p, dw }, memory, carry)
-    }
-
-    type Beside<const L: usize> = FlowsBeside<F, L>;
-
-    fn beside<const L: usize>(systems: [&F; L], prepared: [&Stages; L]) -> Option<FlowsBeside<F, L>> {
-        FlowsBeside::new(systems, prepared.first()?)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_beside<const L: usize>(
-        beside: &FlowsBeside<F, L>,
-        At { t, h, q, p, dw }: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure> {
-        let Stages(stages) = &beside.stages;
-        let mut flows = FlowsOf { system: beside, t, h, count: stages.len() };
-        advance(beside, &mut flows, stages, At { t, h, q, p, dw }, memory, &mut Plain)
+        let mut flows = FlowsOf { system, parameters, t, h, count: stages.len() };
+        advance(system, &mut flows, stages, [q, p], dw, memory, carry)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Stages,
+        prepared: &Self::Prepared<f64>,
         [t, h]: [f64; 2],
         [q, p]: [&mut F::Vector; 2],
         dw: &[f64],
@@ -250,39 +115,48 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
     ) -> Result<Effort, StepFailure> {
         if takes_windows::<F>(q.components().len()) && !C::CARRIES {
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw };
-            let (taken, _) = memory.windows.advance(system, &prepared.0, givens, |flows| flows)?;
+            let (taken, _) = memory.windows.advance(system, &prepared.stages.0, givens, |flows| flows)?;
             taken.exchange(q, p);
             return Ok(Effort::fast(0));
         }
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        Self::advance::<f64, C, CAREFUL>(system, prepared, at, memory, carry)
+        Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
         let Stages(stages) = Stages::of(&W::list());
-        let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.len() };
+        let parameters = &system.parameters(&as_they_are);
+        let flows = FlowsOf { system, parameters, t: segment.t, h: segment.h, count: stages.len() };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || {
             flows.follow(&mut flows.clone(), &stages, segment, dw, |_, _, _| 0.0)
         })
     }
 }
 
+/// The parameters of a system, and the parts of a step.
+#[derive(Clone, Debug)]
+pub struct Prepared<P> {
+    pub(super) parameters: P,
+    pub(super) stages: Stages,
+}
+
 /// The flows in a step.
-pub(crate) struct FlowsOf<'a, F> {
+pub(crate) struct FlowsOf<'a, F: Field, K: Constant> {
     pub(crate) system: &'a F,
-    pub(crate) t: f64,
-    pub(crate) h: f64,
+    pub(crate) parameters: &'a Of<F::Parameters, K>,
+    pub(crate) t: K,
+    pub(crate) h: K,
     /// How many parts there are.
     pub(crate) count: usize,
 }
 
-impl<F> Clone for FlowsOf<'_, F> {
+impl<F: Field, K: Constant> Clone for FlowsOf<'_, F, K> {
     fn clone(&self) -> Self {
         Self { ..*self }
     }
 }
 
-impl<F: Slopes<S>, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
+impl<F: Flows, K: Constant, S: Over<K>> Take<S, F::Shape> for FlowsOf<'_, F, K> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
@@ -292,7 +166,7 @@ impl<F: Slopes<S>, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
         memory: &mut Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
         let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
-        let (t, h) = (self.t + stage.node * self.h, stage.share() * self.h);
+        let (t, h) = (self.t + self.h * stage.node, self.h * stage.share());
         match stage.half {
             Half::First => {
                 self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut())
@@ -307,7 +181,7 @@ impl<F: Slopes<S>, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
     }
 }
 
-impl<F: Flows> FlowsOf<'_, F> {
+impl<F: Flows> FlowsOf<'_, F, f64> {
     /// Where parts lead to, by a way to take them. A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick at `q` has
     /// `-b V(q)` and what `also` says of it. Both sums of weights are 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum
     /// up to values of `F`, less `F(q_0, p_0)`.
@@ -340,53 +214,64 @@ impl<F: Flows> FlowsOf<'_, F> {
     }
 }
 
-impl<F> FlowsOf<'_, F> {
+impl<F: Flows, K: Constant> FlowsOf<'_, F, K> {
+    /// Loops add to each place in turn, and need no room of their own.
+    const IN_PLACE: bool = !F::Shape::IS_FIXED;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn drift<S: Scalar, C: Carry<S>>(
+    fn drift<S: Over<K>, C: Carry<S>>(
         &self,
-        h: f64,
+        h: K,
         q: &mut [S],
         p: &[S],
         dw: &[S],
         velocity: &mut [S],
         lost: &mut [S],
-    ) where
-        F: Slopes<S>,
-    {
-        if F::IN_PLACE && !C::CARRIES {
-            return self.system.add_velocity(self.t, h, p, dw, q);
+    ) {
+        let &Self { system, parameters, t, .. } = self;
+        if Self::IN_PLACE && !C::CARRIES {
+            let flow = Flow { t: t.lane(0), h: h.lane(0), dw };
+            return add_slopes(system, flow, p, Slopes::BY_MOMENTA, q);
         }
-        self.system.slopes::<false, true>(self.t, h, q, p, dw, &mut [], velocity);
+        let [t, h] = [t, h].map(S::constant);
+        system.step_slopes::<K, S, false, true>(parameters, t, h, q, p, dw, &mut [], velocity);
         add::<S, C>(q, velocity, lost);
+    }
+
+    /// `p ← p + ∂F/∂q`, in loops.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_force<S: Over<K>>(&self, Origin { t, h }: Origin<K>, q: &[S], dw: &[S], p: &mut [S]) {
+        let flow = Flow { t: t.lane(0), h: h.lane(0), dw };
+        add_slopes(self.system, flow, q, Slopes::BY_COORDINATES, p);
     }
 
     #[expect(clippy::too_many_arguments, reason = "lists of a step, which lie beside each other")]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kick<S: Scalar, C: Carry<S>>(
+    fn kick<S: Over<K>, C: Carry<S>>(
         &self,
-        origin: Origin,
+        origin: Origin<K>,
         is_end: bool,
         q: &[S],
         p: &mut [S],
         force: &mut [S],
         lost: &mut [S],
         memory: &mut Memory<S, F::Shape>,
-    ) where
-        F: Slopes<S>,
-    {
+    ) {
+        let &Self { system, parameters, .. } = self;
         let Origin { t, h } = origin;
-        if F::IN_PLACE && !C::CARRIES && !is_end {
-            return self.system.add_force(t, h, q, &memory.dw, p);
+        if Self::IN_PLACE && !C::CARRIES && !is_end {
+            return self.add_force(origin, q, &memory.dw, p);
         }
         let is_kept = is_end && memory.dw.is_empty();
         if is_kept && memory.has_force(origin, F::FORCE_READS_TIME, q) {
             return add::<S, C>(p, memory.kept_force.as_ref(), lost);
         }
-        if F::IN_PLACE {
+        if Self::IN_PLACE {
             force.fill(nothing());
-            self.system.add_force(t, h, q, &memory.dw, force);
+            self.add_force(origin, q, &memory.dw, force);
         } else {
-            self.system.slopes::<true, false>(t, h, q, p, &memory.dw, force, &mut []);
+            let [t, h] = [t, h].map(S::constant);
+            system.step_slopes::<K, S, true, false>(parameters, t, h, q, p, &memory.dw, force, &mut []);
         }
         add::<S, C>(p, force, lost);
         if is_kept {

@@ -14,18 +14,20 @@
 use std::marker::PhantomData;
 
 use super::Partitioned;
-use super::flows::{Flows, FlowsOf};
+use super::flows::{Flows, FlowsOf, Prepared};
 use super::lagrangian;
 use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check};
 use super::substeps::{Substeps, plan};
 use crate::algebra::carry::{Carry, Plain};
-use crate::algebra::scalar::{Dual, Scalar};
+use crate::algebra::scalar::{Constant, Dual, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::gauss::{Field, Shape};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Hamiltonian, Properties, Scheme, Segment};
+use crate::scheme::system::{
+    At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives,
+};
 
 /// Tables whose kicks are by `b V - c |V'|²`, with the square of the force in the metric of the inverse masses.
 pub trait GradientTable: Partitioned {
@@ -43,7 +45,7 @@ impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> 
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
-    type Prepared = Stages;
+    type Prepared<K: Constant> = Prepared<Of<F::Parameters, f64>>;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
@@ -54,34 +56,36 @@ impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> 
         memory
     }
 
-    fn prepare(system: &F, _: f64) -> Result<Stages, ConfigError> {
+    fn prepare<K: Constant>(system: &F, _: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         const {
             assert!(
                 T::GRADIENT.len() == T::SEQUENCE.len(),
                 "a table with gradients has one for each drift and kick"
             );
         }
-        check(system).map(|()| Stages::of(&W::list()))
+        without_derivatives(h)?;
+        check(system)?;
+        Ok(Prepared { parameters: system.parameters(&as_they_are), stages: Stages::of(&W::list()) })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Stages,
-        At { t, h, q, p, dw }: At<'_, S>,
+        Prepared { parameters, stages: Stages(stages) }: &Self::Prepared<K>,
+        at: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let flows = FlowsOf { system, t, h, count: prepared.0.len() };
-        advance(system, &mut Kicks::of::<T>(flows), &prepared.0, At { t, h, q, p, dw }, memory, carry)
+        let At { t, h, q, p, dw } = at.plain();
+        let flows = FlowsOf { system, parameters, t, h, count: stages.len() };
+        advance(system, &mut Kicks::of::<T>(flows), stages, [q, p], dw, memory, carry)
     }
-
-    crate::__apart!(F);
 
     /// A kick has the discrete Lagrangian `-b V(q) + c |V'(q)|²`.
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
         let stages = Stages::of(&W::list());
-        let flows = FlowsOf { system, t: segment.t, h: segment.h, count: stages.0.len() };
+        let parameters = &system.parameters(&as_they_are);
+        let flows = FlowsOf { system, parameters, t: segment.t, h: segment.h, count: stages.0.len() };
         let kicks = Kicks::of::<T>(flows);
         let degrees = segment.q0.components().len();
         let mut taken = Kicks::of::<T>(kicks.flows.clone());
@@ -105,14 +109,14 @@ impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> 
 }
 
 /// The flows in a step, and the factors of the squares of the force.
-struct Kicks<'a, F> {
-    flows: FlowsOf<'a, F>,
+struct Kicks<'a, F: Field> {
+    flows: FlowsOf<'a, F, f64>,
     gradient: &'static [f64],
 }
 
 impl<'a, F: Flows> Kicks<'a, F> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of<T: GradientTable>(flows: FlowsOf<'a, F>) -> Self {
+    fn of<T: GradientTable>(flows: FlowsOf<'a, F, f64>) -> Self {
         Self { flows, gradient: T::GRADIENT }
     }
 
@@ -150,8 +154,8 @@ impl<F: Flows, S: Scalar> Take<S, F::Shape> for Kicks<'_, F> {
 }
 
 /// Where and for what a force is evaluated: of the fraction of the step Hamiltonian that is the stage's share.
-struct Kick<'a, F, S> {
-    flows: &'a FlowsOf<'a, F>,
+struct Kick<'a, F: Field, S> {
+    flows: &'a FlowsOf<'a, F, f64>,
     stage: &'a Stage,
     q: &'a [S],
     dw: &'a [S],
@@ -161,12 +165,12 @@ impl<F: Flows, S: Scalar> Kick<'_, F, S> {
     /// `V'` into `force` and `V'' T'' V'` into `change`; gives `|V'|²`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn differentiate(&self, room: &mut Directional<S>, force: &mut [S], change: &mut [S]) -> S {
-        let &Self { flows: &FlowsOf { system, t, h, .. }, stage, q, dw } = self;
+        let &Self { flows: &FlowsOf { system, parameters, t, h, .. }, stage, q, dw } = self;
         let (t, h) = (t + stage.node * h, stage.share() * h);
         let Directional { q: dual_q, p: dual_p, slopes, dw: dual_dw } = room;
         // The momenta do not matter to what is read: `V'`, and the constant `T''`.
-        Field::step_slopes::<S, true, false>(
-            system,
+        system.step_slopes::<f64, S, true, false>(
+            parameters,
             S::from_f64(t),
             S::from_f64(h),
             q,
@@ -185,14 +189,32 @@ impl<F: Flows, S: Scalar> Kick<'_, F, S> {
             *dual_p = Dual { value: zero, derivative: [force] };
         }
         let [t, h] = [t, h].map(Dual::from_f64);
-        Field::step_slopes::<Dual<1, S>, false, true>(system, t, h, dual_q, dual_p, dual_dw, &mut [], slopes);
+        system.step_slopes::<f64, Dual<1, S>, false, true>(
+            parameters,
+            t,
+            h,
+            dual_q,
+            dual_p,
+            dual_dw,
+            &mut [],
+            slopes,
+        );
         let mut square = zero;
         for ((dual_q, slope), &force) in dual_q.iter_mut().zip(&*slopes).zip(&*force) {
             let [along] = slope.derivative;
             dual_q.derivative = [along];
             square = square + force * along;
         }
-        Field::step_slopes::<Dual<1, S>, true, false>(system, t, h, dual_q, dual_p, dual_dw, slopes, &mut []);
+        system.step_slopes::<f64, Dual<1, S>, true, false>(
+            parameters,
+            t,
+            h,
+            dual_q,
+            dual_p,
+            dual_dw,
+            slopes,
+            &mut [],
+        );
         for (change, slope) in change.iter_mut().zip(&*slopes) {
             [*change] = slope.derivative;
         }

@@ -5,16 +5,17 @@ use std::marker::PhantomData;
 use super::kept::Memory;
 use super::lagrangian::{self, Followed};
 use super::substeps::{Half, Substep, Substeps, joint_plan, kept_energy, plan};
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Hamiltonian, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew, fits,
+    At, Hamiltonian, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
+    as_they_are, fits,
 };
 
 /// Steps `W` of `A` and of `B`, which may be one.
@@ -71,13 +72,13 @@ impl<A, B> Prepared<A, B> {
     /// # Errors
     /// That of the first part that has one.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
+    fn advance<K: Constant, S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
         &self,
-        At { t, h, q, p, dw }: At<'_, S>,
+        At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Memory<S, M, N>,
         carry: &mut C,
-        take_first: impl Fn(&A, At<'_, S>, &mut M, &mut C) -> Result<Effort, StepFailure>,
-        take_second: impl Fn(&B, At<'_, S>, &mut N, &mut C) -> Result<Effort, StepFailure>,
+        take_first: impl Fn(&A, At<'_, S, K>, &mut M, &mut C) -> Result<Effort, StepFailure>,
+        take_second: impl Fn(&B, At<'_, S, K>, &mut N, &mut C) -> Result<Effort, StepFailure>,
     ) -> Result<Effort, StepFailure> {
         memory.save(self.counts, q, p, dw, carry);
         let mut effort = Effort::fast(0);
@@ -87,7 +88,8 @@ impl<A, B> Prepared<A, B> {
             for (scaled, dw) in scaled.iter_mut().zip(dw) {
                 *scaled = *dw * part.weight;
             }
-            let at = At { t: t + part.start * h, h: part.weight * h, q: &mut *q, p: &mut *p, dw: scaled };
+            let (t, h) = (t + h * part.start, h * part.weight);
+            let at = At { t, h, q: &mut *q, p: &mut *p, dw: scaled };
             let taken = match &part.kind {
                 Kind::First(prepared) => {
                     first += 1;
@@ -112,9 +114,6 @@ impl<A, B> Prepared<A, B> {
     }
 }
 
-/// What is beside each other of the schemes that steps are made of.
-type BesideOf<H, E, const L: usize> = <SchemeOf<H, E> as Scheme<H>>::Beside<L>;
-
 impl<H, A, B, W> Scheme<H> for Pair<A, B, W>
 where
     H: Listed<A> + Listed<B>,
@@ -135,11 +134,10 @@ where
             ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
         }
     };
-    type Prepared = Prepared<PreparedOf<H, A>, PreparedOf<H, B>>;
+    type Prepared<K: Constant> = Prepared<PreparedOf<H, A, K>, PreparedOf<H, B, K>>;
     type Memory<S: Scalar> = Memory<S, MemoryOf<H, A, S>, MemoryOf<H, B, S>>;
     type Compensated<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Compensated<S>;
     type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
-    type Beside<const L: usize> = Prepared<BesideOf<H, A, L>, BesideOf<H, B, L>>;
 
     fn memory(system: &H) -> Self::Memory<f64> {
         let [first, second] = counts(&W::list());
@@ -150,12 +148,12 @@ where
         .with_room(system.degrees(), system.noises())
     }
 
-    fn prepare(system: &H, h: f64) -> Result<Self::Prepared, ConfigError> {
+    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         let (mut start, substeps) = (0.0, W::list());
         let parts = substeps.iter().map(|&(half, weight)| {
             let kind = match half {
-                Half::First => Kind::First(SchemeOf::<H, A>::prepare(system, weight * h)?),
-                Half::Second => Kind::Second(SchemeOf::<H, B>::prepare(system, weight * h)?),
+                Half::First => Kind::First(SchemeOf::<H, A>::prepare(system, lift, h * weight)?),
+                Half::Second => Kind::Second(SchemeOf::<H, B>::prepare(system, lift, h * weight)?),
             };
             let part = Part { start, weight, kind };
             start += weight;
@@ -164,11 +162,29 @@ where
         Ok(Prepared { parts: parts.collect::<Result<_, _>>()?, counts: counts(&substeps) })
     }
 
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        let first = prepared.first()?;
+        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, kind })| {
+            let kind = match kind {
+                Kind::First(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.first())?;
+                    Kind::First(SchemeOf::<H, A>::gather(of_lanes)?)
+                }
+                Kind::Second(_) => {
+                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.second())?;
+                    Kind::Second(SchemeOf::<H, B>::gather(of_lanes)?)
+                }
+            };
+            Some(Part { start: *start, weight: *weight, kind })
+        });
+        Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
-        prepared: &Self::Prepared,
-        at: At<'_, S>,
+        prepared: &Self::Prepared<K>,
+        at: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -181,48 +197,11 @@ where
             memory,
             carry,
             |prepared, at, memory, carry| {
-                SchemeOf::<H, A>::advance::<S, C, CAREFUL>(system, prepared, at, memory, carry)
+                SchemeOf::<H, A>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
             },
             |prepared, at, memory, carry| {
-                SchemeOf::<H, B>::advance::<S, C, CAREFUL>(system, prepared, at, memory, carry)
+                SchemeOf::<H, B>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
             },
-        )
-    }
-
-    fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
-        let first = prepared.first()?;
-        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, kind })| {
-            let kind = match kind {
-                Kind::First(_) => {
-                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.first())?;
-                    Kind::First(SchemeOf::<H, A>::beside(systems, of_lanes)?)
-                }
-                Kind::Second(_) => {
-                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.second())?;
-                    Kind::Second(SchemeOf::<H, B>::beside(systems, of_lanes)?)
-                }
-            };
-            Some(Part { start: *start, weight: *weight, kind })
-        });
-        Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_beside<const L: usize>(
-        beside: &Self::Beside<L>,
-        at: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure> {
-        let [expected, got] = [at.q.len(), at.p.len()];
-        if got != expected {
-            return Err(StepFailure::Dimension { expected, got });
-        }
-        beside.advance(
-            at,
-            memory,
-            &mut Plain,
-            |beside, at, memory, _| SchemeOf::<H, A>::advance_beside(beside, at, memory),
-            |beside, at, memory, _| SchemeOf::<H, B>::advance_beside(beside, at, memory),
         )
     }
 
@@ -253,10 +232,10 @@ fn part<H: Hamiltonian, T: Scheme<H>>(
     dw: &[f64],
 ) -> Option<f64> {
     let before = state.clone();
-    let prepared = T::prepare(system, h).ok()?;
+    let prepared = T::prepare(system, &as_they_are, h).ok()?;
     let mut memory = T::Memory::<f64>::default();
     let at = At { t: before.t, h, q: state.q.components_mut(), p: state.p.components_mut(), dw };
-    anew::advance::<H, T, f64>(system, &prepared, at, &mut memory).ok()?;
+    anew::advance::<H, T, f64, f64>(system, &prepared, at, &mut memory).ok()?;
     let p = T::step_momentum(system, &before, state, h, dw);
     let segment = Segment { q0: before.q, q1: state.q.clone(), p, t: before.t, h };
     Some(T::discrete_lagrangian(system, &segment, dw))

@@ -16,14 +16,14 @@ use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check, fol
 use super::structure::{Parted, Structure, TwoFlows};
 use super::substeps::{Half, Substep, Substeps, plan};
 use crate::algebra::carry::{Carry, Plain};
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Elements, Point, Slopes, slopes, value_of_part};
 use crate::scheme::gauss::Shape;
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Properties, Scheme, Segment};
+use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, without_derivatives};
 
 /// The form of a part of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +133,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
-    type Prepared = Prepared;
+    type Prepared<K: Constant> = Prepared;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
@@ -142,24 +142,24 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
         Memory::of_system(system)
     }
 
-    fn prepare(system: &F, h: f64) -> Result<Prepared, ConfigError> {
+    fn prepare<K: Constant>(system: &F, _: Lift<'_, K>, h: K) -> Result<Prepared, ConfigError> {
+        let h = without_derivatives(h)?;
         check(system)?;
         Prepared::new(system, system.degrees(), h, &W::list())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Prepared,
-        At { t, h, q, p, dw }: At<'_, S>,
+        at: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
+        let At { t, h, q, p, dw } = at.plain();
         let mut flows = FlowsOf { system, prepared, t, h };
-        advance(system, &mut flows, &prepared.stages.0, At { t, h, q, p, dw }, memory, carry)
+        advance(system, &mut flows, &prepared.stages.0, [q, p], dw, memory, carry)
     }
-
-    crate::__apart!(F);
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {

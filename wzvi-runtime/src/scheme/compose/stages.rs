@@ -6,18 +6,18 @@ use super::substeps::{Half, Substep};
 use super::windowed;
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{StepMemory, Threads};
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::are_finite;
 use crate::scheme::gauss::Shape;
-use crate::scheme::system::{At, Hamiltonian, Segment, fits};
+use crate::scheme::system::{Hamiltonian, Segment, fits};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
-pub struct Stages(pub(crate) Vec<Stage>);
+pub(crate) struct Stages(pub(crate) Vec<Stage>);
 
 /// A part of a step: the fraction `weight` of that of a whole step, at the fraction `node` of its time: as far as those of the
 /// other kind have come.
@@ -72,6 +72,8 @@ type List<S, H> = <H as Shape>::Of<S>;
 #[derive(Debug)]
 pub struct Memory<S: Scalar, H: Shape> {
     kept: Option<Origin>,
+    /// The same with derivatives, where numbers carry some.
+    kept_at: [S; 2],
     /// The coordinates that the force was evaluated at, and the increment of the momenta.
     kept_q: List<S, H>,
     pub(crate) kept_force: List<S, H>,
@@ -86,9 +88,21 @@ pub struct Memory<S: Scalar, H: Shape> {
 
 /// Time and weighted step size of a force.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Origin {
-    pub(crate) t: f64,
-    pub(crate) h: f64,
+pub(crate) struct Origin<K = f64> {
+    pub(crate) t: K,
+    pub(crate) h: K,
+}
+
+impl<K: Constant> Origin<K> {
+    /// With the derivatives that numbers carry.
+    fn list<S: Over<K>>(&self) -> [S; 2] {
+        [self.t, self.h].map(S::constant)
+    }
+}
+
+/// Whether numbers carry derivatives.
+const fn carry_derivatives<S: Scalar>() -> bool {
+    !S::IS_BESIDE && size_of::<S>() != size_of::<f64>()
 }
 
 /// What a step computes.
@@ -170,6 +184,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
         let list = || H::list(length, S::from_f64(0.0));
         Self {
             kept: None,
+            kept_at: [S::from_f64(0.0); 2],
             kept_q: list(),
             kept_force: list(),
             rooms: Rooms::of_length(length),
@@ -195,10 +210,20 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 
     /// Whether the force that is kept is that of a kick like this one.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn has_force(&self, Origin { t, h }: Origin, reads_time: bool, q: &[S]) -> bool {
+    pub(crate) fn has_force<K: Constant>(&self, origin: Origin<K>, reads_time: bool, q: &[S]) -> bool
+    where
+        S: Over<K>,
+    {
         let Some(kept) = self.kept else { return false };
+        let (t, h) = (origin.t.lane(0), origin.h.lane(0));
         if kept.h.to_bits() != h.to_bits() || (reads_time && kept.t.to_bits() != t.to_bits()) {
             return false;
+        }
+        if const { carry_derivatives::<S>() } {
+            let [kept, now] = [self.kept_at, origin.list()];
+            if !kept[1].is_identical(now[1]) || (reads_time && !kept[0].is_identical(now[0])) {
+                return false;
+            }
         }
         let mut is_same = true;
         for (&a, &b) in self.kept_q.as_ref().iter().zip(q) {
@@ -209,8 +234,14 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
 
     /// Keeps a force for the next step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn keep_force(&mut self, origin: Origin, q: &[S], force: &[S]) {
-        self.kept = Some(origin);
+    pub(crate) fn keep_force<K: Constant>(&mut self, origin: Origin<K>, q: &[S], force: &[S])
+    where
+        S: Over<K>,
+    {
+        self.kept = Some(Origin { t: origin.t.lane(0), h: origin.h.lane(0) });
+        if const { carry_derivatives::<S>() } {
+            self.kept_at = origin.list();
+        }
         self.kept_q.as_mut().copy_from_slice(q);
         self.kept_force.as_mut().copy_from_slice(force);
     }
@@ -243,30 +274,6 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     }
 }
 
-/// What says which states a step can be taken of.
-pub(crate) trait Fits {
-    /// As [`fits`].
-    fn fits(&self, degrees: usize) -> bool;
-    /// As [`Hamiltonian::check`].
-    fn check(&self, degrees: usize) -> Result<(), StepFailure>;
-    /// As [`Hamiltonian::noises`].
-    fn noises(&self) -> usize;
-}
-
-impl<F: Hamiltonian> Fits for F {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fits(&self, degrees: usize) -> bool {
-        fits(self, degrees)
-    }
-    fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-        Hamiltonian::check(self, degrees)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn noises(&self) -> usize {
-        Hamiltonian::noises(self)
-    }
-}
-
 /// How a part of a step is taken.
 pub(crate) trait Take<S: Scalar, H: Shape> {
     /// Moves the state in `rooms` by part `index` of a step, with `memory.dw` as its increments.
@@ -288,15 +295,16 @@ pub(crate) trait Take<S: Scalar, H: Shape> {
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
-    system: &impl Fits,
+    system: &impl Hamiltonian,
     taken: &mut impl Take<S, H>,
     stages: &[Stage],
-    At { q, p, dw, .. }: At<'_, S>,
+    [q, p]: [&mut [S]; 2],
+    dw: &[S],
     memory: &mut Memory<S, H>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
-    if memory.length() != degrees || memory.dw.len() != dw.len() || !system.fits(degrees) {
+    if memory.length() != degrees || memory.dw.len() != dw.len() || !fits(system, degrees) {
         system.check(degrees)?;
         memory.fit(degrees, dw.len());
     }

@@ -8,12 +8,12 @@ use super::{
     iterate, prepare, step_momentum,
 };
 use crate::algebra::carry::{Carry, Plain};
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::plan::Plan;
-use crate::scheme::system::{At, LagrangianGradient, Properties, Scheme, Segment};
+use crate::scheme::system::{At, LagrangianGradient, Lift, Properties, Scheme, Segment, without_derivatives};
 
 /// A system whose steps by `E` are solved in loops; generated.
 pub trait InLoops<E>: Shared + Sized {
@@ -42,7 +42,7 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         in_lanes: is_explicit(&H::QUADRATURE),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
-    type Prepared = ();
+    type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = Memory<S>;
     type Compensated<S: Scalar> = CompensationVec<S>;
     type Carry<S: Scalar> = Plain;
@@ -51,18 +51,20 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         Memory::new(system, &H::QUADRATURE)
     }
 
-    fn prepare(system: &H, _: f64) -> Result<(), ConfigError> {
+    fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
+        without_derivatives(h)?;
         prepare(system)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         (): &(),
-        at: At<'_, S>,
+        at: At<'_, S, K>,
         memory: &mut Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
+        let at = at.plain();
         if const { is_explicit(&H::QUADRATURE) } {
             advance_explicit(system, &H::QUADRATURE, at, memory, carry)
         } else {
@@ -86,8 +88,6 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
         iterate::advance::<H, f64, C, CAREFUL>(system, &H::QUADRATURE, at, memory, carry)
     }
-
-    crate::__apart!(H);
 
     fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
         discrete_lagrangian(system, &H::QUADRATURE, segment, dw)

@@ -1,11 +1,12 @@
 //! The discrete Lagrangian of a step with internal stages.
 
 use super::Field;
-use super::advance::{Friction, Prepared};
+use super::advance::{Friction, Prepared, PreparedOf};
 use super::kept::MemoryOf;
 use super::stages::Stages;
 use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
+use crate::algebra::stages::minus;
 use crate::algebra::state::Vector;
 use crate::scheme::system::Segment;
 
@@ -14,7 +15,7 @@ use crate::scheme::system::Segment;
 /// solution.
 pub(super) fn value<F: Field, const N: usize>(
     system: &F,
-    prepared: &Prepared<N>,
+    Prepared { parameters, common }: &PreparedOf<F, f64, N>,
     segment: &Segment<F::Vector>,
     dw: &[f64],
 ) -> f64 {
@@ -26,10 +27,10 @@ pub(super) fn value<F: Field, const N: usize>(
     }
     let mut memory = MemoryOf::<F, f64, N>::default();
     memory.fit(degrees, dw.len());
-    let table = prepared.table();
+    let table = common.table();
     let (mut given, mut lists) = (memory.given.take(), memory.lists.take());
-    given.read(prepared, q, p, dw, &Plain);
-    let step = given.step(system, prepared, segment.t, segment.h);
+    given.read(common, q, p, dw, &Plain);
+    let step = given.step(system, (parameters, common), [segment.t, segment.h]);
     if step.solve::<true>(&mut lists, &mut memory.left).is_err()
         || !step.finish([q, p], dw, &mut lists, &Plain)
     {
@@ -37,23 +38,26 @@ pub(super) fn value<F: Field, const N: usize>(
     }
     // The momenta of the stages, which the Nyström form does without: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
     let slopes = lists.slopes[1].as_ref();
-    let momenta: Vec<_> =
-        (0..degrees).map(|d| Lanes::<N>::splat(p[d]).minus(slopes[d].products(&table.mu))).collect();
+    let momenta: Vec<_> = (0..degrees)
+        .map(|d| minus::<_, f64, N>(Lanes::<N>::splat(p[d]), slopes[d].products(&table.mu)))
+        .collect();
     let mut action = 0.0;
     for i in 0..N {
         let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();
-        let Friction { scale, inverse, .. } = prepared.friction();
+        let Friction { scale, inverse, .. } = common.friction();
         let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i) * inverse[i]).collect();
         let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
         let t = segment.t + table.c[i] * segment.h;
-        system.step_slopes::<f64, false, true>(t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p);
+        system.step_slopes::<f64, f64, false, true>(
+            parameters, t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p,
+        );
         let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
         let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
         let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));
         // With friction these are parts of `e^{γ τ} H(q, e^{-γ τ} π)`.
         action += table.b[i] * scale[i] * (pairing - drift - noise.sum::<f64>());
     }
-    let scale = 1.0 / (1.0 + prepared.friction().decay);
+    let scale = 1.0 / (1.0 + common.friction().decay);
     let [next_q, next_p] = &lists.next;
     let ends = segment.q1.components().iter().zip(next_q.as_ref()).zip(next_p.as_ref());
     action + ends.map(|((end, reached), momentum)| scale * momentum * (end - reached)).sum::<f64>()

@@ -1,30 +1,39 @@
 //! The step of a Gauss method.
 
-use super::Field;
 use super::kept::{GivenOf, LeftOf, Lists, Memory, MemoryOf};
 use super::shape::Shape;
-use super::source::{Source, Systems};
 use super::stiff::Modes;
 use super::sweep::Solved;
 use super::table::Table;
-use crate::algebra::carry::{Carry, Plain};
+use super::{Field, parameters};
+use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, fits, no_nan};
+use crate::scheme::system::{At, Lift, fits, no_nan, without_derivatives};
 
-/// What is made once for a step size.
+/// What is made once for a step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
-pub struct Prepared<const N: usize> {
+pub struct Prepared<P, const N: usize> {
+    pub(super) parameters: P,
+    pub(super) common: Common<N>,
+}
+
+/// What of it is the same for systems in lanes.
+#[derive(Clone, Debug)]
+pub(super) struct Common<const N: usize> {
     table: Table<N>,
-    /// The linear part of a stiff force.
+    /// The linear part of a stiff force. It says how sweeps converge, not to what: it has no derivatives.
     modes: Option<Modes<N>>,
     /// Friction that the step takes in.
     friction: Friction<N>,
     instructions: InstructionSet,
 }
+
+/// That of a system.
+pub(super) type PreparedOf<F, K, const N: usize> = Prepared<Of<<F as Field>::Parameters, K>, N>;
 
 /// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
 #[derive(Clone, Copy, Debug)]
@@ -52,12 +61,32 @@ impl<const N: usize> Friction<N> {
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
-pub(super) fn prepare<F: Field, const N: usize>(system: &F, h: f64) -> Result<Prepared<N>, ConfigError> {
+pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
+    system: &F,
+    lift: Lift<'_, K>,
+    h: K,
+) -> Result<PreparedOf<F, K, N>, ConfigError> {
     no_nan(system)?;
+    if F::KIND.is_conformal {
+        without_derivatives(h)?;
+    }
     let table = Table::get();
-    let modes = Modes::new(system, &table, h);
-    let friction = Friction::new(system.friction_rate(), &table, h);
-    Ok(Prepared { table, modes, friction, instructions: InstructionSet::best() })
+    let parameters = parameters(system, lift, h)?;
+    let modes = Modes::new(system, &F::Parameters::lane(&parameters, 0), &table, h.lane(0));
+    let friction = Friction::new(system.friction_rate(), &table, h.lane(0));
+    let common = Common { table, modes, friction, instructions: InstructionSet::best() };
+    Ok(Prepared { parameters, common })
+}
+
+/// That of systems in lanes; `None` where a step has a part of its own for each of them, of friction or of a stiff force.
+pub(super) fn gather<F: Field, const L: usize, const N: usize>(
+    prepared: [&PreparedOf<F, f64, N>; L],
+) -> Option<PreparedOf<F, Lanes<L>, N>> {
+    if F::KIND.is_conformal || prepared.iter().any(|prepared| prepared.common.modes.is_some()) {
+        return None;
+    }
+    let parameters = super::gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
+    Some(Prepared { parameters, common: prepared.first()?.common.clone() })
 }
 
 /// The memory of a new stepper: all that its steps will need, where the system knows its size.
@@ -82,11 +111,11 @@ pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Sha
 /// # Errors
 /// [`StepFailure::NotConverged`], [`StepFailure::NonFinite`], or where sizes do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>(
+pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool>(
     system: &F,
-    prepared: &Prepared<N>,
-    At { t, h, q, p, dw }: At<'_, S>,
-    memory: &mut Memory<S, F::Shape, F::Noises, N>,
+    (parameters, common): (&Of<F::Parameters, K>, &Common<N>),
+    At { t, h, q, p, dw }: At<'_, S, K>,
+    memory: &mut MemoryOf<F, S, N>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
@@ -102,41 +131,17 @@ pub(super) fn advance<F: Field, S: Scalar, C: Carry<S>, const N: usize, const CA
     if dw.len() != system.noises() {
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
-    let step = ToTake::<F, S, C, N, CAREFUL> { source: system, prepared, t, h, q, p, dw, carry };
+    let step = ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, common, t, h, q, p, dw, carry };
     let run = Run { step, memory };
     // Other numbers than `f64` are not side by side, or are so already; and care is not compiled for each set of instructions.
     if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
-        prepared.instructions.run(run)
+        common.instructions.run(run)
     } else {
         run.run::<1, 1>()
     }
 }
 
-/// The same of `L` systems beside each other, without friction and a stiff part.
-///
-/// # Errors
-/// As above.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance_beside<F: Field, const L: usize, const N: usize>(
-    systems: &Systems<F, L, N>,
-    At { t, h, q, p, dw }: At<'_, Lanes<L>>,
-    memory: &mut Memory<Lanes<L>, F::Shape, F::Noises, N>,
-) -> Result<Effort, StepFailure> {
-    let Systems { prepared, degrees, noises, .. } = systems;
-    let [expected, got] = [*degrees, if q.len() == *degrees { p.len() } else { q.len() }];
-    if got != expected {
-        return Err(StepFailure::Dimension { expected, got });
-    }
-    if dw.len() != *noises {
-        return Err(StepFailure::Increments { expected: *noises, got: dw.len() });
-    }
-    memory.fit(*degrees, *noises);
-    let carry = &mut Plain;
-    let step = ToTake::<_, _, _, N, false> { source: systems, prepared, t, h, q, p, dw, carry };
-    Run { step, memory }.run::<1, 1>()
-}
-
-impl<const N: usize> Prepared<N> {
+impl<const N: usize> Common<N> {
     pub(super) fn table(&self) -> &Table<N> {
         &self.table
     }
@@ -151,11 +156,12 @@ impl<const N: usize> Prepared<N> {
 }
 
 /// A step to take.
-struct ToTake<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
-    source: &'a Y,
-    prepared: &'a Prepared<N>,
-    t: f64,
-    h: f64,
+struct ToTake<'a, F: Field, K: Constant, S, C, const N: usize, const CAREFUL: bool> {
+    system: &'a F,
+    parameters: &'a Of<F::Parameters, K>,
+    common: &'a Common<N>,
+    t: K,
+    h: K,
     q: &'a mut [S],
     p: &'a mut [S],
     dw: &'a [S],
@@ -163,13 +169,13 @@ struct ToTake<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: boo
 }
 
 /// The same with a memory.
-struct Run<'a, Y: Source<S>, S: Scalar, C, const N: usize, const CAREFUL: bool> {
-    step: ToTake<'a, Y, S, C, N, CAREFUL>,
-    memory: &'a mut MemoryOf<Y::Field, S, N>,
+struct Run<'a, F: Field, K: Constant, S: Scalar, C, const N: usize, const CAREFUL: bool> {
+    step: ToTake<'a, F, K, S, C, N, CAREFUL>,
+    memory: &'a mut MemoryOf<F, S, N>,
 }
 
-impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> Kernel
-    for Run<'_, Y, S, C, N, CAREFUL>
+impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool> Kernel
+    for Run<'_, F, K, S, C, N, CAREFUL>
 {
     type Output = Result<Effort, StepFailure>;
 
@@ -188,32 +194,30 @@ impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool> 
     }
 }
 
-impl<Y: Source<S>, S: Scalar, C: Carry<S>, const N: usize, const CAREFUL: bool>
-    ToTake<'_, Y, S, C, N, CAREFUL>
+impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool>
+    ToTake<'_, F, K, S, C, N, CAREFUL>
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(
         self,
-        given: &mut GivenOf<Y::Field, S, N>,
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        left: &mut LeftOf<Y::Field, S, N>,
+        given: &mut GivenOf<F, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
     ) -> Result<Effort, StepFailure> {
-        let Self { source, prepared, t, h, q, p, dw, carry } = self;
-        given.read(prepared, q, p, dw, carry);
+        let Self { system, parameters, common, t, h, q, p, dw, carry } = self;
+        given.read(common, q, p, dw, carry);
+        let step = given.step(system, (parameters, common), [t, h]);
         let solved = if S::IS_BESIDE && !C::CARRIES && !CAREFUL {
-            given.step(source, prepared, t, h).solve_beside([q, p], dw, lists, left)
-        } else if let Some(system) = source.system() {
-            let step = given.step(system, prepared, t, h);
-            step.solve_together::<C, CAREFUL>([q, p], dw, lists, left, carry)
+            step.solve_beside([q, p], dw, lists, left)
         } else {
-            Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY })
+            step.solve_together::<C, CAREFUL>([q, p], dw, lists, left, carry)
         };
         let Solved { effort, prefers_newton } = solved?;
         left.prefers_newton = prefers_newton;
         // With noise it is no guide to the next step, but it says what lies between the nodes: of one path.
         if !S::IS_BESIDE || dw.is_empty() {
             let [by_p, by_q] = &mut left.past;
-            if !S::IS_BESIDE || !Y::Field::IS_NYSTROM {
+            if !S::IS_BESIDE || !F::IS_NYSTROM {
                 std::mem::swap(by_p, &mut lists.slopes[0]);
             }
             std::mem::swap(by_q, &mut lists.slopes[1]);

@@ -9,15 +9,14 @@ use super::advance::advance;
 use super::equations::Step;
 use super::kept::{LeftOf, Lists, Memory};
 use super::shape::Shape;
-use super::source::Source;
 use super::stages::Stages;
 use super::sweep::{Solved, Swept};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::Iteration;
-use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::scalar::{Constant, Mask, Over, Parameters};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
-use crate::scheme::system::{At, Hamiltonian};
+use crate::scheme::system::At;
 
 /// One path of several, and what its steps before left.
 #[derive(Debug)]
@@ -34,7 +33,7 @@ impl<H: Shape, W: Shape, const N: usize> Default for Alone<H, W, N> {
     }
 }
 
-impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// Solves for the stages, and for the new state.
     ///
     /// # Errors
@@ -93,7 +92,7 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             lists.slopes.clone_from(&left.past);
             if F::KIND.is_conformal {
                 // They were left in the momentum of the step after.
-                let back = [(1.0 + self.prepared.friction().decay).recip(); N];
+                let back = [(1.0 + self.common.friction().decay).recip(); N];
                 lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
             }
             return self.follow(lists, &mut left.scratch, &mut ());
@@ -101,12 +100,10 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
         let from_past = self.dw.is_empty() && left.is_known && !CAREFUL;
         self.guess(lists, &mut left.past, &mut left.scratch, from_past);
     }
-}
 
-impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// Where Newton's method is tried first.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn prefers_newton(&self, left: &LeftOf<Y::Field, S, N>) -> S::Mask {
+    fn prefers_newton(&self, left: &LeftOf<F, S, N>) -> S::Mask {
         match left.iteration {
             Iteration::Automatic => left.prefers_newton,
             Iteration::Newton => S::Mask::from_bool(true),
@@ -116,9 +113,9 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
 
     /// With friction, slopes are left in the momentum of the step that follows.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momentum(&self, lists: &mut Lists<S, <Y::Field as Field>::Shape, N>) {
-        if Y::Field::KIND.is_conformal {
-            let left = [1.0 + self.prepared.friction().decay; N];
+    fn change_momentum(&self, lists: &mut Lists<S, F::Shape, N>) {
+        if F::KIND.is_conformal {
+            let left = [1.0 + self.common.friction().decay; N];
             lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&left));
         }
     }
@@ -132,8 +129,8 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         &self,
         state: [&[S]; 2],
         dw: &[S],
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        left: &mut LeftOf<Y::Field, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         let none = S::Mask::from_bool(false);
         // One path is faster with its stages beside each other.
@@ -169,12 +166,9 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         lane: usize,
         [q, p]: [&[S]; 2],
         dw: &[S],
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        left: &mut LeftOf<Y::Field, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
-        let Some(system) = self.source.system() else {
-            return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
-        };
         let (degrees, is_lane) = (q.len(), S::Mask::of_lane(lane));
         let room = left.alone.get_or_insert_default();
         let Alone { memory: own, q: own_q, p: own_p, dw: own_dw } = &mut **room;
@@ -191,8 +185,9 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
                 (0..N).for_each(|i| own.set(i, all.get(i).lane(lane)));
             }
         }
-        let at = At { t: self.t, h: self.h, q: own_q, p: own_p, dw: own_dw };
-        let effort = advance::<_, f64, Plain, N, false>(system, self.prepared, at, own, &mut Plain)?;
+        let prepared = (&F::Parameters::lane(self.parameters, lane), self.common);
+        let at = At { t: self.t.lane(lane), h: self.h.lane(lane), q: own_q, p: own_p, dw: own_dw };
+        let effort = advance::<_, f64, f64, Plain, N, false>(self.system, prepared, at, own, &mut Plain)?;
         for (all, own) in lists.next.iter_mut().zip([&*own_q, own_p]) {
             for (all, own) in all.as_mut().iter_mut().zip(own) {
                 *all = S::select(is_lane, S::from_f64(*own), *all);

@@ -11,9 +11,10 @@
 //! ```
 
 use super::Field;
-use super::advance::Prepared;
+use super::advance::{Prepared, PreparedOf};
 use super::kept::Memory;
 use super::stages::Stages;
+use crate::algebra::scalar::Of;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::plan::Plan;
@@ -26,7 +27,7 @@ pub(super) const fn dense_order(stages: u32, plan: &Plan) -> u32 {
 /// The slopes of the collocation polynomial of the last step.
 pub(super) fn slopes_between<F: Field, const N: usize>(
     system: &F,
-    prepared: &Prepared<N>,
+    Prepared { parameters, common }: &PreparedOf<F, f64, N>,
     memory: &Memory<f64, F::Shape, F::Noises, N>,
     before: &State<F::Vector>,
     h: f64,
@@ -38,7 +39,7 @@ pub(super) fn slopes_between<F: Field, const N: usize>(
     let degrees = before.q.components().len();
     debug_assert_eq!(by_q.len(), degrees, "a step has left its slopes");
     slopes.resize(if F::IS_NYSTROM { N + 1 } else { N }, degrees);
-    let projection = slopes.projection(&prepared.table().c);
+    let projection = slopes.projection(&common.table().c);
     let factors = projection.as_chunks::<N>().0;
     for d in 0..degrees {
         for (slope, factors) in slopes.of_mut(degrees + d).iter_mut().zip(factors) {
@@ -54,12 +55,19 @@ pub(super) fn slopes_between<F: Field, const N: usize>(
     }
     slopes.keep_projection(projection);
     if F::IS_NYSTROM {
-        drift(system, before, h, dw, slopes);
+        drift(system, parameters, before, h, dw, slopes);
     }
 }
 
 /// The coefficients of the coordinates from those of the momenta.
-fn drift<F: Field>(system: &F, before: &State<F::Vector>, h: f64, dw: &[f64], slopes: &mut Slopes) {
+fn drift<F: Field>(
+    system: &F,
+    parameters: &Of<F::Parameters, f64>,
+    before: &State<F::Vector>,
+    h: f64,
+    dw: &[f64],
+    slopes: &mut Slopes,
+) {
     let (q, p) = (before.q.components(), before.p.components());
     let (degrees, rows) = (q.len(), slopes.rows());
     let [mut momenta, mut spare, mut of_q] = slopes.take_room();
@@ -71,7 +79,9 @@ fn drift<F: Field>(system: &F, before: &State<F::Vector>, h: f64, dw: &[f64], sl
             let after = a.get(k + 1).map_or(0.0, |a| 0.5 * a / (2.0 * n + 3.0));
             *momentum = before - after;
         }
-        system.step_slopes::<f64, false, true>(before.t, h, q, &momenta, dw, &mut spare, &mut of_q);
+        system.step_slopes::<f64, f64, false, true>(
+            parameters, before.t, h, q, &momenta, dw, &mut spare, &mut of_q,
+        );
         for (d, slope) in of_q.iter().enumerate() {
             slopes.of_mut(d)[k] = *slope;
         }

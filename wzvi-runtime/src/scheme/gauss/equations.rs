@@ -1,21 +1,20 @@
 //! The equations of a step, `Y = φ(Y)`, and the state that follows from their solution.
 
 use super::Field;
-use super::advance::Prepared;
+use super::advance::Common;
 use super::kept::{Given, Lists, OfStages, Room};
 use super::shape::Shape;
-use super::source::Source;
 use super::stages::{Observer, Part, Stages};
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::Scalar;
-use crate::scheme::system::Hamiltonian;
+use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 
 /// The equations of a step.
-pub(super) struct Step<'a, Y, S: Scalar, const N: usize> {
-    pub(super) source: &'a Y,
-    pub(super) prepared: &'a Prepared<N>,
-    pub(super) t: f64,
-    pub(super) h: f64,
+pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
+    pub(super) system: &'a F,
+    pub(super) parameters: &'a Of<F::Parameters, K>,
+    pub(super) common: &'a Common<N>,
+    pub(super) t: K,
+    pub(super) h: K,
     /// `b_i ΔW_k`
     pub(super) dw: &'a [S::Stages<N>],
     /// `q` and `p` with what is carried.
@@ -25,14 +24,7 @@ pub(super) struct Step<'a, Y, S: Scalar, const N: usize> {
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     /// What is given of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn read<C: Carry<S>>(
-        &mut self,
-        prepared: &Prepared<N>,
-        q: &[S],
-        p: &[S],
-        dw: &[S],
-        carry: &C,
-    ) {
+    pub(super) fn read<C: Carry<S>>(&mut self, common: &Common<N>, q: &[S], p: &[S], dw: &[S], carry: &C) {
         let Self { start: [start_q, start_p], dw: weighted } = self;
         for (d, (start, q)) in start_q.as_mut().iter_mut().zip(q).enumerate() {
             *start = *q + carry.of_coordinate(d);
@@ -41,21 +33,20 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
             *start = *p + carry.of_momentum(d);
         }
         for (weighted, dw) in weighted.as_mut().iter_mut().zip(dw) {
-            *weighted = S::Stages::splat(*dw).times(&prepared.table().b);
+            *weighted = S::Stages::splat(*dw).times(&common.table().b);
         }
     }
 
     /// Its equations.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn step<'a, Y>(
+    pub(super) fn step<'a, F: Field, K: Constant>(
         &'a self,
-        source: &'a Y,
-        prepared: &'a Prepared<N>,
-        t: f64,
-        h: f64,
-    ) -> Step<'a, Y, S, N> {
+        system: &'a F,
+        (parameters, common): (&'a Of<F::Parameters, K>, &'a Common<N>),
+        [t, h]: [K; 2],
+    ) -> Step<'a, F, K, S, N> {
         let start = [self.start[0].as_ref(), self.start[1].as_ref()];
-        Step { source, prepared, t, h, dw: self.dw.as_ref(), start }
+        Step { system, parameters, common, t, h, dw: self.dw.as_ref(), start }
     }
 }
 
@@ -69,19 +60,19 @@ pub(super) struct Placement<'a, T> {
     pub(super) by_q: Option<&'a [T]>,
 }
 
-impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// `t + c_i h` for the stages of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(&self, part: usize) -> Part<S, N> {
-        let [t, h] = [self.t, self.h].map(|number| S::Stages::<N>::same(S::from_f64(number)));
-        S::Stages::weighted(h, &self.prepared.table().c, part) + t
+        let [t, h] = [self.t, self.h].map(|number| S::Stages::<N>::same(S::constant(number)));
+        S::Stages::weighted(h, &self.common.table().c, part) + t
     }
 
     /// `h b_i` for the stages of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn weights(&self, part: usize) -> Part<S, N> {
-        let h = S::Stages::<N>::same(S::from_f64(self.h));
-        S::Stages::weighted(h, &self.prepared.table().b, part)
+        let h = S::Stages::<N>::same(S::constant(self.h));
+        S::Stages::weighted(h, &self.common.table().b, part)
     }
 
     /// The stages that follow from slopes at the same or other ones, by the columns of `once` (of integrals of the slopes) or, in
@@ -91,10 +82,10 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         &self,
         into: Placement<'_, S::Stages<N>>,
         [once, twice]: [&[[f64; N]; N]; 2],
-        room: &mut Room<Y::Field, S, N>,
+        room: &mut Room<F, S, N>,
         observer: &mut impl Observer<Part<S, N>>,
     ) {
-        if Y::Field::IS_NYSTROM {
+        if F::IS_NYSTROM {
             self.place_coordinates(into, twice, room, observer);
             return;
         }
@@ -122,17 +113,17 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         &self,
         into: Placement<'_, S::Stages<N>>,
         twice: &[[f64; N]; N],
-        room: &mut Room<Y::Field, S, N>,
+        room: &mut Room<F, S, N>,
         observer: &mut impl Observer<Part<S, N>>,
     ) {
         let Placement { at: [q, p], by_p, by_q } = into;
         let mut rooms = room.parts.take();
-        let h = S::Stages::<N>::same(S::from_f64(self.h));
+        let h = S::Stages::<N>::same(S::constant(self.h));
         for part in 0..S::Stages::<N>::PARTS {
             let momenta = S::Stages::parts_mut(p, rooms.p.as_mut());
             for (d, momentum) in momenta.iter_mut().enumerate() {
                 let start = S::Stages::<N>::same(self.start[1][d]);
-                let unforced = S::Stages::weighted(start, &self.prepared.table().c, part);
+                let unforced = S::Stages::weighted(start, &self.common.table().c, part);
                 *momentum = match by_q {
                     Some(by_q) => unforced - by_q[d].product(twice, part),
                     None => unforced,
@@ -141,16 +132,7 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             let dw = S::Stages::parts(self.dw, part, rooms.dw.as_mut());
             let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
             let (t, one) = (self.times(part), &mut room.one);
-            self.source.slopes_of_part::<N, false, true>(
-                t,
-                h,
-                momenta,
-                momenta,
-                dw,
-                &mut [],
-                velocities,
-                one,
-            );
+            self.slopes::<false, true>(t, h, momenta, momenta, dw, &mut [], velocities, one);
             for (d, (stages, velocity)) in q.iter_mut().zip(&*velocities).enumerate() {
                 let next = S::Stages::<N>::same(self.start[0][d]) + *velocity;
                 observer.see(0, d, stages.part(part), next);
@@ -164,30 +146,25 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(
         &self,
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        past: &mut [OfStages<S, <Y::Field as Field>::Shape, N>; 2],
-        room: &mut Room<Y::Field, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        past: &mut [OfStages<S, F::Shape, N>; 2],
+        room: &mut Room<F, S, N>,
         from_past: bool,
     ) {
         let Lists { at: [q, p], slopes: [velocity, _], .. } = lists;
         let [by_p, by_q] = past;
-        let by_p = if Y::Field::IS_NYSTROM { velocity } else { by_p };
+        let by_p = if F::IS_NYSTROM { velocity } else { by_p };
         let into = Placement {
             at: [q.as_mut(), p.as_mut()],
             by_p: by_p.as_mut(),
             by_q: if from_past { Some(by_q.as_ref()) } else { None },
         };
-        self.place(into, [&self.prepared.table().nu, &self.prepared.table().kappa], room, &mut ());
+        self.place(into, [&self.common.table().nu, &self.common.table().kappa], room, &mut ());
     }
 
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except of paths whose slopes are to stay.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn field(
-        &self,
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        room: &mut Room<Y::Field, S, N>,
-        stay: S::Mask,
-    ) {
+    pub(super) fn field(&self, lists: &mut Lists<S, F::Shape, N>, room: &mut Room<F, S, N>, stay: S::Mask) {
         let Lists { at: [q, p], slopes: [by_p, by_q], spare, .. } = lists;
         let (q, p, by_p, by_q) = (q.as_ref(), p.as_ref(), by_p.as_mut(), by_q.as_mut());
         let mut rooms = room.parts.take();
@@ -196,25 +173,25 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             let q = S::Stages::parts(q, part, rooms.q.as_mut());
             let dw = S::Stages::parts(self.dw, part, rooms.dw.as_mut());
             let forces = S::Stages::parts_mut(by_q, rooms.by_q.as_mut());
-            if Y::Field::IS_NYSTROM {
+            if F::IS_NYSTROM {
                 let one = &mut room.one;
-                self.source.slopes_of_part::<N, true, false>(t, h, q, q, dw, forces, &mut [], one);
+                self.slopes::<true, false>(t, h, q, q, dw, forces, &mut [], one);
             } else {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
                 let one = &mut room.one;
-                if Y::Field::KIND.is_conformal {
-                    let friction = self.prepared.friction();
+                if F::KIND.is_conformal {
+                    let friction = self.common.friction();
                     let own = S::Stages::parts_mut(spare.as_mut(), rooms.p.as_mut());
                     for (own, p) in own.iter_mut().zip(p) {
                         *own = S::Stages::weighted(p.part(part), &friction.inverse, part);
                     }
-                    self.source.slopes_of_part::<N, true, true>(t, h, q, own, dw, forces, velocities, one);
+                    self.slopes::<true, true>(t, h, q, own, dw, forces, velocities, one);
                     for force in &mut *forces {
                         *force = S::Stages::weighted(*force, &friction.scale, part);
                     }
                 } else {
                     let p = S::Stages::parts(p, part, rooms.p.as_mut());
-                    self.source.slopes_of_part::<N, true, true>(t, h, q, p, dw, forces, velocities, one);
+                    self.slopes::<true, true>(t, h, q, p, dw, forces, velocities, one);
                 }
                 S::Stages::store(by_p, part, rooms.by_p.as_ref(), stay);
             }
@@ -229,23 +206,24 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         &self,
         [q, p]: [&[S]; 2],
         dw: &[S],
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
+        lists: &mut Lists<S, F::Shape, N>,
         carry: &C,
     ) -> S::Mask {
         let Lists { slopes: [by_p, by_q], next: [next_q, next_p], lost: [lost_q, lost_p], .. } = lists;
         let (by_p, by_q) = (by_p.as_ref(), by_q.as_ref());
         let (next_q, next_p) = (next_q.as_mut(), next_p.as_mut());
         let (lost_q, lost_p) = (lost_q.as_mut(), lost_p.as_mut());
-        if Y::Field::IS_NYSTROM {
+        if F::IS_NYSTROM {
             let mut rest = [0.0; N];
-            for (rest, c) in rest.iter_mut().zip(&self.prepared.table().c) {
+            for (rest, c) in rest.iter_mut().zip(&self.common.table().c) {
                 *rest = 1.0 - c;
             }
             for (d, momentum) in next_p.iter_mut().enumerate() {
                 *momentum = self.start[1][d] - by_q[d].times(&rest).total();
             }
-            let (t, h) = (S::from_f64(self.t), S::from_f64(self.h));
-            self.source.slopes::<false, true>(t, h, q, next_p, dw, lost_q, next_q);
+            let (t, h, system) = (S::constant(self.t), S::constant(self.h), self.system);
+            let parameters = self.parameters;
+            system.step_slopes::<K, S, false, true>(parameters, t, h, q, next_p, dw, lost_q, next_q);
         } else {
             for (increment, slopes) in next_q.iter_mut().zip(by_p) {
                 *increment = slopes.total();
@@ -256,8 +234,8 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         for d in 0..q.len() {
             (next_q[d], lost_q[d]) = C::add(q[d], next_q[d], carry.of_coordinate(d));
             let mut change = zero - by_q[d].total();
-            if Y::Field::KIND.is_conformal {
-                change = change + (self.start[1][d] + change) * self.prepared.friction().decay;
+            if F::KIND.is_conformal {
+                change = change + (self.start[1][d] + change) * self.common.friction().decay;
             }
             (next_p[d], lost_p[d]) = C::add(p[d], change, carry.of_momentum(d));
             zeros = zeros + next_q[d] * 0.0 + next_p[d] * 0.0;

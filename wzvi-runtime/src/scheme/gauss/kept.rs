@@ -8,6 +8,7 @@ use super::stages::{Part, Scratch, Stages};
 use super::stiff::Modal;
 use crate::algebra::memory::{Iteration, StepMemory};
 use crate::algebra::scalar::{Mask, Rounded, Scalar};
+use crate::algebra::stages::plus;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// What is given of a step of a system.
@@ -203,7 +204,7 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
         let mut zeros = S::Stages::<N>::splat(S::from_f64(0.0));
         for list in &self.at {
             for stages in list.as_ref() {
-                zeros = zeros.plus(stages.times(&[0.0; N]));
+                zeros = plus::<_, S, N>(zeros, stages.times(&[0.0; N]));
             }
         }
         zeros.total().is_finite()

@@ -9,7 +9,7 @@ use super::equations::Step;
 use super::kept::{ExactOf, LeftOf, Lists, Room as Scratch};
 use super::stages::Stages;
 use super::sweep::{Solved, UNSEEN};
-use crate::algebra::scalar::{Dual, Mask, Scalar};
+use crate::algebra::scalar::{Constant, Dual, Mask, Over, Parameters, Scalar};
 use crate::algebra::solve::{Banded, Problem, Room, damped};
 use crate::error::StepFailure;
 
@@ -53,21 +53,21 @@ impl<S> Default for Newton<S> {
 }
 
 /// The equations of all stages. Unknown number `(stage, kind, d)` stands at [`Equations::place`].
-struct Equations<'a, 's, F: Field, S: Scalar, const N: usize> {
-    step: &'a Step<'s, F, S, N>,
+struct Equations<'a, 's, F: Field, K: Constant, S: Scalar, const N: usize> {
+    step: &'a Step<'s, F, K, S, N>,
     lists: &'a mut Lists<S, F::Shape, N>,
     scratch: &'a mut Scratch<F, S, N>,
     exact: &'a mut ExactOf<F, N>,
     jacobian: &'a mut Jacobian<S>,
 }
 
-impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// Unknowns of a matrix that is factored: 50 MB of `f64`.
     pub(super) const MOST_UNKNOWNS: usize = 1500;
 
     /// How many there are.
     pub(super) fn unknowns(&self) -> usize {
-        N * Equations::<F, S, N>::KINDS * self.start[0].len()
+        N * Equations::<F, K, S, N>::KINDS * self.start[0].len()
     }
 
     /// Newton's method from the stages that are there.
@@ -119,22 +119,24 @@ impl<F: Field, S: Scalar, const N: usize> Step<'_, F, S, N> {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
             if F::KIND.is_conformal {
-                let inverse = stage.map_or(1.0, |stage| self.prepared.friction().inverse[stage]);
+                let inverse = stage.map_or(1.0, |stage| self.common.friction().inverse[stage]);
                 p[d] = p[d] * inverse;
             }
         }
         let (c, b) =
-            (self.prepared.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.prepared.table().b[i]));
-        let [t, h] = [self.h * c + self.t, self.h * b].map(Dual::from_f64);
-        Field::step_slopes::<Dual<1>, true, true>(self.source, t, h, q, p, dw, by_q, by_p);
+            (self.common.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.common.table().b[i]));
+        let [t, h] = [self.t, self.h].map(|number| number.lane(0));
+        let [t, h] = [h * c + t, h * b].map(Dual::from_f64);
+        let parameters = &F::Parameters::lane(self.parameters, 0);
+        self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, t, h, q, p, dw, by_q, by_p);
         if F::KIND.is_conformal {
-            let scale = stage.map_or(1.0, |stage| self.prepared.friction().scale[stage]);
+            let scale = stage.map_or(1.0, |stage| self.common.friction().scale[stage]);
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
         }
     }
 }
 
-impl<F: Field, S: Scalar, const N: usize> Equations<'_, '_, F, S, N> {
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, S, N> {
     /// Unknowns per degree of freedom and stage: in Nyström form the coordinates alone.
     const KINDS: usize = if F::IS_NYSTROM { 1 } else { 2 };
 
@@ -204,7 +206,7 @@ impl<F: Field, S: Scalar, const N: usize> Equations<'_, '_, F, S, N> {
     }
 }
 
-impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N> {
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_, '_, F, K, S, N> {
     type Number = S;
     type Vector = Vec<S>;
     // What is left of the stages is not random as rounding is.
@@ -247,9 +249,9 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
                         matrix.add(row, column, S::from_f64(value));
                     };
                     if F::IS_NYSTROM {
-                        add(0, 0, self.step.prepared.table().eta[j][i] * force);
+                        add(0, 0, self.step.common.table().eta[j][i] * force);
                     } else {
-                        let weight = self.step.prepared.table().mu[j][i];
+                        let weight = self.step.common.table().mu[j][i];
                         for column in 0..2 {
                             add(0, column, -weight * second(degrees + a, column * degrees + b));
                             add(1, column, weight * second(a, column * degrees + b));
@@ -274,7 +276,7 @@ impl<F: Field, S: Scalar, const N: usize> Problem for Equations<'_, '_, F, S, N>
         let are_settled = &mut self.jacobian.are_settled;
         are_settled.clear();
         are_settled.resize(unknowns, true);
-        self.step.residuals(self.step.source, 0, self.lists, self.exact, |kind, d, i, residual| {
+        self.step.residuals(0, self.lists, self.exact, |kind, d, i, residual| {
             are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(1.0);
         });
         move |k| are_settled[k]

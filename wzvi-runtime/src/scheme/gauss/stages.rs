@@ -1,8 +1,9 @@
 //! Slopes at the stages of a step, and room for them.
 
 use super::Field;
+use super::equations::Step;
 use super::shape::Shape;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Parameters, Scalar};
 pub use crate::algebra::stages::Stages;
 
 /// What learns of the stages that [`place`](super::advance::Step::place) replaces. (A trait: a closure that is called in several places
@@ -55,40 +56,55 @@ fn set_stage<S: Scalar, const N: usize>(part: &mut Part<S, N>, i: usize, number:
     *part = all.part(0);
 }
 
-/// The slopes of the step Hamiltonian at the stages of a part.
-#[expect(clippy::too_many_arguments, reason = "as `Field::step_slopes`")]
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn slopes<F: Field, S: Scalar, const N: usize, const BY_Q: bool, const BY_P: bool>(
-    system: &F,
-    t: Part<S, N>,
-    h: Part<S, N>,
-    q: &[Part<S, N>],
-    p: &[Part<S, N>],
-    dw: &[Part<S, N>],
-    by_q: &mut [Part<S, N>],
-    by_p: &mut [Part<S, N>],
-    one: &mut One<S>,
-) {
-    if F::IN_LANES || <S::Stages<N> as Stages<S, N>>::PARTS > 1 {
-        return system.step_slopes::<Part<S, N>, BY_Q, BY_P>(t, h, q, p, dw, by_q, by_p);
-    }
-    let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
-    for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
-        own.resize(q.len(), S::from_f64(0.0));
-    }
-    own_dw.resize(dw.len(), S::from_f64(0.0));
-    for i in 0..N {
-        for (own, all) in own_q.iter_mut().chain(&mut *own_p).zip(q.iter().chain(p)) {
-            *own = stage::<S, N>(all, i);
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
+    /// The slopes of the step Hamiltonian at the stages of a part.
+    #[expect(clippy::too_many_arguments, reason = "as `Field::step_slopes`")]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn slopes<const BY_Q: bool, const BY_P: bool>(
+        &self,
+        t: Part<S, N>,
+        h: Part<S, N>,
+        q: &[Part<S, N>],
+        p: &[Part<S, N>],
+        dw: &[Part<S, N>],
+        by_q: &mut [Part<S, N>],
+        by_p: &mut [Part<S, N>],
+        one: &mut One<S>,
+    ) {
+        let (system, parameters) = (self.system, self.parameters);
+        // A part is one stage, of any numbers.
+        if let Some(&[t, h]) = S::Stages::<N>::numbers(&[t, h])
+            && let (Some(q), Some(p), Some(dw)) =
+                (S::Stages::<N>::numbers(q), S::Stages::<N>::numbers(p), S::Stages::<N>::numbers(dw))
+            && let (Some(by_q), Some(by_p)) =
+                (S::Stages::<N>::numbers_mut(by_q), S::Stages::<N>::numbers_mut(by_p))
+        {
+            return system.step_slopes::<K, S, BY_Q, BY_P>(parameters, t, h, q, p, dw, by_q, by_p);
         }
-        own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = stage::<S, N>(all, i));
-        let [t, h] = [stage::<S, N>(&t, i), stage::<S, N>(&h, i)];
-        system.step_slopes::<S, BY_Q, BY_P>(t, h, own_q, own_p, own_dw, own_by_q, own_by_p);
-        if BY_Q {
-            by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
+        // It is all stages of one path.
+        if F::IN_LANES {
+            let parameters = &F::Parameters::lane(parameters, 0);
+            return system.step_slopes::<f64, Part<S, N>, BY_Q, BY_P>(parameters, t, h, q, p, dw, by_q, by_p);
         }
-        if BY_P {
-            by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
+        let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
+        for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
+            own.resize(q.len(), S::from_f64(0.0));
+        }
+        own_dw.resize(dw.len(), S::from_f64(0.0));
+        for i in 0..N {
+            for (own, all) in own_q.iter_mut().chain(&mut *own_p).zip(q.iter().chain(p)) {
+                *own = stage::<S, N>(all, i);
+            }
+            own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = stage::<S, N>(all, i));
+            let [t, h] = [stage::<S, N>(&t, i), stage::<S, N>(&h, i)];
+            system
+                .step_slopes::<K, S, BY_Q, BY_P>(parameters, t, h, own_q, own_p, own_dw, own_by_q, own_by_p);
+            if BY_Q {
+                by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
+            }
+            if BY_P {
+                by_p.iter_mut().zip(&*own_by_p).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
+            }
         }
     }
 }

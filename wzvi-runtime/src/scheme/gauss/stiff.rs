@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::Field;
 use super::stages::Stages;
 use super::table::Table;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Of, Scalar};
+use crate::algebra::stages::{minus, plus};
 
 /// Sweeps that leave less of the change than this are left as they are.
 const FAST: f64 = 0.1;
@@ -62,7 +63,12 @@ impl<T: Copy> Modal<T> {
 
 impl<const N: usize> Modes<N> {
     /// Those of a system, where it pays to have them.
-    pub(super) fn new<F: Field>(system: &F, table: &Table<N>, h: f64) -> Option<Self> {
+    pub(super) fn new<F: Field>(
+        system: &F,
+        parameters: &Of<F::Parameters, f64>,
+        table: &Table<N>,
+        h: f64,
+    ) -> Option<Self> {
         let degrees = system.degrees();
         let mut stiffness = vec![0.0; degrees * degrees];
         if !F::IS_STIFF || !F::IS_NYSTROM || degrees == 0 {
@@ -70,7 +76,7 @@ impl<const N: usize> Modes<N> {
         }
         system.stiffness(&mut stiffness);
         let stiffness = DMatrix::from_row_slice(degrees, degrees, &stiffness);
-        let inverse_mass = inverse_mass(system, degrees);
+        let inverse_mass = inverse_mass(system, parameters, degrees);
         if !stiffness.iter().chain(inverse_mass.iter()).all(|number| number.is_finite()) {
             return None;
         }
@@ -112,19 +118,21 @@ impl<const N: usize> Modes<N> {
         changes.clear();
         match basis {
             None => {
-                let moved = stages.iter().zip(&*before).map(|(after, before)| after.minus(*before));
+                let moved =
+                    stages.iter().zip(&*before).map(|(after, before)| minus::<_, S, N>(*after, *before));
                 changes.extend(moved.zip(filters).map(|(change, filter)| change.products(filter)));
                 for ((stages, before), change) in stages.iter_mut().zip(&*before).zip(&*changes) {
-                    *stages = before.plus(*change);
+                    *stages = plus::<_, S, N>(*before, *change);
                 }
             }
             Some([vectors, inverse]) => {
                 for (row, filter) in inverse.chunks_exact(degrees).zip(filters) {
-                    let moved = stages.iter().zip(&*before).map(|(after, before)| after.minus(*before));
+                    let moved =
+                        stages.iter().zip(&*before).map(|(after, before)| minus::<_, S, N>(*after, *before));
                     let mode = row
                         .iter()
                         .zip(moved)
-                        .fold(zero, |sum, (entry, change)| sum.plus(change.times(&[*entry; N])));
+                        .fold(zero, |sum, (entry, change)| plus::<_, S, N>(sum, change.times(&[*entry; N])));
                     changes.push(mode.products(filter));
                 }
                 for ((stages, before), row) in
@@ -133,7 +141,7 @@ impl<const N: usize> Modes<N> {
                     *stages = row
                         .iter()
                         .zip(&*changes)
-                        .fold(*before, |sum, (entry, mode)| sum.plus(mode.times(&[*entry; N])));
+                        .fold(*before, |sum, (entry, mode)| plus::<_, S, N>(sum, mode.times(&[*entry; N])));
                 }
             }
         }
@@ -141,14 +149,14 @@ impl<const N: usize> Modes<N> {
 }
 
 /// `M⁻¹`: the slopes of the kinetic energy at the unit momenta.
-fn inverse_mass<F: Field>(system: &F, degrees: usize) -> DMatrix<f64> {
+fn inverse_mass<F: Field>(system: &F, parameters: &Of<F::Parameters, f64>, degrees: usize) -> DMatrix<f64> {
     let (q, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let [mut p, mut by_q, mut by_p] = [q.clone(), q.clone(), q.clone()];
     let mut matrix = DMatrix::zeros(degrees, degrees);
     for column in 0..degrees {
         p.fill(0.0);
         p[column] = 1.0;
-        system.step_slopes::<f64, false, true>(0.0, 1.0, &q, &p, &dw, &mut by_q, &mut by_p);
+        system.step_slopes::<f64, f64, false, true>(parameters, 0.0, 1.0, &q, &p, &dw, &mut by_q, &mut by_p);
         (0..degrees).for_each(|row| matrix[(row, column)] = by_p[row]);
     }
     matrix

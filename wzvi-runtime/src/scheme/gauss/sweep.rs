@@ -3,10 +3,9 @@
 use super::Field;
 use super::equations::{Placement, Step};
 use super::kept::{ExactLists, ExactOf, LeftOf, Lists, Room};
-use super::source::Source;
 use super::stages::{Observer, Part, Stages};
 use super::stiff::Modal;
-use crate::algebra::scalar::{Mask, Rounded, Scalar};
+use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Rounded, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
 
@@ -64,18 +63,18 @@ impl<S: Scalar, const N: usize> Observer<Part<S, N>> for Relative<'_, S, N> {
     }
 }
 
-impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
+impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// The stages that follow from the slopes at those that are there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn follow(
         &self,
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        room: &mut Room<Y::Field, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        room: &mut Room<F, S, N>,
         observer: &mut impl Observer<Part<S, N>>,
     ) {
         let Lists { at: [q, p], slopes: [by_p, by_q], .. } = lists;
         let into = Placement { at: [q.as_mut(), p.as_mut()], by_p: by_p.as_mut(), by_q: Some(by_q.as_ref()) };
-        self.place(into, [&self.prepared.table().mu, &self.prepared.table().eta], room, observer);
+        self.place(into, [&self.common.table().mu, &self.common.table().eta], room, observer);
     }
 
     /// Sweeps from the stages that are there, until those of all paths that are wanted have ended. Slopes are then those of the sweep that
@@ -84,10 +83,10 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     pub(super) fn sweeps<const CAREFUL: bool>(
         &self,
         wanted: S::Mask,
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        left: &mut LeftOf<Y::Field, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        left: &mut LeftOf<F, S, N>,
     ) -> Swept<S> {
-        let LeftOf::<Y::Field, S, N> { scratch, modal, exact, .. } = left;
+        let LeftOf::<F, S, N> { scratch, modal, exact, .. } = left;
         let none = S::Mask::from_bool(false);
         // Nothing is known of the contraction before the second sweep.
         let (mut last, mut before_last) = (S::from_f64(0.0), S::from_f64(0.0));
@@ -123,18 +122,14 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
             let mut settle = going & is_small;
             let is_unclear = going & !is_small & !contracts;
             if sweeps > 2 && is_unclear.any() {
-                match self.source.system() {
-                    Some(system) => settle = settle | self.are_rounding(system, is_unclear, lists, exact),
-                    // It takes a system, which a path alone has.
-                    None => going = going & !is_unclear,
-                }
+                settle = settle | self.are_rounding(is_unclear, lists, exact);
             }
             if settle.any() {
                 // Derivatives that a number carries converge as fast as it does, but later.
                 if !S::IS_BESIDE && size_of::<S>() != size_of::<f64>() {
                     (0..sweeps + 2).for_each(|_| self.sweep(none, lists, scratch, modal, &mut ()));
                 }
-                if Y::Field::IS_STIFF && self.prepared.modes().is_some() {
+                if F::IS_STIFF && self.common.modes().is_some() {
                     // The slopes are those before the last change, by which a stiff force differs more than the stages do.
                     self.field(lists, scratch, are_settled);
                 }
@@ -161,14 +156,14 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     fn sweep(
         &self,
         stay: S::Mask,
-        lists: &mut Lists<S, <Y::Field as Field>::Shape, N>,
-        room: &mut Room<Y::Field, S, N>,
+        lists: &mut Lists<S, F::Shape, N>,
+        room: &mut Room<F, S, N>,
         modal: &mut Modal<S::Stages<N>>,
         observer: &mut impl Observer<Part<S, N>>,
     ) {
         self.field(lists, room, stay);
-        match self.prepared.modes() {
-            Some(modes) if Y::Field::IS_STIFF => {
+        match self.common.modes() {
+            Some(modes) if F::IS_STIFF => {
                 modal.remember(lists.at[0].as_ref());
                 self.follow(lists, room, &mut ());
                 modes.filter::<S>(lists.at[0].as_mut(), modal);
@@ -186,15 +181,14 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     #[inline(never)]
     fn are_rounding(
         &self,
-        system: &Y::Field,
         asked: S::Mask,
-        lists: &Lists<S, <Y::Field as Field>::Shape, N>,
-        exact: &mut ExactOf<Y::Field, N>,
+        lists: &Lists<S, F::Shape, N>,
+        exact: &mut ExactOf<F, N>,
     ) -> S::Mask {
         let mut found = S::Mask::from_bool(false);
         for lane in (0..S::LANES).filter(|&lane| asked.lane(lane)) {
             let mut all = true;
-            self.residuals(system, lane, lists, exact, |_, _, _, residual| all &= residual.is_below(1.0));
+            self.residuals(lane, lists, exact, |_, _, _, residual| all &= residual.is_below(1.0));
             if all {
                 found = found | S::Mask::of_lane(lane);
             }
@@ -205,10 +199,9 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
     /// `Y - φ(Y)` of the stages of one path, with the rounding of its terms: half of the phase space, degree of freedom, stage.
     pub(super) fn residuals(
         &self,
-        system: &Y::Field,
         lane: usize,
-        lists: &Lists<S, <Y::Field as Field>::Shape, N>,
-        exact: &mut ExactOf<Y::Field, N>,
+        lists: &Lists<S, F::Shape, N>,
+        exact: &mut ExactOf<F, N>,
         mut seen: impl FnMut(usize, usize, usize, Rounded),
     ) {
         let ExactLists { given, lists: exact, scratch } = exact.lists(self.start[0].len(), self.dw.len());
@@ -221,10 +214,11 @@ impl<Y: Source<S>, S: Scalar, const N: usize> Step<'_, Y, S, N> {
         for (exact, stages) in exact.at.iter_mut().zip(&lists.at) {
             read_nearest::<S, N>(exact.as_mut(), stages.as_ref(), lane);
         }
-        let step = given.step(system, self.prepared, self.t, self.h);
+        let parameters = &F::Parameters::lane(self.parameters, lane);
+        let step = given.step(self.system, (parameters, self.common), [self.t, self.h].map(|x| x.lane(lane)));
         step.field(exact, scratch, false);
         step.follow(exact, scratch, &mut ());
-        let kinds = if Y::Field::IS_NYSTROM { 1 } else { 2 };
+        let kinds = if F::IS_NYSTROM { 1 } else { 2 };
         for (kind, (exact, stages)) in exact.at.iter().zip(&lists.at).take(kinds).enumerate() {
             for (d, (next, stages)) in exact.as_ref().iter().zip(stages.as_ref()).enumerate() {
                 for (i, next) in next.iter().enumerate() {

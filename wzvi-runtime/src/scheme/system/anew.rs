@@ -3,7 +3,7 @@
 use super::{At, Hamiltonian, Scheme};
 use crate::algebra::carry::Plain;
 use crate::algebra::few::Few;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
 use crate::scheme::plan::Solver;
@@ -13,17 +13,17 @@ use crate::scheme::plan::Solver;
 /// # Errors
 /// Those of [`Scheme::advance`]; the state and `memory` are then as they were.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
-    prepared: &T::Prepared,
-    at: At<'_, S>,
+    prepared: &T::Prepared<K>,
+    at: At<'_, S, K>,
     memory: &mut T::Memory<S>,
 ) -> Result<Effort, StepFailure> {
     let At { t, h, q, p, dw } = at;
     // Paths beside each other all take the step, or none of them.
     let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
     let short = At { t, h, q: &mut *q, p: &mut *p, dw };
-    match T::advance::<S, Plain, false>(system, prepared, short, memory, &mut Plain) {
+    match T::advance::<K, S, Plain, false>(system, prepared, short, memory, &mut Plain) {
         Ok(effort) => Ok(effort),
         // What is not iterated fails with care, too.
         Err(cause) if !matches!(T::PLAN.solver, Solver::Newton) => Err(cause),
@@ -33,29 +33,29 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
                 p.copy_from_slice(&start_p);
                 *memory = known;
             }
-            with_care::<H, T, S>(system, prepared, At { t, h, q, p, dw }, memory)
+            with_care::<H, T, K, S>(system, prepared, At { t, h, q, p, dw }, memory)
         }
     }
 }
 
 /// From a memory that knows nothing: seldom, and out of line.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
-    prepared: &T::Prepared,
-    at: At<'_, S>,
+    prepared: &T::Prepared<K>,
+    at: At<'_, S, K>,
     memory: &mut T::Memory<S>,
 ) -> Result<Effort, StepFailure> {
     let At { t, h, q, p, dw } = at;
     let (effort, fresh) = match (Few::of(q), Few::of(p), Few::of(dw)) {
         (Some(few_q), Some(few_p), Some(dw)) => {
             let (effort, fresh, few_q, few_p) =
-                of_few::<H, T, S>(system, prepared.clone(), [t, h], few_q, few_p, dw)?;
+                of_few::<H, T, K, S>(system, prepared.clone(), [t, h], few_q, few_p, dw)?;
             q.copy_from_slice(&few_q);
             p.copy_from_slice(&few_p);
             (effort, fresh)
         }
-        _ => careful::<H, T, S>(system, prepared, At { t, h, q, p, dw })?,
+        _ => careful::<H, T, K, S>(system, prepared, At { t, h, q, p, dw })?,
     };
     *memory = fresh;
     Ok(effort)
@@ -66,27 +66,27 @@ type Taken<S, M> = (Effort, M, Few<S>, Few<S>);
 /// By value.
 #[cold]
 #[inline(never)]
-fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
-    prepared: T::Prepared,
-    [t, h]: [f64; 2],
+    prepared: T::Prepared<K>,
+    [t, h]: [K; 2],
     mut q: Few<S>,
     mut p: Few<S>,
     dw: Few<S>,
 ) -> Result<Taken<S, T::Memory<S>>, StepFailure> {
     let at = At { t, h, q: &mut q, p: &mut p, dw: &dw };
-    let (effort, fresh) = careful::<H, T, S>(system, &prepared, at)?;
+    let (effort, fresh) = careful::<H, T, K, S>(system, &prepared, at)?;
     Ok((effort, fresh, q, p))
 }
 
 #[cold]
 #[inline(never)]
-fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, S: Scalar>(
+fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
-    prepared: &T::Prepared,
-    at: At<'_, S>,
+    prepared: &T::Prepared<K>,
+    at: At<'_, S, K>,
 ) -> Result<(Effort, T::Memory<S>), StepFailure> {
     let mut fresh = Default::default();
-    let effort = T::advance::<S, Plain, true>(system, prepared, at, &mut fresh, &mut Plain)?;
+    let effort = T::advance::<K, S, Plain, true>(system, prepared, at, &mut fresh, &mut Plain)?;
     Ok((effort, fresh))
 }

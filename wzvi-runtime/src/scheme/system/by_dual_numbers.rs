@@ -11,7 +11,7 @@
 //! momentum with which the step starts.
 
 use super::anew::advance;
-use super::{At, Hamiltonian, LagrangianGradient, Scheme, Segment};
+use super::{At, Hamiltonian, LagrangianGradient, Scheme, Segment, as_they_are};
 use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::Vector;
 
@@ -33,7 +33,7 @@ pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
     if !T::PROPERTIES.is_variational {
         return nowhere();
     }
-    let Ok(prepared) = &T::prepare(system, segment.h) else { return nowhere() };
+    let Ok(prepared) = &T::prepare(system, &as_they_are, segment.h) else { return nowhere() };
     if segment.p.components().len() != d || segment.q1.components().len() != d {
         return nowhere();
     }
@@ -49,7 +49,7 @@ pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
         let dw: Vec<Dual<1>> = dw.iter().map(|&dw| Dual::from_f64(dw)).collect();
         let mut memory = T::Memory::<Dual<1>>::default();
         let at = At { t: segment.t, h: segment.h, q: &mut q, p: &mut p, dw: &dw };
-        advance::<H, T, _>(system, prepared, at, &mut memory).ok()?;
+        advance::<H, T, f64, _>(system, prepared, at, &mut memory).ok()?;
         Some([q, p])
     };
     let Some([reached, left_with]) = step(None) else { return nowhere() };

@@ -2,10 +2,10 @@
 
 use std::marker::PhantomData;
 
-use super::{At, Listed, Properties, Scheme, fits};
+use super::{At, Lift, Listed, Properties, Scheme, fits, without_derivatives};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
@@ -168,12 +168,13 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     const PLAN: Plan = H::FACTS.plan(Solver::Explicit, 0, T::ORDER, T::IS_CONSISTENT);
     const PROPERTIES: Properties =
         Properties { is_variational: false, ..Properties::of(&<Self as Scheme<H>>::PLAN, 0) };
-    type Prepared = ();
+    type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = Scratch<S>;
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
 
-    fn prepare(system: &H, _: f64) -> Result<(), ConfigError> {
+    fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
+        without_derivatives(h)?;
         if H::FACTS.is_damped {
             let wrong =
                 "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise";
@@ -183,13 +184,14 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         (): &(),
-        At { t, h, q, p, dw }: At<'_, S>,
+        at: At<'_, S, K>,
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
+        let At { t, h, q, p, dw } = at.plain();
         if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
             system.check(q.len())?;
         }
@@ -211,6 +213,4 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         scratch.restore(are_finite, [q, p]);
         Err(StepFailure::but_of::<S>(are_finite))
     }
-
-    crate::__apart!(H);
 }

@@ -6,7 +6,7 @@ use super::{Exchange, Hamiltonian, LagrangianGradient, Segment, by_dual_numbers}
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
@@ -15,17 +15,47 @@ use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan};
 
 /// What a step reads and moves: the state `(q, p)` at `t`, the step size and the increments.
 #[derive(Debug)]
-pub struct At<'a, S> {
+pub struct At<'a, S, K = f64> {
     /// Time at the start of the step.
-    pub t: f64,
+    pub t: K,
     /// Step size.
-    pub h: f64,
+    pub h: K,
     /// Coordinates, one number per degree of freedom.
     pub q: &'a mut [S],
     /// Momenta, likewise.
     pub p: &'a mut [S],
     /// Increments, [`Scheme::increments`] of them.
     pub dw: &'a [S],
+}
+
+impl<'a, S, K: Constant> At<'a, S, K> {
+    /// With time and step size as numbers of the first lane, without derivatives.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn plain(self) -> At<'a, S> {
+        let Self { t, h, q, p, dw } = self;
+        At { t: t.lane(0), h: h.lane(0), q, p, dw }
+    }
+}
+
+/// A parameter of the system as a constant of a step, from its number among [`Hamiltonian::parameter`] and its value.
+pub type Lift<'l, K> = &'l dyn Fn(usize, f64) -> K;
+
+/// [`Lift`] to what they are.
+pub fn as_they_are(_: usize, value: f64) -> f64 {
+    value
+}
+
+/// The step size, where it is an `f64` and so are the parameters.
+///
+/// # Errors
+/// [`ConfigError::Setting`] where they have derivatives, which the scheme does not take along.
+pub(crate) fn without_derivatives<K: Constant>(h: K) -> Result<f64, ConfigError> {
+    match K::plain(&[h]) {
+        Some(&[h]) => Ok(h),
+        _ => Err(ConfigError::Setting(
+            "steps of this scheme have no derivatives by parameters or by the step size".into(),
+        )),
+    }
 }
 
 /// What runs need to know of the steps of a scheme besides its [`Plan`].
@@ -74,8 +104,9 @@ pub trait Scheme<H: Hamiltonian> {
     /// What runs need to know besides.
     const PROPERTIES: Properties = Properties::of(&Self::PLAN, size_of::<Self::Memory<f64>>());
 
-    /// Everything that depends on the system and the step size only.
-    type Prepared: Clone + Debug + Send + Sync;
+    /// Everything that a step reads and that depends on the system and the step size only, in constants `K`: of one system, of one in each lane, or with
+    /// derivatives.
+    type Prepared<K: Constant>: Clone + Debug + Send + Sync;
 
     /// What one step leaves for the starting value of the next; of no size where nothing is iterated.
     type Memory<S: Scalar>: StepMemory;
@@ -86,9 +117,6 @@ pub trait Scheme<H: Hamiltonian> {
     /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
     /// else [`Plain`](crate::algebra::carry::Plain).
     type Carry<S: Scalar>: Carry<S>;
-
-    /// What a step of `L` systems beside each other reads of them; [`Apart`](crate::scheme::system::Apart) where they cannot be.
-    type Beside<const L: usize>;
 
     /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
     /// the standard normals of a bath.
@@ -103,13 +131,21 @@ pub trait Scheme<H: Hamiltonian> {
         Default::default()
     }
 
-    /// Computes what does not change from step to step.
+    /// Computes what does not change from step to step, from parameters and a step size that may have derivatives.
     ///
     /// # Errors
-    /// Where a parameter makes no sense, or a matrix that is factored here is singular.
-    fn prepare(system: &H, h: f64) -> Result<Self::Prepared, ConfigError>;
+    /// Where a parameter makes no sense, or a matrix that is factored here is singular; where there are derivatives and the scheme does not take them
+    /// along.
+    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError>;
 
-    /// One step in place. On `Err`, the state, `memory` and `carry` are as they were; where it is that of some
+    /// What is prepared of `L` systems for one step size, each in its lane; `None` where they do not go in lanes. Those that do still do where
+    /// some of them are replaced by others of them.
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        let _ = prepared;
+        None
+    }
+
+    /// One step in place. Of systems in lanes, `system` is any of them: it says what is the same for all. On `Err`, the state, `memory` and `carry` are as they were; where it is that of some
     /// [lanes](StepFailure::Lanes), those of these lanes, and the others have taken the step.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the
@@ -117,10 +153,10 @@ pub trait Scheme<H: Hamiltonian> {
     ///
     /// # Errors
     /// Where the step has no solution that could be found, or sizes do not fit.
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
-        prepared: &Self::Prepared,
-        at: At<'_, S>,
+        prepared: &Self::Prepared<K>,
+        at: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
@@ -132,7 +168,7 @@ pub trait Scheme<H: Hamiltonian> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &H,
-        prepared: &Self::Prepared,
+        prepared: &Self::Prepared<f64>,
         [t, h]: [f64; 2],
         [q, p]: [&mut H::Vector; 2],
         dw: &[f64],
@@ -140,27 +176,13 @@ pub trait Scheme<H: Hamiltonian> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        Self::advance::<f64, C, CAREFUL>(system, prepared, at, memory, carry)
+        Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
-
-    /// Of `L` systems, each with what is prepared of it for one step size; `None` where they do not go in lanes. Those that do still do where
-    /// some of them are replaced by others of them.
-    fn beside<const L: usize>(systems: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>>;
-
-    /// [`Scheme::advance`] with plain sums, of `L` systems, each in its lane.
-    ///
-    /// # Errors
-    /// Those of [`Scheme::advance`].
-    fn advance_beside<const L: usize>(
-        beside: &Self::Beside<L>,
-        at: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure>;
 
     /// The slopes of the scheme's own polynomial, of the step that was the last to leave something in `memory`.
     fn slopes_between(
         system: &H,
-        (prepared, memory): (&Self::Prepared, &Self::Memory<f64>),
+        (prepared, memory): (&Self::Prepared<f64>, &Self::Memory<f64>),
         before: &State<H::Vector>,
         h: f64,
         dw: &[f64],
@@ -223,7 +245,7 @@ pub trait Listed<E>: Hamiltonian + Sized {
 /// What takes the steps of `H` by `E`.
 pub type SchemeOf<H, E> = <H as Listed<E>>::Scheme;
 /// What is prepared of `H` for steps by `E`.
-pub type PreparedOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Prepared;
+pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
 /// How increments are added unless the user chooses.
 pub type CarryOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Carry<f64>;
 /// What a step of `H` by `E` leaves for the next.

@@ -1,13 +1,12 @@
 //! Steps that are solved in straight lines, block by block: what is generated for one scheme of a small system, and what is the same for all.
 
-use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use super::{At, LagrangianGradient, Properties, Scheme, Segment, Solution, array_mut, increments};
-use crate::algebra::carry::{Carry, Compensation, Plain};
+use super::{At, LagrangianGradient, Lift, Properties, Scheme, Segment, Solution, array_mut, increments};
+use crate::algebra::carry::{Carry, Compensation};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{Constant, Constants, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
@@ -21,7 +20,7 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     /// The quadrature that the discrete Lagrangian is.
     const QUADRATURE: elements::Quadrature;
     /// What does not change from step to step: numbers, truths and factors of matrices.
-    type Prepared<K: Constant>: Clone + Debug + Send + Sync;
+    type Prepared: Constants;
     /// One extrapolation for each block that is iterated on.
     type Memory<S: Scalar>: StepMemory;
     /// How increments are added unless the user chooses.
@@ -31,10 +30,7 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     ///
     /// # Errors
     /// Where a parameter is no number, or a matrix that is factored here is singular.
-    fn prepare(&self, h: f64) -> Result<Self::Prepared<f64>, ConfigError>;
-
-    /// That of `L` systems, each in its lane.
-    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Self::Prepared<Lanes<L>>;
+    fn prepare<K: Constant>(&self, lift: Lift<'_, K>, h: K) -> Result<Of<Self::Prepared, K>, ConfigError>;
 
     /// The end of the step into `next`.
     ///
@@ -42,9 +38,9 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     /// Where a block has no solution that could be found, or the end is not finite.
     #[expect(clippy::too_many_arguments, reason = "generated code reads each by its name")]
     fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-        prepared: &Self::Prepared<K>,
-        t: f64,
-        h: f64,
+        prepared: &Of<Self::Prepared, K>,
+        t: K,
+        h: K,
         q: [S; D],
         p: [S; D],
         dw: [S; N],
@@ -58,33 +54,6 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
 #[derive(Clone, Copy, Debug)]
 pub struct Straight<E, const D: usize, const N: usize>(PhantomData<E>);
 
-/// A step by what is prepared of one system, or of one in each lane.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn advance<H, E, K, S, C, const D: usize, const N: usize, const CAREFUL: bool>(
-    prepared: &H::Prepared<K>,
-    At { t, h, q, p, dw }: At<'_, S>,
-    memory: &mut H::Memory<S>,
-    carry: &mut C,
-) -> Result<Effort, StepFailure>
-where
-    H: StraightLine<E, D, N>,
-    K: Constant,
-    S: Over<K>,
-    C: Carry<S>,
-{
-    let (q, p) = (array_mut(q)?, array_mut(p)?);
-    let dw = increments::<_, N>(dw)?;
-    let mut next = Solution::nowhere();
-    let solved = H::solve::<S, K, C, CAREFUL>(prepared, t, h, *q, *p, dw, memory, carry, &mut next);
-    // What is not iterated on fails in all lanes.
-    if size_of::<H::Memory<f64>>() == 0 {
-        solved?;
-        Ok(next.store(q, p, carry))
-    } else {
-        next.arrive(solved, q, p, carry)
-    }
-}
-
 impl<H, E, const D: usize, const N: usize> Scheme<H> for Straight<E, D, N>
 where
     H: StraightLine<E, D, N>,
@@ -94,38 +63,38 @@ where
         kept_energy: H::QUADRATURE.kept_energy(H::PLAN.order),
         ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>())
     };
-    type Prepared = H::Prepared<f64>;
+    type Prepared<K: Constant> = Of<H::Prepared, K>;
     type Memory<S: Scalar> = H::Memory<S>;
     type Compensated<S: Scalar> = Compensation<S, D>;
     type Carry<S: Scalar> = H::Carry<S>;
-    type Beside<const L: usize> = H::Prepared<Lanes<L>>;
 
-    fn prepare(system: &H, h: f64) -> Result<Self::Prepared, ConfigError> {
-        system.prepare(h)
+    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+        system.prepare(lift, h)
+    }
+
+    fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        Some(H::Prepared::gather(prepared))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+    fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         _: &H,
-        prepared: &Self::Prepared,
-        at: At<'_, S>,
+        prepared: &Self::Prepared<K>,
+        At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        advance::<H, E, f64, S, C, D, N, CAREFUL>(prepared, at, memory, carry)
-    }
-
-    fn beside<const L: usize>(_: [&H; L], prepared: [&Self::Prepared; L]) -> Option<Self::Beside<L>> {
-        Some(H::gather(prepared))
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_beside<const L: usize>(
-        beside: &Self::Beside<L>,
-        at: At<'_, Lanes<L>>,
-        memory: &mut Self::Memory<Lanes<L>>,
-    ) -> Result<Effort, StepFailure> {
-        advance::<H, E, Lanes<L>, Lanes<L>, Plain, D, N, false>(beside, at, memory, &mut Plain)
+        let (q, p) = (array_mut(q)?, array_mut(p)?);
+        let dw = increments::<_, N>(dw)?;
+        let mut next = Solution::nowhere();
+        let solved = H::solve::<S, K, C, CAREFUL>(prepared, t, h, *q, *p, dw, memory, carry, &mut next);
+        // What is not iterated on fails in all lanes.
+        if size_of::<H::Memory<f64>>() == 0 {
+            solved?;
+            Ok(next.store(q, p, carry))
+        } else {
+            next.arrive(solved, q, p, carry)
+        }
     }
 
     fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
