@@ -1,4 +1,4 @@
-//! Derivatives of the end of a run by its start.
+//! Derivatives of the end of a run by its start, by parameters and by the step size.
 
 use fixtures::small::{DoubleWell, Kepler, Kubo};
 use wzvi::error::{ConfigError, Error, StepError, StepFailure};
@@ -18,6 +18,44 @@ struct Chain;
 /// A well of arithmetic only.
 #[hamiltonian(drift = |q, p| 0.5 * p * p + 2.0 * q.powi(4) - 3.0 * q * q, embedding = [Midpoint, Gauss<2>])]
 struct Well;
+
+/// Parameters in both energies, beside the time, and in a comparison.
+#[hamiltonian(
+    drift = |q, p, t| 0.5 * p * p / m - k * q.cos() + f * (w * t).cos() * q + if k < m { 0.1 * k * q * q } else { 0.2 * q * q },
+    embedding = [DeltaPlus, Midpoint, Verlet, Gauss<3>],
+)]
+struct Driven {
+    m: f64,
+    k: f64,
+    f: f64,
+    w: f64,
+}
+
+/// Mid-point steps of it have a matrix of four equations that is factored once.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) + 0.5 * (a * x * x + b * y * y) + c * x * y + c * x * v,
+    noise = |[_, y], _| -s * y,
+    embedding = [Midpoint, DeltaMinus],
+)]
+struct Linear {
+    a: f64,
+    b: f64,
+    c: f64,
+    s: f64,
+}
+
+/// A Hamiltonian times a number.
+#[hamiltonian(drift = |q, p| scale * (0.5 * p * p * (1.0 + 0.1 * q * q) + q.powi(4)), embedding = [Midpoint, Gauss<4>])]
+struct Scaled {
+    scale: f64,
+}
+
+/// With friction of a rate that steps take in.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + k * q * q, friction = gamma, embedding = [Midpoint, Gauss<2>])]
+struct Damped {
+    k: f64,
+    gamma: f64,
+}
 
 /// The largest entry of `Mᵀ J M - J`.
 fn defect(matrix: &DMatrix<f64>) -> f64 {
@@ -103,6 +141,146 @@ fn noise_is_taken_as_given() {
         (run(0.9 + 1e-6).run().unwrap().last().q[0] - run(0.9 - 1e-6).run().unwrap().last().q[0]) / 2e-6;
     assert!((tangent.by_start[(0, 0)] - difference).abs() < 1e-7, "{difference}");
     assert!((tangent.by_start.determinant() - 1.0).abs() < 1e-12);
+}
+
+/// `f'(0)` by four points `d` apart: `d⁴ f⁽⁵⁾/30` and `1.5 ε f/d` off.
+fn slope<const N: usize>(d: f64, f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
+    let [a, b, c, e] = [-2.0, -1.0, 1.0, 2.0].map(|k| f(k * d));
+    std::array::from_fn(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - e[i]) / (12.0 * d))
+}
+
+fn is_near(ours: f64, difference: f64, tolerance: f64, what: &str) {
+    assert!((ours - difference).abs() < tolerance * difference.abs().max(1.0), "{what}: {ours} {difference}");
+}
+
+/// Fifth derivatives of the ends below by a parameter are at most 1e4: 3e-10, and the roundings of forty steps, 1e-14, over the distance are 1e-11.
+const BY_PARAMETER: [f64; 2] = [1e-3, 1e-9];
+/// By the step size they are 40⁵ times as large: 1e-10, and the roundings 3e-10.
+const BY_STEP_SIZE: [f64; 2] = [5e-5, 1e-8];
+
+/// By four parameters and the step size, of which the time of each step is a multiple.
+fn by_constants<E>()
+where
+    Driven: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
+{
+    let what = std::any::type_name::<E>();
+    let run = |[m, k, f, w, h]: [f64; 5]| {
+        let driven = Driven { m, k, f, w };
+        let run = driven.simulate::<E>(h).start(State { t: 0.3, ..State::new([0.4], [0.7]) }).steps(40);
+        run.tangent_by(&["w", "k", "m", "f"]).unwrap()
+    };
+    let at = [1.3, 0.8, 0.5, 2.0, 0.05];
+    let tangent = run(at);
+    let by_step_size = tangent.by_step_size.clone().unwrap();
+    let column = |number: usize| match number {
+        4 => [by_step_size[0], by_step_size[1]],
+        _ => [0, 1].map(|row| tangent.by_parameters[(row, [2, 1, 3, 0][number])]),
+    };
+    for number in 0..at.len() {
+        let [distance, tolerance] = if number == 4 { BY_STEP_SIZE } else { BY_PARAMETER };
+        let varied = slope(distance, |d| {
+            let mut at = at;
+            at[number] += d;
+            let end = run(at).end;
+            [end.q[0], end.p[0]]
+        });
+        column(number)
+            .into_iter()
+            .zip(varied)
+            .for_each(|(ours, slope)| is_near(ours, slope, tolerance, what));
+    }
+}
+
+#[test]
+fn parameters_and_the_step_size_have_columns() {
+    by_constants::<DeltaPlus>();
+    by_constants::<Midpoint>();
+    by_constants::<Verlet>();
+    by_constants::<Gauss<3>>();
+    by_constants::<Composed<Verlet, KahanLi8>>();
+    by_constants::<Composed<Midpoint, Yoshida4>>();
+}
+
+/// Factored matrices have derivatives, too, and so have the effects of noise.
+#[test]
+fn matrices_and_noises_have_derivatives_by_parameters() {
+    fn check<E>()
+    where
+        Linear: Discretized<E, Vector = nalgebra::SVector<f64, 2>>,
+    {
+        let run = |[a, b, c, s]: [f64; 4]| {
+            let linear = Linear { a, b, c, s };
+            let start = State::new([0.4, -0.1], [0.2, 0.3]);
+            let run = linear.simulate::<E>(0.05).start(start).noise(Wiener::seed(11)).steps(40);
+            run.tangent_by(&["a", "b", "c", "s"]).unwrap()
+        };
+        let at = [1.4, 0.9, 0.6, 0.5];
+        let tangent = run(at);
+        for number in 0..at.len() {
+            let [distance, tolerance] = BY_PARAMETER;
+            let varied = slope(distance, |d| {
+                let mut at = at;
+                at[number] += d;
+                let State { q, p, .. } = run(at).end;
+                [q[0], q[1], p[0], p[1]]
+            });
+            for (row, slope) in varied.into_iter().enumerate() {
+                let what = std::any::type_name::<E>();
+                is_near(tangent.by_parameters[(row, number)], slope, tolerance, what);
+            }
+        }
+    }
+    check::<Midpoint>();
+    check::<DeltaMinus>();
+}
+
+/// A step of `λ H` over `h` is one of `H` over `λ h`: derivatives agree to rounding.
+#[test]
+fn scaling_the_energy_scales_the_time() {
+    fn check<E>()
+    where
+        Scaled: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
+    {
+        let scaled = Scaled { scale: 1.0 };
+        let run = scaled.simulate::<E>(0.03).start(State::new([0.8], [0.3])).steps(100);
+        let tangent = run.tangent_by(&["scale"]).unwrap();
+        let by_step_size = tangent.by_step_size.unwrap();
+        for row in 0..2 {
+            let (ours, other) = (tangent.by_parameters[(row, 0)], 0.03 * by_step_size[row]);
+            // A hundred steps that each have a few roundings.
+            assert!((ours - other).abs() < 1e-12 * other.abs().max(1.0), "{ours} {other}");
+        }
+    }
+    check::<Midpoint>();
+    check::<Gauss<4>>();
+    check::<Composed<Midpoint, Yoshida4>>();
+}
+
+#[test]
+fn constants_without_derivatives_are_refused() {
+    let setting = |error: Error| match error {
+        Error::Config(ConfigError::Setting(message)) => message,
+        error => panic!("{error}"),
+    };
+    let driven = Driven { m: 1.0, k: 1.0, f: 1.0, w: 1.0 };
+    let run = || driven.simulate::<Midpoint>(0.1).start(State::new([0.4], [0.7])).steps(10);
+    let message = setting(run().tangent_by(&["m", "count"]).unwrap_err());
+    assert!(message.contains("`count`") && message.contains("`m`, `k`, `f`, `w`"), "{message}");
+    // Nothing named: the step size alone.
+    let tangent = run().tangent_by(&[]).unwrap();
+    assert!(tangent.by_parameters.ncols() == 0 && tangent.by_step_size.is_some());
+    assert!(run().tangent().unwrap().by_step_size.is_none());
+    let start = || State::new(vec![0.3, -0.2], vec![0.1, 0.0]);
+    let none = "no derivatives by parameters";
+    let refused = [
+        Chain.simulate::<Midpoint>(0.1).start(start()).steps(10).tangent_by(&[]).unwrap_err(),
+        Chain.simulate::<Verlet>(0.1).start(start()).steps(10).tangent_by(&[]).unwrap_err(),
+        Chain.simulate::<Gauss<3>>(0.1).start(start()).steps(10).tangent_by(&[]).unwrap_err(),
+    ];
+    refused.into_iter().map(setting).for_each(|message| assert!(message.contains(none), "{message}"));
+    let damped = Damped { k: 1.0, gamma: 0.1 };
+    let run = damped.simulate::<Gauss<2>>(0.1).start(State::new([0.4], [0.7])).steps(10);
+    assert!(setting(run.tangent_by(&["k"]).unwrap_err()).contains(none));
 }
 
 #[test]

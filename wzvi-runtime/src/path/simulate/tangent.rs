@@ -1,10 +1,13 @@
-//! Derivatives of the end of a run by its start.
+//! Derivatives of the end of a run by its start, by parameters of the system and by the step size.
 
-use nalgebra::DMatrix;
+use std::array::from_fn;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
 
 use super::{Setup, Simulation, Unobserved, prepared};
 use crate::algebra::memory::Threads;
-use crate::algebra::scalar::Dual;
+use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Interval, Noise};
@@ -14,13 +17,15 @@ use crate::path::step::StepInfo;
 use crate::path::steps::{Single, TakeStep, Unmonitored, take_steps};
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
-use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are};
+use crate::scheme::system::{
+    At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
+};
 
 /// Derivatives that are taken beside each other.
 const BESIDE: usize = 4;
 type Number = Dual<BESIDE>;
 
-/// The end of a run, and its derivative by the start.
+/// The end of a run, and its derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangent<V> {
     /// The state at the end.
@@ -28,6 +33,10 @@ pub struct Tangent<V> {
     /// `∂(q, p)(end) / ∂(q, p)(start)`: twice as many rows and columns as there are degrees of freedom, coordinates first. With given increments it is
     /// symplectic to rounding where the scheme is.
     pub by_start: DMatrix<f64>,
+    /// `∂(q, p)(end) / ∂θ`, a column for each parameter that [`Simulation::tangent_by`] names; none of [`Simulation::tangent`].
+    pub by_parameters: DMatrix<f64>,
+    /// `∂(q, p)(end) / ∂h` for the same number of steps from the same time, where [`Simulation::tangent_by`] was called.
+    pub by_step_size: Option<DVector<f64>>,
 }
 
 impl<H, E, N> Simulation<'_, H, E, N, Unobserved, Whole>
@@ -53,6 +62,36 @@ where
     /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for what it has no meaning for: observables, sections, recorded nodes, a checkpoint, an exact end.
     /// [`StepFailure::OtherSolution`] where a step was found by following it, which dual numbers do not, and they end elsewhere.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
+        self.varied(None)
+    }
+
+    /// [`Simulation::tangent`], and the derivatives of the end by parameters of the system and by the step size, with the increments as they are. Parameters
+    /// are numbers that the Hamiltonians read from the struct, by the name that they have there. With each step go `⌈(n + 1)/4⌉` more in dual numbers for `n`
+    /// parameters.
+    ///
+    /// ```ignore
+    /// use wzvi::prelude::*;
+    ///
+    /// #[hamiltonian(drift = |q, p| 0.5 * p * p + 0.5 * omega * omega * q * q, embedding = Midpoint)]
+    /// struct Oscillator { omega: f64 }
+    ///
+    /// let oscillator = Oscillator { omega: 2.0 };
+    /// let run = |h: f64| oscillator.simulate::<Midpoint>(h).start(State::new([1.0], [0.0])).steps(100);
+    /// let tangent = run(0.05).tangent_by(&["omega"])?;
+    /// let by_omega = tangent.by_parameters[(0, 0)];
+    /// # let _ = by_omega;
+    /// # Ok::<(), wzvi::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is none of a parameter (an integer has no derivative), and for schemes
+    /// that read parameters without derivatives: those of systems of any size, of thermostats and of friction, of parts of the drift, kicks by the square of
+    /// the force, and [`Own<T>`](crate::scheme::system::Own).
+    pub fn tangent_by(self, parameters: &[&str]) -> Result<Tangent<H::Vector>, Error> {
+        self.varied(Some(parameters))
+    }
+
+    fn varied(self, parameters: Option<&[&str]>) -> Result<Tangent<H::Vector>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, keeping, .. } = setup;
         // Nothing is shown, and no step is halved.
@@ -75,7 +114,7 @@ where
         let processes = system.increments(degrees);
         let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
         let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
-        let mut stepper = Varied::<H, E>::new(whole, system, h, &start)?;
+        let mut stepper = Varied::<H, E>::new(whole, system, h, &start, parameters)?;
         let (mut state, mut dw) = (start, vec![0.0; processes]);
         let mut path = Single {
             stepper: &mut stepper,
@@ -87,28 +126,103 @@ where
             account: &mut (),
         };
         take_steps(&mut path, 0..grid.steps, &mut Unmonitored)?;
-        Ok(Tangent { by_start: stepper.matrix(degrees), end: state })
+        let named = parameters.map_or(0, <[&str]>::len);
+        Ok(Tangent {
+            by_start: matrix(&stepper.by_start, degrees, 0..2 * degrees),
+            by_parameters: matrix(&stepper.by_constants, degrees, 0..named),
+            by_step_size: parameters
+                .map(|_| matrix(&stepper.by_constants, degrees, named..named + 1).column(0).into_owned()),
+            end: state,
+        })
     }
 }
 
-/// What takes the steps of a run, and the derivatives of its state by that of the start.
+/// What takes the steps of a run, and the derivatives of its state.
 struct Varied<'a, H: Discretized<E>, E> {
     whole: Subdivision<'a, H, E>,
     system: &'a H,
-    prepared: PreparedOf<H, E>,
     h: f64,
-    blocks: Vec<Block<MemoryOf<H, E, Number>>>,
+    /// By the state of the start, and by parameters and the step size.
+    by_start: Vec<Columns<H, E, f64>>,
+    by_constants: Vec<Columns<H, E, Number>>,
     dw: Vec<Number>,
     /// The state before a step, and one of both ends that dual numbers have.
     before: State<H::Vector>,
     end: H::Vector,
 }
 
-/// Some columns of the matrix.
-struct Block<M> {
+/// Some columns of a matrix of derivatives, with constants `K` that may have derivatives themselves.
+struct Columns<H: Discretized<E>, E, K: Constant> {
+    prepared: PreparedOf<H, E, K>,
+    h: K,
     q: Vec<Number>,
     p: Vec<Number>,
-    memory: M,
+    memory: MemoryOf<H, E, Number>,
+}
+
+impl<H: Discretized<E>, E, K: Constant> Columns<H, E, K>
+where
+    Number: Over<K>,
+{
+    /// The derivatives of the step number `step` from one state to another.
+    ///
+    /// # Errors
+    /// If it has no solution, or another one.
+    fn vary(
+        &mut self,
+        system: &H,
+        step: u64,
+        [before, after]: [&State<H::Vector>; 2],
+        dw: &[Number],
+        end: &mut H::Vector,
+    ) -> Result<(), StepFailure> {
+        let Self { prepared, h, q, p, memory } = self;
+        for (numbers, values) in [(&mut *q, &before.q), (&mut *p, &before.p)] {
+            numbers.iter_mut().zip(values.components()).for_each(|(number, value)| number.value = *value);
+        }
+        // So many step sizes from the start.
+        let t = (*h - h.lane(0)) * step as f64 + before.t;
+        let at = At { t, h: *h, q: &mut *q, p: &mut *p, dw };
+        anew::advance::<H, SchemeOf<H, E>, K, Number>(system, prepared, at, memory)?;
+        for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
+            end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
+            if !is_near(before, [after, end]) {
+                return Err(StepFailure::OtherSolution { apart: apart(before, [after, end]) });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Columns of a matrix, by row `(q, p)`.
+fn matrix<H: Discretized<E>, E, K: Constant>(
+    columns: &[Columns<H, E, K>],
+    degrees: usize,
+    range: Range<usize>,
+) -> DMatrix<f64> {
+    DMatrix::from_fn(2 * degrees, range.len(), |row, column| {
+        let column = range.start + column;
+        let Columns { q, p, .. } = &columns[column / BESIDE];
+        let number = if row < degrees { &q[row] } else { &p[row - degrees] };
+        number.derivative[column % BESIDE]
+    })
+}
+
+/// The numbers of parameters with these names.
+///
+/// # Errors
+/// [`ConfigError::Setting`] for one that there is not.
+fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, ConfigError> {
+    let known: Vec<&str> = (0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect();
+    let find = |name: &&str| {
+        known.iter().position(|other| other == name).ok_or_else(|| {
+            let known = known.join("`, `");
+            ConfigError::Setting(format!(
+                "`tangent_by` knows no parameter `{name}`: numbers that the Hamiltonians read are `{known}`"
+            ))
+        })
+    };
+    names.iter().map(find).collect()
 }
 
 impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
@@ -117,22 +231,40 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         system: &'a H,
         h: f64,
         start: &State<H::Vector>,
+        parameters: Option<&[&str]>,
     ) -> Result<Self, ConfigError> {
         let degrees = start.q.components().len();
-        let block = |first: usize| {
-            let unit = |i: usize| Dual {
-                value: 0.0,
-                derivative: std::array::from_fn(|column| f64::from(first + column == i)),
-            };
+        let of_start = |first: usize| {
+            let unit = |i: usize| Number::variable(0.0, i.wrapping_sub(first));
             let [q, p] = [0, degrees].map(|offset| (offset..offset + degrees).map(unit).collect());
-            Block { q, p, memory: Default::default() }
+            let prepared = SchemeOf::<H, E>::prepare(system, &as_they_are, h)?;
+            Ok(Columns { prepared, h, q, p, memory: Default::default() })
         };
+        let of_constants = |first: usize, numbers: &[usize]| {
+            let lift = |number: usize, value: f64| Dual {
+                value,
+                derivative: from_fn(|column| f64::from(numbers.get(first + column) == Some(&number))),
+            };
+            let h = Number::variable(h, numbers.len() - first);
+            let [q, p] = [0, 1].map(|_| vec![Number::from_f64(0.0); degrees]);
+            let prepared = SchemeOf::<H, E>::prepare(system, &lift, h)?;
+            Ok(Columns { prepared, h, q, p, memory: Default::default() })
+        };
+        let by_constants = match parameters {
+            None => Vec::new(),
+            Some(names) => {
+                let numbers = numbers(system, names)?;
+                let firsts = (0..=numbers.len()).step_by(BESIDE);
+                firsts.map(|first| of_constants(first, &numbers)).collect::<Result<_, ConfigError>>()?
+            }
+        };
+        let firsts = (0..2 * degrees).step_by(BESIDE);
         Ok(Self {
             whole,
             system,
-            prepared: SchemeOf::<H, E>::prepare(system, &as_they_are, h)?,
             h,
-            blocks: (0..2 * degrees).step_by(BESIDE).map(block).collect(),
+            by_start: firsts.map(of_start).collect::<Result<_, ConfigError>>()?,
+            by_constants,
             dw: Vec::new(),
             before: start.clone(),
             end: start.q.clone(),
@@ -143,32 +275,17 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     ///
     /// # Errors
     /// If a step has no solution, or another one.
-    fn vary(&mut self, after: &State<H::Vector>, dw: &[f64]) -> Result<(), StepFailure> {
-        let Self { system, prepared, h, blocks, dw: own, before, end, .. } = self;
+    fn vary(&mut self, step: u64, after: &State<H::Vector>, dw: &[f64]) -> Result<(), StepFailure> {
+        let Self { system, by_start, by_constants, dw: own, before, end, .. } = self;
         own.clear();
         own.extend(dw.iter().map(|dw| Dual::constant(*dw)));
-        for Block { q, p, memory } in blocks {
-            for (numbers, values) in [(&mut *q, &before.q), (&mut *p, &before.p)] {
-                numbers.iter_mut().zip(values.components()).for_each(|(number, value)| number.value = *value);
-            }
-            let at = At { t: before.t, h: *h, q: &mut *q, p: &mut *p, dw: &*own };
-            anew::advance::<H, SchemeOf<H, E>, f64, Number>(system, prepared, at, memory)?;
-            for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
-                end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
-                if !is_near(before, [after, end]) {
-                    return Err(StepFailure::OtherSolution { apart: apart(before, [after, end]) });
-                }
-            }
+        for columns in by_start {
+            columns.vary(system, step, [before, after], own, end)?;
+        }
+        for columns in by_constants {
+            columns.vary(system, step, [before, after], own, end)?;
         }
         Ok(())
-    }
-
-    fn matrix(&self, degrees: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(2 * degrees, 2 * degrees, |row, column| {
-            let Block { q, p, .. } = &self.blocks[column / BESIDE];
-            let number = if row < degrees { &q[row] } else { &p[row - degrees] };
-            number.derivative[column % BESIDE]
-        })
     }
 }
 
@@ -189,7 +306,7 @@ impl<H: Discretized<E>, E> TakeStep<H::Vector> for Varied<'_, H, E> {
         copy_state(&mut self.before, state);
         let info = self.whole.take_step(state, interval, noise, dw)?;
         let (step, t, h) = (interval.step, self.before.t, self.h);
-        self.vary(state, dw).map_err(|cause| StepError { step, t, h, cause })?;
+        self.vary(step, state, dw).map_err(|cause| StepError { step, t, h, cause })?;
         Ok(info)
     }
 }
