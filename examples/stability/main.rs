@@ -67,28 +67,34 @@ impl Row {
 
 const HEADS: [&str; 7] = ["case", "scheme", "outcome", "steps", "Newton mean (max)", "worst", "ns/step"];
 
-/// The columns of the map.
-const SCHEMES: [&str; 5] = ["DeltaPlus", "Verlet", "Midpoint", "Gauss<4>", "Gauss<8>"];
-
-/// The outcome of each scheme on each case, where it was run.
-fn map(rows: &[Row]) -> Vec<Vec<String>> {
+/// Headings and rows of the map: the outcome of each scheme on each case, where it was run. A remedy is a column of its own.
+fn map(rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut heads = vec!["case".to_owned()];
     let mut lines: Vec<Vec<String>> = vec![];
     for row in rows {
-        let case = powers(&row.case);
-        let line = match lines.iter().position(|line| line.first() == Some(&case)) {
-            Some(known) => known,
-            None => {
-                lines.push([case].into_iter().chain(SCHEMES.map(|_| String::new())).collect());
-                lines.len() - 1
-            }
+        let (case, scheme) = match row.case.rsplit_once(", ") {
+            Some((case, remedy @ ("retry" | "polar"))) => (case, format!("{}, {remedy}", row.scheme)),
+            _ => (row.case.as_str(), row.scheme.to_owned()),
         };
-        if let Some(column) = SCHEMES.iter().position(|scheme| *scheme == row.scheme) {
-            // Where it ended is in the tables.
-            let outcome = row.outcome().replace("error: ", "");
-            lines[line][1 + column] = outcome.split(" at t").next().unwrap_or("").to_owned();
+        let case = powers(case);
+        let known = lines.iter().position(|line| line[0] == case);
+        let line = known.unwrap_or_else(|| {
+            lines.push(vec![case]);
+            lines.len() - 1
+        });
+        let column = heads.iter().position(|head| *head == scheme).unwrap_or(heads.len());
+        if column == heads.len() {
+            heads.push(scheme);
         }
+        if lines[line].len() <= column {
+            lines[line].resize(column + 1, String::new());
+        }
+        // Where it ended is in the tables.
+        let outcome = row.outcome().replace("error: ", "");
+        lines[line][column] = outcome.split(" at t").next().unwrap_or("").to_owned();
     }
-    lines
+    lines.iter_mut().for_each(|line| line.resize(heads.len(), String::new()));
+    (heads, lines)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -108,9 +114,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         ])
         .text(format!("{}.", Machine::here().line()));
     let tables = cases::all()?;
-    let heads = ["case"].into_iter().chain(SCHEMES).map(str::to_owned).collect();
-    let cases = tables.iter().flat_map(|(_, rows)| map(rows)).collect();
-    page = page.heading("Scheme by case").table("Outcome of each scheme on each case", heads, cases);
+    page = page.heading("Scheme by case");
+    for (title, rows) in &tables {
+        let (heads, lines) = map(rows);
+        page = page.table(*title, heads, lines);
+    }
     page = page.heading("What was measured");
     for (title, rows) in tables {
         let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
