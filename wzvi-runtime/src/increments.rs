@@ -1,7 +1,7 @@
 //! Where the increments of a path come from.
 //!
-//! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. Given numbers are [`Increments`]; everything random is another
-//! module's business, so that a scene without noise compiles no generator.
+//! A [`Noise`] fills in `ΔW_1 … ΔW_K` of each step. [`Increments`] are given numbers. Everything random is in another module, so that a
+//! program without noise compiles no generator.
 
 mod identity;
 
@@ -44,8 +44,8 @@ impl Interval {
 
 /// A source of increments.
 pub trait Noise {
-    /// Told once, before the first step: what the scheme is (see [`Plan::truncates_increments`]), the step size, the
-    /// number of processes and the time of the start. Sources that need none of it keep this default.
+    /// Called once before the first step, with the plan of the scheme (see [`Plan::truncates_increments`]), the step size, the number of
+    /// processes and the time of the start. Sources that need none of this keep the default.
     ///
     /// # Errors
     /// [`NoiseError`] if the source cannot serve such a run.
@@ -75,18 +75,18 @@ pub trait Noise {
         )))
     }
 
-    /// What this source is, asked for after [`Noise::prepare`]. To answer is to promise that the increments of a step
-    /// depend on the identity and the [`Interval`] alone, to the last bit, whatever was asked for before: then a run
-    /// that was interrupted can go on with another source of the same identity.
+    /// The identity of this source, after [`Noise::prepare`]. A source that returns one guarantees that the increments of a step depend on
+    /// the identity and the [`Interval`] alone, to the last bit, whatever was drawn before. An interrupted run can then resume with another
+    /// source of the same identity.
     ///
-    /// A source that cannot promise that keeps this default; its runs take no checkpoints.
+    /// A source without this guarantee keeps the default; its runs take no checkpoints.
     fn identity(&self) -> Option<Identity> {
         None
     }
 }
 
-/// A source whose increments are those of a path that can be asked for any interval: then the parts of a step add up to the step, and a
-/// step that fails can be subdivided ([`Retry`](crate::path::retry::Retry)). Rows of numbers are none.
+/// A source whose path has increments over any interval. The parts of a step then add up to the step, and a step that fails can be
+/// subdivided ([`Retry`](crate::path::retry::Retry)). Given rows of numbers are not divisible.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
     label = "this noise cannot drive steps that are halved",
@@ -117,7 +117,7 @@ impl<N: Noise + ?Sized> Noise for &mut N {
     }
 }
 
-/// No noise at all: what a run of a deterministic system has by default.
+/// No noise: the default of a run of a deterministic system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoNoise;
 

@@ -53,8 +53,8 @@ impl Vector for DVector<f64> {
     }
 }
 
-/// What coordinates and momenta are given as: arrays with one number for each degree of freedom, `Vec`s for systems of any
-/// size, vectors of nalgebra; arrays and `Vec`s of points, whose components come point by point.
+/// Types for coordinates and momenta: arrays with one number for each degree of freedom, `Vec`s for systems of any size, and vectors of
+/// nalgebra. Arrays and `Vec`s of points give their components point by point.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` are not the coordinates or momenta of this system",
     label = "the system has as many degrees of freedom as `{V}` has components",
@@ -156,8 +156,8 @@ impl<V: Vector> State<V> {
         Self { q: q.into_vector(), p: p.into_vector(), t: 0.0 }
     }
 
-    /// Coordinates and momenta by point, as a closure with `q: [[f64; 3]; N]` reads them: for observables and sections. There are no points if the number of
-    /// degrees of freedom is no multiple of `D`.
+    /// Coordinates and momenta by point, as a closure with `q: [[f64; 3]; N]` reads them, for observables and sections. There are no points
+    /// if the number of degrees of freedom is not a multiple of `D`.
     ///
     /// ```
     /// use wzvi_runtime::nalgebra::SVector;

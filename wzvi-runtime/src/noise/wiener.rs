@@ -14,7 +14,7 @@ use crate::scheme::plan::Plan;
 /// Independent standard Wiener processes `W_k`, two-sided in time, `W_k(0) = 0`.
 ///
 /// `W_k(t)` is a function of `(seed, path, k, t)`: a virtual Brownian tree (Gaines and Lyons 1997; with space-time areas, Foster, Oberhauser
-/// and Lyons 2020), exact at every time and refined on demand. The same arguments give the same bits in any order of queries, on any
+/// and Lyons 2020). It is exact at every time and refined on demand. The same arguments give the same bits in any order of queries, on any
 /// machine.
 ///
 /// * Times that differ by less than `2^-50` of the larger of 1024 units and the time (`9e-13` in general) may be taken for one; on a
@@ -75,8 +75,8 @@ impl Wiener {
 
     /// The unit of time of the tree (the default is 1): `W(t) = sqrt(unit) B(t / unit)`.
     ///
-    /// Simple fractions and multiples of the unit are reached with few draws. Take it for a step size that is no decimal, dyadic or
-    /// third number: `unit(h)`. Runs share a path only if they have the same unit.
+    /// Simple fractions and multiples of the unit take few draws. Use `unit(h)` for a step size that is not decimal, dyadic or a third. Runs
+    /// share a path only if they have the same unit.
     pub fn unit(mut self, unit: f64) -> Self {
         self.unit = unit;
         self.cursors.clear();
@@ -124,7 +124,7 @@ impl Wiener {
         Ok(sign * ((to - from) * start + area))
     }
 
-    /// `int_a^b (W(s) - W(a)) ds` of a process, `a <= b`: what an integral over a step adds to its left end.
+    /// `int_a^b (W(s) - W(a)) ds` of a process, `a <= b`: the integral over a step without that of its left end.
     ///
     /// # Errors
     /// [`NoiseError::Time`], [`NoiseError::Unit`].

@@ -1,12 +1,14 @@
-//! What a run does about a step that fails: it takes it in halves.
+//! Steps that fail are taken in halves.
 //!
-//! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there: the
-//! retry converges to the same solution. A step that has no solution is subdivided alone. Without noise it is taken in `2^m` parts when these
-//! agree with `2^(m-1)`, not when they are solvable: a step that leaps over a pericentre often is. What the two disagree by is weighed by the slopes of
-//! the energy, and compared with the mean of `p · dq/dt` (`AGREEMENT` in `watch.rs`). With noise, steps are as far from the path as its
-//! strong order says, and parts that have a solution are taken.
+//! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there, so that the retry
+//! converges to the same solution. Only the step without solution is subdivided.
 //!
-//! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired where that is noticed: it starts again, all its steps
+//! Without noise, `2^m` parts are taken when they agree with `2^(m-1)` parts. That they are solvable is not enough: a step that jumps over a
+//! pericentre often is. The difference of the two is weighted by the slopes of the energy, and compared with the mean of `p · dq/dt`
+//! (`AGREEMENT` in `watch.rs`). With noise, steps are no closer to the path than its strong order, and any parts that have a solution are
+//! taken.
+//!
+//! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired at that point. It starts again with all its steps
 //! subdivided once more, so that they stay uniform.
 
 use std::ops::Range;
@@ -23,20 +25,19 @@ use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{CarryOf, Discretized};
 
-/// How often steps may be halved: never, unless asked for, because it breaks the uniform step that the long-time
-/// behaviour of a symplectic scheme rests on.
+/// How often steps may be halved. The default is never, because the long-time behaviour of a symplectic scheme depends on uniform steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Retry {
     most: u32,
 }
 
 impl Retry {
-    /// Steps are what they are: the default.
+    /// No step is halved: the default.
     pub const fn never() -> Self {
         Self { most: 0 }
     }
 
-    /// Into `2^most` parts at the finest, 30 halvings at the most.
+    /// Halves a step at most `most` times, into `2^most` parts; `most` is 30 at most.
     pub const fn halving(most: u32) -> Self {
         Self { most: if most < 30 { most } else { 30 } }
     }

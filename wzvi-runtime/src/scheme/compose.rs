@@ -1,18 +1,20 @@
 //! Schemes that are made of others: [`Verlet`] and [`Composed`].
 //!
-//! A step of size `h` with increments `ΔW` is the flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, which is frozen
-//! over it. A composition takes steps of `γ_1 F, γ_2 F, ...` one after the other: steps of size `γ_j h` with increments
-//! `γ_j ΔW`, at the times `t + (γ_1 + ... + γ_{j-1}) h`. It is symplectic as its parts are, and of the order that the weights
-//! give it without noise (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, sections II.4, V.3).
+//! A step of size `h` with increments `ΔW` approximates the flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, frozen over the step. A
+//! composition takes steps of `γ_1 F, γ_2 F, ...` one after the other: steps of size `γ_j h` with increments `γ_j ΔW`, at the times `t +
+//! (γ_1 + ... + γ_{j-1}) h`. It is symplectic, like its parts, and the weights determine its order without noise (E. Hairer, C. Lubich, G.
+//! Wanner, *Geometric Numerical Integration*, sections II.4, V.3).
 //!
-//! Two kinds of weights: a palindrome of weights for any [symmetric](Symmetric) scheme of order two ([`Weights`]), and the
-//! coefficients of a splitting in drifts and kicks ([`Partitioned`]), which also serve Hamiltonians that do not split, by
-//! the adjoint pair of [`Verlet`] (R. I. McLachlan, "On the numerical integration of ordinary differential equations by symmetric
-//! composition methods", SIAM J. Sci. Comput. 16, 1995).
+//! There are two kinds of weights. [`Weights`] are a palindrome for any [symmetric](Symmetric) scheme of order two. [`Partitioned`] are the
+//! coefficients of a splitting in drifts and kicks. They also serve Hamiltonians that do not split, by the adjoint pair of [`Verlet`] (R. I.
+//! McLachlan, "On the numerical integration of ordinary differential equations by symmetric composition methods", SIAM J. Sci. Comput. 16,
+//! 1995).
 //!
-//! What the parts of a step are depends on the [`Structure`] of the system, which the compiler has proven: steps of the scheme and its
-//! adjoint for any Hamiltonian ([`Pair`]), kicks and drifts for `T(p) + V(q, t)` ([`KickDrift`]), the flows of two parts for
-//! `drift = [H_A, H_B]` with the tables that are made for these ([`PartFlows`]).
+//! The parts of a step depend on the [`Structure`] of the system, which the compiler has proven:
+//!
+//! * [`Pair`]: steps of the scheme and its adjoint, for any Hamiltonian.
+//! * [`KickDrift`]: kicks and drifts, for `T(p) + V(q, t)`.
+//! * [`PartFlows`]: the flows of two parts, for `drift = [H_A, H_B]` with the tables that are made for these.
 
 mod checks;
 pub(crate) mod flows;
@@ -54,9 +56,9 @@ pub use tables::{
 #[doc(hidden)]
 pub use text::{Equations, Listing, ROOM};
 
-/// [`DeltaPlus`] of half the step, then [`DeltaMinus`] of the other half: the Störmer-Verlet scheme, symmetric and of order
-/// two. Explicit for `T(p) + V(q, t)`: kick, drift, kick, with one evaluation of the force for each step. Generalised
-/// Störmer-Verlet for any other Hamiltonian. Half of the increments goes into each half, which makes it consistent with every Stratonovich system.
+/// [`DeltaPlus`] over half the step, then [`DeltaMinus`] over the other half: the Störmer-Verlet scheme, symmetric and of order two. For
+/// `T(p) + V(q, t)` it is explicit: kick, drift, kick, with one evaluation of the force for each step. For any other Hamiltonian it is the
+/// generalised Störmer-Verlet scheme. Each half takes half of the increments, which makes it consistent with every Stratonovich system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verlet;
 
@@ -66,9 +68,9 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 
 /// Weights of a composition of steps of a symmetric scheme of order two.
 ///
-/// That they are a palindrome and their sum is 1 is checked when the program is built, and so is that the sums of their
-/// odd powers vanish which the order needs; `const _: () = check_weights::<Own>();` beside them ([`check_weights`]) has them checked by
-/// `cargo check`, too. The other conditions of the order are a matter of trust. docs/guide/order.md has an example.
+/// The build checks that they are a palindrome of sum 1, and that the sums of those odd powers vanish that the order needs. With `const _:
+/// () = check_weights::<Own>();` ([`check_weights`]) `cargo check` does so, too. The other conditions of the order are not checked.
+/// docs/guide/order.md has an example.
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;
@@ -76,10 +78,10 @@ pub trait Weights {
     const GAMMA: &'static [f64];
 }
 
-/// Coefficients of a splitting in drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`, which take turns; one of your
-/// own is named `Composed<Verlet, `[`Table`]`<Own>>`.
+/// Coefficients of a splitting in alternating drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`. A table of your own is named
+/// `Composed<Verlet, `[`Table`]`<Own>>`.
 ///
-/// That they are a palindrome and that those of drifts and those of kicks have the sum 1 is checked when the program is built.
+/// The build checks that they are a palindrome, and that those of drifts and those of kicks have the sum 1.
 pub trait Partitioned {
     /// The order.
     const ORDER: u32;

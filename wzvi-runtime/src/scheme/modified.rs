@@ -7,16 +7,16 @@
 //! H~ = H + h H_2 + h² H_3 + h³ H_4 + h⁴ H_5 + ...
 //! ```
 //!
-//! which steps keep where they keep `H` within their order only. With one quadrature point `l`,
+//! Steps conserve it nearly exactly, and `H` only within their order. With one quadrature point `l`,
 //!
 //! ```text
 //! H_2 = -(1/2 - l) H_p · H_q
 //! H_3 = (1/12 - l (1 - l)/2) (H_pp(H_q, H_q) + H_qq(H_p, H_p)) + (1/3 - l (1 - l)) H_pq(H_q, H_p)
 //! ```
 //!
-//! and for [`Verlet`] `H_2 = 0`, `H_3 = H_qq(H_p, H_p)/12 - H_pp(H_q, H_q)/24 + H_pq(H_q, H_p)/12`. Every term is a combination of
-//! contractions of derivatives of `H`, which are trees, and Poisson brackets put them together (`modified/series.rs`): this is
-//! how the terms are found, for compositions, too.
+//! For [`Verlet`] `H_2 = 0` and `H_3 = H_qq(H_p, H_p)/12 - H_pp(H_q, H_q)/24 + H_pq(H_q, H_p)/12`. Every term is a combination of
+//! contractions of derivatives of `H`, which are trees. Poisson brackets combine them (`modified/series.rs`), which gives the terms of
+//! compositions as well.
 
 mod contraction;
 mod series;
@@ -33,7 +33,7 @@ use crate::scheme::system::{Discretized, Hamiltonian};
 use contraction::Contractions;
 use series::{HIGHEST_ORDER, Series, modified};
 
-/// Systems without noise whose Hamiltonian does not read the time: symplectic steps of them keep a modified energy.
+/// Systems without noise whose Hamiltonian does not read the time: their symplectic steps conserve a modified energy.
 #[diagnostic::on_unimplemented(
     message = "steps of `{Self}` keep no modified energy",
     label = "`{Self}` has noise, or a Hamiltonian that reads the time",
@@ -128,8 +128,8 @@ where
 /// H~ = H + h^r H_(r+1)          r = 2 for schemes of order 2, r for compositions of order r; for order 1 r = 2 and also h H_2
 /// ```
 ///
-/// Its error, and the least by which it changes over a run, is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2,
-/// `O(h⁶)` and `O(h⁸)` for compositions of order 4 and 6.
+/// Its error is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2, and `O(h⁶)` and `O(h⁸)` for compositions of order 4 and 6. It
+/// changes over a run by at least that.
 #[derive(Clone)]
 pub struct ModifiedHamiltonian<E> {
     series: Series,

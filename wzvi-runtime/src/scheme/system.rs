@@ -40,7 +40,7 @@ pub struct Gradient<V> {
 /// A state of the system `H`: `fn energies(states: &[SystemState<Kubo>])` names the type without its vectors.
 pub type SystemState<H> = State<<H as Hamiltonian>::Vector>;
 
-/// What acts on a system besides the flow of Hamiltonians that are constant in time.
+/// What acts on a system besides Hamiltonians that are constant in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
     /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
@@ -120,8 +120,8 @@ pub trait Hamiltonian {
         Variables::unnamed(self.degrees())
     }
 
-    /// Name and value of a number that the Hamiltonians read from the system, as they name it; `None` from some `index`
-    /// on. For people, who are told by it which parameter of a run differs.
+    /// Name and value of a number that the Hamiltonians read from the system, under their name; `None` from some `index` on. Messages use it
+    /// to say which parameter of a run differs.
     fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
         let _ = index;
         None
@@ -256,7 +256,7 @@ impl<const D: usize> LagrangianGradient<SVector<f64, D>> {
     }
 }
 
-/// What is left of the discrete Euler-Lagrange equations at a node.
+/// The residual of the discrete Euler-Lagrange equations at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EulerLagrangeResidual<V> {
     /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the two momenta of the node disagree by this.
@@ -265,7 +265,7 @@ pub struct EulerLagrangeResidual<V> {
     pub momentum: V,
 }
 
-/// Energy that a system took from outside, in units of energy: what left it counts negative.
+/// Energy that a system took from outside, in units of energy; energy that it lost is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exchange {
@@ -289,8 +289,8 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
     if parameters.any(|(_, value)| value.is_nan()) { Err(ConfigError::Parameter) } else { Ok(()) }
 }
 
-/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. What user code is bound by; every system that
-/// [lists](Listed) `E` has it.
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. Generic user code takes it as its bound;
+/// every system that [lists](Listed) `E` implements it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
