@@ -12,6 +12,7 @@ mod gauss;
 mod gradient;
 mod invariants;
 mod modified;
+mod momentum;
 mod names;
 mod own;
 mod plan;

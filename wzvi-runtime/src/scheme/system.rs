@@ -369,7 +369,7 @@ pub trait Discretized<E>: Listed<E> {
     }
 
     /// The momentum `P` of the step from `before` to `after`. The generated step does not keep it: it follows from
-    /// the equation of the node momentum, given both ends.
+    /// the equations of the node momenta, given both ends. NaN where no momentum satisfies those of both, as between states that no step joins.
     fn step_momentum(
         &self,
         before: &State<Self::Vector>,

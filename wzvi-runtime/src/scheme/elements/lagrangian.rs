@@ -4,6 +4,7 @@
 use super::hamiltonian::fits;
 use super::step::{Step, decay, scale_at};
 use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
+use crate::algebra::scalar::Rounded;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
 
@@ -135,7 +136,7 @@ fn momentum_between<H: Hamiltonian>(
     momentum
 }
 
-/// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where that has no solution.
+/// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where no solution of that leads to `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`.
 fn momentum_solved<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -152,7 +153,8 @@ fn momentum_solved<H: Elements>(
     momentum
 }
 
-/// `v = P - p_i`, if it is known.
+/// `v = P - p_i`, if it is known. The equation may have several solutions: the one from zero is nearly always that of the step. Where it is not, it is solved
+/// from `P = p_{i+1}`, and then from the `P` of the step, solved for both of its unknowns as it was when it was taken.
 fn momentum_increment<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -162,7 +164,7 @@ fn momentum_increment<H: Elements>(
     dw: &[f64],
 ) -> Option<Vec<f64>> {
     let [q, p, end_q] = [&before.q, &before.p, &after.q].map(Vector::components);
-    if [p.len(), end_q.len()] != [q.len(); 2] || dw.len() != system.noises() {
+    if [p.len(), end_q.len(), after.p.components().len()] != [q.len(); 3] || dw.len() != system.noises() {
         return None;
     }
     let u: Vec<f64> = q.iter().zip(end_q).map(|(a, b)| b - a).collect();
@@ -170,6 +172,95 @@ fn momentum_increment<H: Elements>(
     let mut memory = Memory::default();
     memory.fit(system, scheme, q.len()).ok()?;
     let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
-    step.careful(&mut memory).ok()?;
-    Some(memory.work.lists(scheme, q.len()).x.to_vec())
+    let ends = Ends::new(&step, after);
+    let solved = |memory: &mut Memory<f64>| {
+        step.careful(memory).ok()?;
+        let v = memory.work.lists(scheme, q.len()).x.to_vec();
+        ends.are_joined_by(&v).then_some(v)
+    };
+    let from = |memory: &mut Memory<f64>, v: Vec<f64>| {
+        memory.past.iter_mut().for_each(|past| past.clone_from(&v));
+        memory.known = 1;
+        solved(memory)
+    };
+    let change = || after.p.components().iter().zip(p).map(|(end, start)| end - start).collect();
+    solved(&mut memory)
+        .or_else(|| from(&mut memory, change()))
+        .or_else(|| from(&mut memory, Step { increment: None, ..step }.momenta()?))
+}
+
+impl<H: Elements> Step<'_, H, f64> {
+    /// `v` of the step itself, solved from zero.
+    fn momenta(self) -> Option<Vec<f64>> {
+        let (mut memory, scheme) =
+            (Memory::default(), &Quadrature { unknowns: Unknowns::Both, ..*self.scheme });
+        memory.fit(self.system, scheme, self.degrees()).ok()?;
+        Step { scheme, ..self }.careful(&mut memory).ok()?;
+        let x = memory.work.lists(scheme, self.degrees()).x;
+        Some(x.as_chunks().0.iter().map(|&[_, v]| v).collect())
+    }
+}
+
+/// Passes that bound the error of a momentum: each adds a power of `h H_pq`. Where that many do not settle, the equation hardly says what `P` is.
+const PASSES: u32 = 8;
+
+/// Both ends of a step, standing for all states that round to them.
+struct Ends<'a, H> {
+    step: Step<'a, H, f64>,
+    q: Vec<Rounded>,
+    u: Vec<Rounded>,
+    p: Vec<Rounded>,
+    end_p: Vec<Rounded>,
+    dw: Vec<Rounded>,
+}
+
+impl<'a, H: Elements> Ends<'a, H> {
+    fn new(step: &Step<'a, H, f64>, after: &State<H::Vector>) -> Self {
+        let lift =
+            |list: &[f64], as_what: fn(f64) -> Rounded| list.iter().copied().map(as_what).collect::<Vec<_>>();
+        let [q, end_q] = [step.q, after.q.components()].map(|list| lift(list, Rounded::nearest));
+        let u = end_q.iter().zip(&q).map(|(&end, &start)| end - start).collect();
+        let [p, end_p] = [step.p, after.p.components()].map(|list| lift(list, Rounded::nearest));
+        Self { step: *step, q, u, p, end_p, dw: lift(step.dw, Rounded::exact) }
+    }
+
+    /// Whether `P = p_i + v` solves the equations of both momenta, as far as the rounding of the ends and of each term tells.
+    fn are_joined_by(&self, v: &[f64]) -> bool {
+        let mut momentum: Vec<Rounded> =
+            self.step.p.iter().zip(v).map(|(p, v)| Rounded { value: p + v, error: 0.0 }).collect();
+        for _ in 0..PASSES {
+            // `P = p_i - Σ a_s F_q`: what that misses by now, and how far the momenta of before may have taken it.
+            let pull = self.pull(&momentum, |stage| stage.start);
+            let mut settles = true;
+            for ((p, &start), &pull) in momentum.iter_mut().zip(&self.p).zip(&pull) {
+                let next = start - pull;
+                let error = (next.value - p.value).abs() + next.error;
+                settles &= error <= 1.125 * p.error;
+                p.error = error;
+            }
+            if settles {
+                break;
+            }
+        }
+        let pull = self.pull(&momentum, |stage| stage.end);
+        let kept = if H::KIND.is_conformal { 1.0 + decay(self.step.system, self.step.h) } else { 1.0 };
+        let ends = momentum.iter().zip(&pull).zip(&self.end_p);
+        ends.map(|((&p, &pull), &end)| (p - pull) * kept - end).all(|left| left.is_below(1.0))
+    }
+
+    /// `Σ w_s F_q(q_i + c_s u, P)`
+    fn pull(&self, momentum: &[Rounded], weight: impl Fn(&Stage) -> f64) -> Vec<Rounded> {
+        let Step { system, scheme, t, h, .. } = self.step;
+        let step = Step { system, scheme, t, h, q: &self.q, p: &self.p, dw: &self.dw, increment: None };
+        let nothing = vec![Rounded::exact(0.0); self.q.len()];
+        let (mut sum, mut unused) = (nothing.clone(), nothing.clone());
+        for stage in scheme.stages.iter().filter(|stage| weight(stage) != 0.0) {
+            let places: Vec<Rounded> =
+                self.q.iter().zip(&self.u).map(|(&q, &u)| q + u * stage.point).collect();
+            let mut by_q = nothing.clone();
+            step.slopes(stage, &places, momentum, Slopes::BY_COORDINATES, &mut by_q, &mut unused);
+            sum.iter_mut().zip(by_q).for_each(|(sum, force)| *sum = *sum + force * weight(stage));
+        }
+        sum
+    }
 }
