@@ -38,6 +38,13 @@ pub enum StepFailure {
         /// The difference between the two relative to the length of the step, largest component.
         apart: f64,
     },
+    /// Of a Gauss method: sweeps over the stages do not contract, and their equations are too many for Newton's method, which factors one matrix of all.
+    TooManyUnknowns {
+        /// Unknowns of all stages.
+        unknowns: usize,
+        /// As many as are factored.
+        most: usize,
+    },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
     /// The number of increments is not the number of those that drive a step.
@@ -89,6 +96,9 @@ messages! { StepFailure:
     Self::OtherSolution { apart } =>
         "the equations of the step have several solutions: dual numbers end at another one than the step, {apart:.1e} of its \
          way apart, so that its derivative is not known; take a smaller step";
+    Self::TooManyUnknowns { unknowns, most } =>
+        "sweeps over the stages do not contract, and Newton's method would have to factor {unknowns} unknowns, more than {most}; \
+         take a smaller step";
     Self::NonFinite => "the new state is not finite; take a smaller step or check the domain of H";
     Self::Increments { expected, got } =>
         "the system has {expected} noise{}, but {got} increment{} given",
@@ -117,6 +127,7 @@ mod tests {
             ),
             (StepFailure::NoSolution { reached: 0.5 }, halving),
             (StepFailure::OtherSolution { apart: 0.5 }, "take a smaller step"),
+            (StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 }, "take a smaller step"),
             (StepFailure::NonFinite, "take a smaller step or check the domain of H"),
         ];
         for (failure, remedy) in advised {

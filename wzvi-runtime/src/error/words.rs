@@ -6,9 +6,10 @@ use crate::ground::numbers::Tape;
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Lanes, behind all of them, and another solution.
+/// Lanes, behind all of them, another solution, and too many unknowns.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
+const TOO_MANY: u64 = LANES - 2;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -35,6 +36,7 @@ impl StepFailure {
             // Runs find it before their first step; here the name is lost.
             Self::Index(error) => [8, error.value() as u64, 0],
             Self::OtherSolution { apart } => [OTHER, apart.to_bits(), 0],
+            Self::TooManyUnknowns { unknowns, most } => [TOO_MANY, unknowns as u64, most as u64],
             Self::Bath(error) => {
                 let [which, a, b] = error.words();
                 [BATH + which, a, b]
@@ -60,6 +62,9 @@ impl StepFailure {
                 IndexLimit::Integers,
             )),
             OTHER => Self::OtherSolution { apart: x },
+            TOO_MANY => {
+                Self::TooManyUnknowns { unknowns: usize::try_from(a).ok()?, most: usize::try_from(b).ok()? }
+            }
             _ => Self::Bath(BathError::from_words([which.checked_sub(BATH)?, a, b])?),
         })
     }
@@ -77,6 +82,7 @@ mod tests {
             StepFailure::NoSolution { reached: 0.3 },
             StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0 },
             StepFailure::OtherSolution { apart: 0.4 },
+            StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 },
             StepFailure::NonFinite,
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },

@@ -451,6 +451,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         StepFailure::NotConverged { .. }
         | StepFailure::Singular { .. }
         | StepFailure::NoSolution { .. }
+        | StepFailure::TooManyUnknowns { .. }
         | StepFailure::NonFinite => true,
         StepFailure::Unresolved { .. }
         | StepFailure::Increments { .. }

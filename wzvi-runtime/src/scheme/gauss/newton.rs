@@ -85,7 +85,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let mut equations = Equations { step: self, lists, scratch, exact, jacobian };
         let unknowns = equations.unknowns();
         if unknowns > Self::MOST_UNKNOWNS {
-            return Err(StepFailure::NotConverged { iterations: 0, correction: f64::INFINITY });
+            return Err(StepFailure::TooManyUnknowns { unknowns, most: Self::MOST_UNKNOWNS });
         }
         start.resize(unknowns, S::from_f64(0.0));
         equations.read(start);
