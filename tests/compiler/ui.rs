@@ -1,10 +1,4 @@
-//! What the macro accepts and what it says otherwise: `TRYBUILD=overwrite cargo test --test compiler ui -- --ignored` renews the messages.
-
-#[test]
-#[ignore = "calls Cargo, for minutes: part of .ci/run"]
-fn supported_programs_compile_and_run() {
-    trybuild::TestCases::new().pass("tests/ui/pass/*.rs");
-}
+//! What the macro says of mistakes: `TRYBUILD=overwrite cargo test --test compiler ui -- --ignored` renews the messages.
 
 #[test]
 #[ignore = "calls Cargo, for minutes: part of .ci/run"]

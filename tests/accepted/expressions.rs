@@ -76,7 +76,8 @@ struct Iterators {
     k: [f64; 4],
 }
 
-fn main() {
+#[test]
+fn compiles_and_runs() {
     let mut state = State::new([0.25], [1.5]);
     assert!(Functions.energy(&state).is_finite());
     Statements { a: 1.0 }.stepper::<DeltaPlus>(0.01).unwrap().step(&mut state, &[]).unwrap();

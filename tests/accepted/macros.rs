@@ -5,14 +5,14 @@ use wzvi::prelude::*;
 macro_rules! oscillator {
     ($name:ident, $frequency:ident, $body:expr) => {
         #[hamiltonian(
-            drift = |q, p| {
-                let early = $frequency;
-                let half = 0.5;
-                let twice = |x: f64| 2.0 * x;
-                half * twice(p * p) + $frequency * early * q * q + $body + mass + *mass
-            },
-            embedding = [DeltaPlus],
-        )]
+                            drift = |q, p| {
+                                let early = $frequency;
+                                let half = 0.5;
+                                let twice = |x: f64| 2.0 * x;
+                                half * twice(p * p) + $frequency * early * q * q + $body + mass + *mass
+                            },
+                            embedding = [DeltaPlus],
+                        )]
         struct $name {
             $frequency: f64,
             mass: f64,
@@ -22,7 +22,10 @@ macro_rules! oscillator {
 
 oscillator!(Plain, omega, omega);
 // The field has the name of a variable of the macro, and so has a variable of the argument.
-oscillator!(Shadowing, half, { let twice = half + 1.0; twice + mass });
+oscillator!(Shadowing, half, {
+    let twice = half + 1.0;
+    twice + mass
+});
 
 macro_rules! closure {
     ($name:ident, $drift:expr) => {
@@ -33,9 +36,16 @@ macro_rules! closure {
     };
 }
 
-closure!(Whole, |k_q, p| 3.0 * k_q + { let p = 2.0 * p; p } + self.k + k);
+closure!(Whole, |k_q, p| 3.0 * k_q
+    + {
+        let p = 2.0 * p;
+        p
+    }
+    + self.k
+    + k);
 
-fn main() {
+#[test]
+fn compiles_and_runs() {
     let state = State::new([0.5], [4.0]);
     let plain = Plain { omega: 3.0, mass: 1.25 };
     assert_eq!(plain.energy(&state), 0.5 * 2.0 * 16.0 + 9.0 * 0.25 + 3.0 + 2.5);

@@ -24,7 +24,9 @@ mod potentials {
     #[hamiltonian_fn]
     pub fn kinetic(p: [f64; 2], masses: &[f64; 2]) -> f64 {
         const HALF: f64 = 0.5;
-        HALF * p.iter().zip(masses).map(|(p, m)| square(*p) / m).sum::<f64>() * crate::potentials::units::SCALE / 2.0
+        HALF * p.iter().zip(masses).map(|(p, m)| square(*p) / m).sum::<f64>()
+            * crate::functions::potentials::units::SCALE
+            / 2.0
     }
 }
 
@@ -92,7 +94,8 @@ struct Chain {
     d: f64,
 }
 
-fn main() -> Result<(), wzvi::Error> {
+#[test]
+fn compiles_and_runs() -> Result<(), wzvi::Error> {
     let (molecule, inline) = (Molecule { d: 1.5, stiffness: 0.2 }, Inline { d: 1.5, stiffness: 0.2 });
     assert_eq!(<Molecule as Discretized<Midpoint>>::PLAN, <Inline as Discretized<Midpoint>>::PLAN);
     let mut shared = State::new([0.3], [0.1]);
@@ -105,7 +108,12 @@ fn main() -> Result<(), wzvi::Error> {
         assert_eq!(shared.p[0].to_bits(), written.p[0].to_bits());
     }
     assert_eq!(molecule.energy(&shared), inline.energy(&written));
-    assert!((molecule.energy(&shared) - (0.5 * shared.p[0].powi(2) + morse(shared.q[0], 1.5) + molecule.wall(shared.q[0]))).abs() < 1e-15);
+    assert!(
+        (molecule.energy(&shared)
+            - (0.5 * shared.p[0].powi(2) + morse(shared.q[0], 1.5) + molecule.wall(shared.q[0])))
+        .abs()
+            < 1e-15
+    );
     assert_eq!(<Kepler as Discretized<Midpoint>>::PLAN.conserves_energy, Knowledge::Proven);
     let masses = Masses { masses: [1.0, 2.0] };
     let state = State::new([1.0, 0.0], [1.0, 2.0]);

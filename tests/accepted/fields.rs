@@ -34,9 +34,12 @@ macro_rules! chain {
 chain!(Short, 3);
 chain!(Long, 40);
 
-fn main() -> Result<(), wzvi::Error> {
+#[test]
+fn compiles_and_runs() -> Result<(), wzvi::Error> {
     // The force at rest, h times it after one explicit step from q = 0, p = 0.
-    for (n, b, force) in [(0, 0.0, 0.0), (1, 2.0, -1.0), (0, 1.0, -1.0), (1, 1.0, -2.0), (2, 3.0, 0.0), (2, 2.0, 0.0)] {
+    for (n, b, force) in
+        [(0, 0.0, 0.0), (1, 2.0, -1.0), (0, 1.0, -1.0), (1, 1.0, -2.0), (2, 3.0, 0.0), (2, 2.0, 0.0)]
+    {
         let system = Powers { n, b };
         let h = 0.125;
         let mut state = State::new([0.0], [0.0]);

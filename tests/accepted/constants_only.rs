@@ -8,7 +8,8 @@ macro_rules! systems {
             #[hamiltonian(drift = $drift, embedding = [DeltaPlus, Midpoint, DeltaMinus])]
             struct $name;
         )*
-        fn main() {
+        #[test]
+        fn compiles_and_runs() {
             $(
                 let mut state = State::new([0.5], [1.0]);
                 // An error or a step, no panic and no NaN; what is infinite from the start may refuse to be prepared.

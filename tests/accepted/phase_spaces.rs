@@ -45,7 +45,8 @@ struct Constrained;
 #[hamiltonian(drift = move |r#type: f64, ωρ: f64| r#type * ωρ, embedding = DeltaPlus)]
 struct Unusual;
 
-fn main() {
+#[test]
+fn compiles_and_runs() {
     let mut state = State::new([0.5, 0.25], [1.0, 0.0]);
     Named.stepper::<Midpoint>(0.01).unwrap().step(&mut state, &[0.0, 0.1, -0.1]).unwrap();
     let mut state = State::new([0.5], [1.0]);

@@ -57,7 +57,8 @@ where
     extra: [T; N],
 }
 
-fn main() {
+#[test]
+fn compiles_and_runs() {
     let state = State::new([0.5], [2.0]);
     let everything = Everything {
         mass: 1.5,
@@ -70,9 +71,25 @@ fn main() {
     };
     let _ = (&everything.name, everything.callback);
     let (q, p) = (0.5f64, 2.0f64);
-    let expected = 1.5 * p * p + 1.5 + 1.5 + 1.5 * q * q + STIFFNESS * PI + GRAVITY + 0.5
-        + std::f64::consts::E + 2.0 * q + 2.0 + 2.0 + 2.0 * q * q + 2.0 * q + 1.0 + 3.0 + 1.0 + 7.0
-        + (q + 2.0 * p) + 4.0;
+    let expected = 1.5 * p * p
+        + 1.5
+        + 1.5
+        + 1.5 * q * q
+        + STIFFNESS * PI
+        + GRAVITY
+        + 0.5
+        + std::f64::consts::E
+        + 2.0 * q
+        + 2.0
+        + 2.0
+        + 2.0 * q * q
+        + 2.0 * q
+        + 1.0
+        + 3.0
+        + 1.0
+        + 7.0
+        + (q + 2.0 * p)
+        + 4.0;
     let energy = everything.energy(&state);
     assert!((energy - expected).abs() < 1e-13 * expected, "{energy} {expected}");
     assert_eq!(Tuple(2.0, [0.0, 3.0]).energy(&state), 4.0 + 0.75);

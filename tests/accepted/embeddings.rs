@@ -53,7 +53,8 @@ where
     assert!(state.t == 0.01);
 }
 
-fn main() {
+#[test]
+fn compiles_and_runs() {
     let state = || State::new([0.5], [1.0]);
     let system = Deterministic { omega: 1.0 };
     once::<DeltaPlus, _>(&system, state(), &[]);
