@@ -1,12 +1,12 @@
 //! Kicks and drifts: how often they evaluate forces, that reuse is not to be seen, and that they are the steps of the adjoint pair.
 
 use wzvi::prelude::*;
-use wzvi::scalar::{Dual, Scalar};
+use wzvi::scalar::Scalar;
 use wzvi::state::Vector;
 use wzvi::system::Segment;
 
 use super::counted::{Counted, sines};
-use super::{HenonHeiles, Pendulum, vector};
+use super::{HenonHeiles, Pendulum, check_gradient, check_symplectic_and_symmetric, order, vector};
 
 /// Separable, with time in the force, with noises of both kinds.
 #[hamiltonian(
@@ -191,28 +191,11 @@ impl<V: Vector> Concat for [V; 2] {
     }
 }
 
-/// `dq' ∧ dp' = dq ∧ dp` by dual numbers, and the way back.
 #[test]
 fn steps_are_symplectic_and_symmetric() {
-    fn check<E>()
-    where
-        Duffing: Discretized<E>,
-    {
-        let h = 0.3;
-        let forth = Discretized::<E>::prepare(&Duffing, h).unwrap();
-        let back = Discretized::<E>::prepare(&Duffing, -h).unwrap();
-        let mut q = [Dual { value: 0.4, derivative: [1.0, 0.0] }];
-        let mut p = [Dual { value: 0.3, derivative: [0.0, 1.0] }];
-        let mut memory = Default::default();
-        Discretized::<E>::advance(&Duffing, &forth, 0.2, h, &mut q, &mut p, &[], &mut memory).unwrap();
-        let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
-        assert!((a * d - b * c - 1.0).abs() < 1e-14, "{:e}", a * d - b * c - 1.0);
-        Discretized::<E>::advance(&Duffing, &back, 0.2 + h, -h, &mut q, &mut p, &[], &mut memory).unwrap();
-        assert!((q[0].value - 0.4).abs() < 2e-15 && (p[0].value - 0.3).abs() < 2e-15, "{q:?} {p:?}");
-    }
-    check::<Verlet>();
-    check::<Composed<Verlet, KahanLi8>>();
-    check::<Composed<Verlet, BlanesMoan6>>();
+    check_symplectic_and_symmetric::<Verlet, _>(&Duffing, 0.3);
+    check_symplectic_and_symmetric::<Composed<Verlet, KahanLi8>, _>(&Duffing, 0.3);
+    check_symplectic_and_symmetric::<Composed<Verlet, BlanesMoan6>, _>(&Duffing, 0.3);
 }
 
 #[test]
@@ -243,34 +226,10 @@ fn a_step_that_fails_changes_nothing() {
     check::<Composed<Verlet, BlanesMoan4>, _>(&sweep::Chain::<40>, 40);
 }
 
-/// The gradient of the discrete Lagrangian against central differences, as in the other tests of compositions.
 #[test]
 fn the_discrete_lagrangian_is_that_of_its_parts() {
-    fn check<E>()
-    where
-        Duffing: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
-    {
-        let at = |q0: f64, q1: f64, p: f64| Segment {
-            q0: [q0].into(),
-            q1: [q1].into(),
-            p: [p].into(),
-            t: 0.3,
-            h: 0.25,
-        };
-        let value = |q0, q1, p| Discretized::<E>::discrete_lagrangian(&Duffing, &at(q0, q1, p), &[]);
-        let (q0, q1, p, d) = (0.5, 0.7, 0.4, 1e-5);
-        let gradient = Discretized::<E>::discrete_lagrangian_gradient(&Duffing, &at(q0, q1, p), &[]);
-        let slopes = [
-            (value(q0 + d, q1, p) - value(q0 - d, q1, p)) / (2.0 * d),
-            (value(q0, q1 + d, p) - value(q0, q1 - d, p)) / (2.0 * d),
-            (value(q0, q1, p + d) - value(q0, q1, p - d)) / (2.0 * d),
-        ];
-        for (slope, exact) in slopes.iter().zip([gradient.q0[0], gradient.q1[0], gradient.p[0]]) {
-            assert!((slope - exact).abs() < 1e-9, "{slope} {exact}");
-        }
-    }
-    check::<Verlet>();
-    check::<Composed<Verlet, BlanesMoan4>>();
+    check_gradient::<Verlet, _>(&Duffing);
+    check_gradient::<Composed<Verlet, BlanesMoan4>, _>(&Duffing);
     // The halves have the discrete Lagrangian of the whole, at the segment that each of them makes.
     let start = State::new([0.5], [0.4]);
     let mut between = start;
@@ -347,21 +306,6 @@ fn parameters_are_checked() {
     assert!(!doubled, "zeros of both signs are two numbers");
 }
 
-/// The order between `steps` and twice as many, from three runs.
-fn order<E>(steps: u32) -> f64
-where
-    Duffing: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
-{
-    let [a, b, c] = [1, 2, 4].map(|factor| {
-        let n = factor * steps;
-        let path = Duffing.simulate::<E>(1.6 / f64::from(n)).start(State::new([0.9], [0.4])).steps(n.into());
-        let last = *path.run().unwrap().last();
-        [last.q[0], last.p[0]]
-    });
-    let gap = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    (gap(a, b) / gap(b, c)).log2()
-}
-
 /// The table of BlanesMoan4, as a user would write one.
 struct Own;
 
@@ -378,7 +322,7 @@ fn tables_have_their_orders() {
         ($($table:ty, $order:literal, $steps:literal);+) => {$(
             type Scheme = Composed<Verlet, $table>;
             assert_eq!(<Duffing as Discretized<Scheme>>::PLAN.order, $order);
-            let measured = order::<Scheme>($steps);
+            let measured = order::<Scheme, _>(&Duffing, [0.9, 0.4], $steps);
             assert!((measured - f64::from($order)).abs() < 0.25, "{}: {measured}", stringify!($table));
         )+};
     }

@@ -2,11 +2,9 @@
 
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::scalar::Dual;
 use wzvi::state::Vector;
-use wzvi::system::Segment;
 
-use super::vector;
+use super::{check_gradient, check_symplectic_and_symmetric, vector};
 
 /// Oscillators of three frequencies, and a weak coupling.
 #[hamiltonian(
@@ -153,40 +151,10 @@ fn loops_are_what_they_would_be_written_out() {
     assert!(lagrangian.euler_lagrange_residual(&b).unwrap() < 1e-14);
 }
 
-/// By dual numbers, and back; and the gradient of the discrete Lagrangian against central differences.
 #[test]
 fn steps_are_symplectic_symmetric_and_variational() {
-    type Aba = Composed<Verlet, Aba864>;
-    let h = 0.4;
-    let forth = Discretized::<Aba>::prepare(&Rotating, h).unwrap();
-    let back = Discretized::<Aba>::prepare(&Rotating, -h).unwrap();
-    let mut q = [Dual { value: 0.4, derivative: [1.0, 0.0] }];
-    let mut p = [Dual { value: 0.3, derivative: [0.0, 1.0] }];
-    let mut memory = Default::default();
-    Discretized::<Aba>::advance(&Rotating, &forth, 0.2, h, &mut q, &mut p, &[], &mut memory).unwrap();
-    let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
-    assert!((a * d - b * c - 1.0).abs() < 1e-14, "{:e}", a * d - b * c - 1.0);
-    Discretized::<Aba>::advance(&Rotating, &back, 0.2 + h, -h, &mut q, &mut p, &[], &mut memory).unwrap();
-    assert!((q[0].value - 0.4).abs() < 4e-15 && (p[0].value - 0.3).abs() < 4e-15, "{q:?} {p:?}");
-
-    let at = |q0: f64, q1: f64, p: f64| Segment {
-        q0: [q0].into(),
-        q1: [q1].into(),
-        p: [p].into(),
-        t: 0.3,
-        h: 0.25,
-    };
-    let value = |q0, q1, p| Discretized::<Aba>::discrete_lagrangian(&Rotating, &at(q0, q1, p), &[]);
-    let (q0, q1, p, d) = (0.5, 0.7, 0.4, 1e-5);
-    let gradient = Discretized::<Aba>::discrete_lagrangian_gradient(&Rotating, &at(q0, q1, p), &[]);
-    let slopes = [
-        (value(q0 + d, q1, p) - value(q0 - d, q1, p)) / (2.0 * d),
-        (value(q0, q1 + d, p) - value(q0, q1 - d, p)) / (2.0 * d),
-        (value(q0, q1, p + d) - value(q0, q1, p - d)) / (2.0 * d),
-    ];
-    for (slope, exact) in slopes.iter().zip([gradient.q0[0], gradient.q1[0], gradient.p[0]]) {
-        assert!((slope - exact).abs() < 1e-9, "{slope} {exact}");
-    }
+    check_symplectic_and_symmetric::<Composed<Verlet, Aba864>, _>(&Rotating, 0.4);
+    check_gradient::<Composed<Verlet, Aba864>, _>(&Rotating);
 }
 
 #[test]
