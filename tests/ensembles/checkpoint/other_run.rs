@@ -2,28 +2,21 @@
 
 use std::path::Path;
 
-use wzvi::checkpoint::{Checkpoint, CheckpointError};
+use wzvi::checkpoint::Checkpoint;
 use wzvi::ensemble::Ensemble;
 use wzvi::noise::Truncation;
 use wzvi::prelude::*;
 
-use fixtures::edge::{Cubes, EDGE, Edge, bits, refused, whole};
-use fixtures::{files::contents, folder};
+use fixtures::edge::{Cubes, EDGE, Edge, bits, whole};
+use fixtures::files::differences;
+use fixtures::folder;
 
 /// The fields that differ.
 fn fields<H, E>(file: &Path, run: Ensemble<'_, H, E>) -> Vec<String>
 where
     H: Discretized<E> + Sync,
 {
-    let before = contents(file.parent().unwrap());
-    let error = refused(run.checkpoint(Checkpoint::to(file)).run());
-    assert_eq!(contents(file.parent().unwrap()), before);
-    let text = error.to_string();
-    let CheckpointError::OtherRun { path, differences } = error else { panic!("{error:?}") };
-    assert_eq!(path, file);
-    let fields: Vec<String> = differences.into_iter().map(|difference| difference.field).collect();
-    assert!(fields.iter().all(|field| text.contains(field)), "{text}");
-    fields
+    differences(file, |to| run.checkpoint(to).run())
 }
 
 #[test]

@@ -6,23 +6,17 @@ use std::path::Path;
 use wzvi::checkpoint::{Checkpoint, CheckpointError, Damage};
 use wzvi::prelude::*;
 
-use super::systems::{KEPLER, PENDULUM, bits, refused};
-use fixtures::{files::contents, folder};
+use super::systems::{KEPLER, PENDULUM, bits};
+use fixtures::files::{self, contents, refused};
+use fixtures::folder;
 
 /// A run with recorded nodes, to be gone on with: they are in the file.
 fn go_on(file: &Path, steps: u64) -> Result<Vec<u64>, wzvi::Error> {
     Ok(bits(&PENDULUM.run(Wiener::seed(7), steps, 4).checkpoint(Checkpoint::to(file)).run()?))
 }
 
-/// The error of going on from `changed` instead of what is in the file, after which the file is as it was.
 fn error_of(file: &Path, good: &[u8], changed: &[u8]) -> CheckpointError {
-    fs::write(file, changed).unwrap();
-    let before = contents(file.parent().unwrap());
-    let run = file.with_extension("");
-    let error = refused(go_on(&run, 40));
-    assert_eq!(contents(file.parent().unwrap()), before, "{error}");
-    fs::write(file, good).unwrap();
-    error
+    files::error_of(file, good, changed, || go_on(&file.with_extension(""), 40))
 }
 
 #[test]
@@ -71,13 +65,7 @@ fn any_byte_flipped() {
             let mut changed = good.clone();
             changed[i] ^= mask;
             let error = error_of(&run, &good, &changed);
-            let is_told = matches!(
-                error,
-                CheckpointError::Damaged { .. }
-                    | CheckpointError::Foreign { .. }
-                    | CheckpointError::Version { .. }
-            );
-            assert!(is_told, "byte {i} ^ {mask}: {error:?}");
+            assert!(files::is_told(&error), "byte {i} ^ {mask}: {error:?}");
         }
     }
     assert_eq!(go_on(&run, 40).unwrap(), whole());

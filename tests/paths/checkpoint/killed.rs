@@ -1,15 +1,14 @@
 //! Processes that are killed at random moments, many times over, and started again.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use wzvi::checkpoint::Checkpoint;
 use wzvi::prelude::*;
 
 use super::systems::{DoublePendulum, KEPLER, PENDULUM, bits};
-use fixtures::{files::contents, folder};
+use fixtures::files::{contents, killed_until_done};
+use fixtures::folder;
 
 /// So many that there is something to kill.
 const STEPS: u64 = 100_000;
@@ -48,41 +47,10 @@ fn child() {
 fn survives(name: &str, steps: u64) {
     let folder = folder!(&format!("killed-{name}"));
     let file = folder.join("run");
-    let mut random = 0x9E37_79B9_7F4A_7C15_u64;
-    let (mut kills, mut parts, mut longest) = (0, 0, Duration::ZERO);
-    let expected = run(name, None, steps);
-    loop {
-        let start = Instant::now();
-        let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["checkpoint::killed::child", "--exact", "--ignored", "--quiet"])
-            .env(ORDERS, format!("{name} {steps} {}", file.display()))
-            .stdout(Stdio::null())
-            .stderr(Stdio::inherit())
-            .spawn()
-            .unwrap();
-        // Xorshift; a moment between 0 and 128 ms, and later and later, so that any machine gets to the end.
-        random ^= random << 13;
-        random ^= random >> 7;
-        random ^= random << 17;
-        let moment = Duration::from_micros(random >> 47) + Duration::from_millis(2 * kills);
-        while start.elapsed() < moment && child.try_wait().unwrap().is_none() {
-            sleep(Duration::from_micros(200));
-        }
-        if let Some(status) = child.try_wait().unwrap() {
-            assert!(status.success());
-            break;
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-        kills += 1;
-        parts +=
-            u32::from(contents(&folder).iter().any(|(path, _)| path.extension() == Some("part".as_ref())));
-        longest = longest.max(moment);
-    }
-    println!("{name}: {kills} kills within {longest:?} of the start, {parts} in the middle of a replacement");
-    assert!(kills > 0, "{name} finished before it could be killed");
+    let order = format!("{name} {steps} {}", file.display());
+    killed_until_done("checkpoint::killed::child", (ORDERS, order), &folder);
     // The child has finished: this reads what it left.
-    assert_eq!(run(name, Some(&file), steps), expected, "{name}");
+    assert_eq!(run(name, Some(&file), steps), run(name, None, steps), "{name}");
     assert!(!contents(&folder).iter().any(|(path, _)| path.extension() == Some("part".as_ref())));
 }
 

@@ -2,25 +2,18 @@
 
 use std::path::Path;
 
-use wzvi::checkpoint::{Checkpoint, CheckpointError};
+use wzvi::checkpoint::Checkpoint;
 use wzvi::increments::NoNoise;
 use wzvi::prelude::*;
 use wzvi::simulate::Simulation;
 
-use super::systems::{KEPLER, Kepler, PENDULUM, Pendulum, refused};
-use fixtures::{files::contents, folder};
+use super::systems::{KEPLER, Kepler, PENDULUM, Pendulum};
+use fixtures::files::{differences, refused};
+use fixtures::folder;
 
 /// The fields that differ.
 fn fields<H: Discretized<E>, E, N: Noise>(file: &Path, run: Simulation<'_, H, E, N>) -> Vec<String> {
-    let before = contents(file.parent().unwrap());
-    let error = refused(run.checkpoint(Checkpoint::to(file)).run());
-    assert_eq!(contents(file.parent().unwrap()), before);
-    let text = error.to_string();
-    let CheckpointError::OtherRun { path, differences } = error else { panic!("{error:?}") };
-    assert_eq!(path, file);
-    let fields: Vec<String> = differences.into_iter().map(|difference| difference.field).collect();
-    assert!(fields.iter().all(|field| text.contains(field)), "{text}");
-    fields
+    differences(file, |to| run.checkpoint(to).run())
 }
 
 #[test]

@@ -9,8 +9,9 @@ use wzvi::prelude::*;
 use wzvi::retry::Serves;
 use wzvi::simulate::{Simulation, Unobserved};
 
-use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, bits, refused};
-use fixtures::{files::contents, folder};
+use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, bits};
+use fixtures::files::{contents, refused};
+use fixtures::folder;
 
 const STEPS: u64 = 12;
 

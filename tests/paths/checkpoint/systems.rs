@@ -1,6 +1,5 @@
 //! What the tests run, and how they compare.
 
-use wzvi::checkpoint::CheckpointError;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::retry::Halved;
@@ -97,13 +96,4 @@ pub(crate) fn bits<const D: usize, E>(path: &Trajectory<SVector<f64, D>, E>) -> 
     let iterations = path.iterations();
     let counts = [path.steps(), path.stride(), iterations.total, u64::from(iterations.largest)];
     numbers.chain(counts).chain([path.len() as u64, path.step_size().to_bits()]).collect()
-}
-
-/// The error of a checkpoint.
-pub(crate) fn refused<T>(outcome: Result<T, wzvi::Error>) -> CheckpointError {
-    match outcome {
-        Err(wzvi::Error::Checkpoint(error)) => error,
-        Err(other) => panic!("{other:?}"),
-        Ok(_) => panic!("the run went through"),
-    }
 }
