@@ -33,14 +33,14 @@ fn numbers(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Steps from random states that are long for the force, in ensembles of one to eight paths; how many paths there were, and how many had an error.
+/// Steps from random states that are long for the force, in ensembles of one, three and eight paths; how many paths there were, and how many had an error.
 fn compare<H, E, const D: usize>(system: &H) -> [u64; 2]
 where
     H: Discretized<E> + Hamiltonian<Vector = SVector<f64, D>> + Sync,
 {
     const STEPS: u64 = 3;
     let (mut random, mut counts) = (numbers(D as u64), [0; 2]);
-    for paths in 1..=8 {
+    for paths in [1, 3, 8] {
         let (h, mut errors) = (1.025 + 0.975 * random(), 0);
         let starts: Vec<State<SVector<f64, D>>> = (0..paths)
             .map(|_| {
@@ -90,7 +90,7 @@ fn first_steps_are_those_of_single_paths() {
     let [paths, errors] = [0, 1].map(|i| counts.iter().map(|counts| counts[i]).sum::<u64>());
     println!("{errors} of {paths}: {counts:?}");
     // There are some of both.
-    assert!(errors > 20 && 2 * errors < paths);
+    assert!(errors > 6 && 2 * errors < paths);
 }
 
 /// Starts of orbits of semi-axis one, at their apocentres.
@@ -143,8 +143,8 @@ fn late_alarms_are_not_missed() {
 #[test]
 fn stable_motions_are_not_refused() {
     let starts: Vec<State<SVector<f64, 1>>> =
-        (0..64).map(|k| State::new([0.05 * f64::from(k)], [0.0])).collect();
-    for steps in [65, 200, 5000] {
+        (0..16).map(|k| State::new([0.2 * f64::from(k)], [0.0])).collect();
+    for steps in [65, 200, 2000] {
         for h in [0.01, 0.3, 0.7] {
             let run = |h| Pendulum.ensemble::<Verlet>(h).starts_from(starts.clone()).steps(steps);
             assert_eq!(run(h).run().unwrap().failed(), 0);

@@ -426,7 +426,7 @@ fn rates_allow_for_censoring() {
         Kramers { s: 0.6 }
             .ensemble::<Midpoint>(0.05)
             .start(State::new([-1.0], [0.0]))
-            .paths(4000)
+            .paths(2000)
             .seed(3)
             .until(end)
             .first_passage("event0", |state| state.q[0])
@@ -436,6 +436,6 @@ fn rates_allow_for_censoring() {
     let (short, long) = (run(4.0), run(12.0));
     let (short, long) = (&short.passages()[0], &long.passages()[0]);
     assert!(short.censored() > long.censored() && long.censored() > 0);
-    assert_eq!(long.passed() + long.censored(), 4000);
+    assert_eq!(long.passed() + long.censored(), 2000);
     assert!(long.rate() > 0.0 && long.rate_error() < 0.05 * long.rate(), "{long:?}");
 }

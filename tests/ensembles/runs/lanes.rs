@@ -83,21 +83,21 @@ where
 #[test]
 fn a_lane_is_the_path_of_a_stepper() {
     let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    as_steppers::<_, Midpoint>(&kubo, 0.1, &State::new([0.0], [1.0]), 40, 50);
+    as_steppers::<_, Midpoint>(&kubo, 0.1, &State::new([0.0], [1.0]), 20, 50);
     let well = DoubleWell { sigma: 0.3 };
-    as_steppers::<_, Midpoint>(&well, 0.01, &State::new([0.5], [0.5]), 40, 200);
+    as_steppers::<_, Midpoint>(&well, 0.01, &State::new([0.5], [0.5]), 20, 50);
     let (hard, failed) =
-        as_steppers::<_, Midpoint>(&DoubleWell { sigma: 1.5 }, 0.5, &State::new([0.5], [2.0]), 150, 60);
-    assert!(hard > 250 && failed > 0 && failed < 150, "{hard} {failed}");
+        as_steppers::<_, Midpoint>(&DoubleWell { sigma: 1.5 }, 0.5, &State::new([0.5], [2.0]), 50, 60);
+    assert!(hard > 50 && failed > 0 && failed < 50, "{hard} {failed}");
     let start = State::new([0.5, 0.3], [0.2, -0.4]);
     let tangled = Tangled { s: 0.8 };
-    let (hard, failed) = as_steppers::<_, Midpoint>(&tangled, 0.3, &start, 100, 20);
-    assert!(hard > 50 && failed > 0 && failed < 100, "{hard} {failed}");
-    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>>(&tangled, 0.1, &start, 100, 20);
-    assert!(hard > 50 && failed > 0 && failed < 100, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Midpoint>(&tangled, 0.3, &start, 40, 20);
+    assert!(hard > 20 && failed > 0 && failed < 40, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Corrected<DeltaPlus>>(&tangled, 0.1, &start, 40, 20);
+    assert!(hard > 20 && failed > 0 && failed < 40, "{hard} {failed}");
     let start = State::new([0.5, 0.3, 0.1], [0.2, -0.4, 1.0]);
-    let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 100, 40);
-    assert!(hard > 50 && failed < 100, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Midpoint>(&Mechanical { s: 2.0 }, 0.8, &start, 40, 40);
+    assert!(hard > 20 && failed < 40, "{hard} {failed}");
 }
 
 /// Double wells of a size that the state has: every site is solved for itself.
@@ -135,17 +135,17 @@ fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
     let start = State::new(wave(5, 0.2), wave(5, 1.1));
     let wells =
         |s, stiffness: f64| DoubleWells { s, stiffness: (0..5).map(|i| stiffness + i as f64).collect() };
-    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 20, 50);
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(0.3, 1.0), 0.01, &start, 10, 20);
     assert_eq!((hard, failed), (0, 0));
-    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 30, 20);
-    assert!(hard > 270 && failed < 30, "{hard} {failed}");
+    let (hard, failed) = as_steppers::<_, Midpoint>(&wells(1.5, 1.0), 0.3, &start, 10, 20);
+    assert!(hard > 90 && failed < 10, "{hard} {failed}");
     let start = State {
         q: nalgebra::SVector::from_vec(wave(7, 0.2)),
         p: nalgebra::SVector::from_vec(wave(7, 1.1)),
         t: 0.0,
     };
     let shaken = Shaken::<7> { k: 1.0, s: 0.5 };
-    as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 20, 50);
+    as_steppers::<_, DeltaPlus>(&shaken, 0.05, &start, 20, 20);
     as_steppers::<_, Midpoint>(&shaken, 0.05, &start, 10, 20);
 }
 
