@@ -1,6 +1,7 @@
 //! Long chains and long runs: memory, hard steps, checkpoints.
 
 use wzvi::elements::Method;
+use wzvi::memory::StepMemory;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
@@ -51,6 +52,36 @@ fn memory_is_a_few_vectors() {
     let mut stepper = long.stepper::<Midpoint>(2.0).unwrap();
     stepper.step(&mut State::new(wave(50, 0.5, 0.1), wave(50, 0.5, 0.2)), &[]).unwrap();
     assert_eq!(stepper.method(), Some(Method::Band { half_width: 1 }));
+}
+
+/// All forces are linear.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+        + q.windows(2).map(|w| 0.5 * (w[1] - w[0]) * (w[1] - w[0])).sum::<f64>(),
+    embedding = Midpoint,
+)]
+struct Springs;
+
+/// Matrices that are factored in steps of these sizes, too long for the fixed point.
+fn factorisations<H: Discretized<Midpoint, Vector = DVector<f64>>>(system: &H, sizes: &[f64]) -> Vec<u64> {
+    let (mut q, mut p) = (wave(50, 0.05, 0.1), wave(50, 0.05, 0.2));
+    let (mut memory, mut before) = (system.memory(), 0);
+    let count = |&h: &f64| {
+        let prepared = system.prepare(h).unwrap();
+        system.advance(&prepared, 0.0, h, &mut q, &mut p, &[], &mut memory).unwrap();
+        let all = memory.linear_work().factorisations;
+        all - std::mem::replace(&mut before, all)
+    };
+    sizes.iter().map(count).collect()
+}
+
+/// With the factors of another size a step would end at the same solution, after more iterations.
+#[test]
+fn factors_serve_steps_of_their_size() {
+    let sizes = [1.5, 1.5, 1.6];
+    for made in [factorisations(&Long { beta: 0.3 }, &sizes), factorisations(&Springs, &sizes)] {
+        assert!(made[0] > 0 && made[1] == 0 && made[2] > 0, "{made:?}");
+    }
 }
 
 #[test]
