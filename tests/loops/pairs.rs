@@ -7,7 +7,7 @@ use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
-use crate::one_by_one::{check, check_scheme, numbers};
+use crate::one_by_one::{check, check_others, check_scheme, numbers};
 
 /// Gravity of bodies in space, each pair once, with masses and a field that holds them.
 #[hamiltonian(
@@ -86,7 +86,9 @@ fn sizes() -> impl Iterator<Item = usize> {
 fn pairs_have_the_bits_of_one_number_after_the_other() {
     for n in sizes() {
         check(&cluster(n), 3 * n, "cluster");
-        check(&Rotors { k: 0.1 / n as f64 }, n, "rotors");
+        let rotors = Rotors { k: 0.1 / n as f64 };
+        check(&rotors, n, "rotors");
+        check_others(&rotors, n, "rotors");
         let start = [numbers(2 * n, 0.2), numbers(2 * n, 1.1)];
         check_scheme::<Uncorrected<DeltaPlus>, _>(&Vortices { sigma: 0.001 }, &start, "vortices");
     }

@@ -8,7 +8,7 @@ use wzvi::lanes::Lanes;
 use wzvi::prelude::*;
 use wzvi::scalar::Scalar as _;
 
-use crate::one_by_one::{check, check_scheme, numbers};
+use crate::one_by_one::{check, check_others, check_scheme, numbers};
 
 /// Oscillators on a graph with strengths of the bonds, from one table, and a field that changes in time.
 #[hamiltonian(
@@ -177,6 +177,7 @@ fn placements_by_tables_have_the_bits_of_one_after_the_other() {
         for count in COUNTS {
             let what = |name: &str| format!("{name} of {n} sites and {count} placements");
             check(&network(n, count), n, &what("network"));
+            check_others(&network(n, count), n, &what("network"));
             check(&molecule(n, count), 3 * n, &what("molecule"));
             check(&neighbours(n, count), n, &what("neighbours"));
         }

@@ -3,38 +3,6 @@
 use wzvi::nalgebra::{DVector, SVector};
 use wzvi::prelude::*;
 
-/// Oscillators whose frequencies diffuse, in three spellings of the size.
-#[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
-    noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); self.sites],
-    embedding = [Midpoint, Corrected<DeltaPlus>],
-)]
-struct Slices {
-    a: f64,
-    s: f64,
-    sites: usize,
-}
-
-#[hamiltonian(
-    drift = |q: [f64; N], p: [f64; N]| (0..N).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
-    noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); N],
-    embedding = [Midpoint, Corrected<DeltaPlus>],
-)]
-struct Generic<const N: usize> {
-    a: f64,
-    s: f64,
-}
-
-#[hamiltonian(
-    drift = |q: [f64; 3], p: [f64; 3]| (0..3).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>(),
-    noise = [|q, p, k| 0.5 * s * (q[k] * q[k] + p[k] * p[k]); 3],
-    embedding = [Midpoint, Corrected<DeltaPlus>],
-)]
-struct Literal {
-    a: f64,
-    s: f64,
-}
-
 fn start(n: usize) -> (Vec<f64>, Vec<f64>) {
     let wave = |phase: f64| (0..n).map(|i| (1.3 * i as f64 + phase).sin()).collect();
     (wave(0.2), wave(1.1))
@@ -63,26 +31,6 @@ fn assert_close(a: &[f64], b: &[f64]) {
     for (a, b) in a.iter().zip(b) {
         assert!((a - b).abs() < ROUNDING, "{a} {b}");
     }
-}
-
-#[test]
-fn steps_are_those_of_the_small_system() {
-    let (q, p) = start(3);
-    let dw = [0.1, -0.2, 0.3];
-    let literal = Literal { a: 1.2, s: 0.7 };
-    let generic = Generic::<3> { a: 1.2, s: 0.7 };
-    let slices = Slices { a: 1.2, s: 0.7, sites: 3 };
-    let fixed = || State::<SVector<f64, 3>>::new([q[0], q[1], q[2]], [p[0], p[1], p[2]]);
-    let list = || State::<DVector<f64>>::new(q.clone(), p.clone());
-    macro_rules! compare {
-        ($scheme:ty) => {
-            let by_literal = steps::<$scheme, _>(&literal, &mut fixed(), 0.1, &dw, 20);
-            assert_close(&by_literal, &steps::<$scheme, _>(&generic, &mut fixed(), 0.1, &dw, 20));
-            assert_close(&by_literal, &steps::<$scheme, _>(&slices, &mut list(), 0.1, &dw, 20));
-        };
-    }
-    compare!(Midpoint);
-    compare!(Corrected<DeltaPlus>);
 }
 
 /// Points of two components, with parameters and noises of their own, in time.
@@ -179,14 +127,6 @@ fn one_site_that_fails_leaves_all_of_them() {
     assert!((Quartic.energy(&state) / start - 1.0).abs() < 1e-2);
     let counted = allocation_counter::measure(|| assert!(stepper.step(&mut state, &[]).is_ok()));
     assert_eq!(counted.count_total, 0);
-}
-
-#[test]
-fn paths_satisfy_the_euler_lagrange_equations() {
-    let (q, p) = start(4);
-    let path = Quartic.simulate::<Midpoint>(0.1).start(State::new(q, p)).steps(20).run().unwrap();
-    // Residuals are differences of momenta of order one.
-    assert!(path.euler_lagrange_residual(&Quartic).unwrap() < 1e-14);
 }
 
 /// One noise that acts at all sites.

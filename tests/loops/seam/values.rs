@@ -303,24 +303,22 @@ fn compare_paths<E: Scheme, const N: usize, A: Discretized<E>, B: Discretized<E>
     random: &mut Random,
     to: &mut Comparison<'_>,
 ) {
-    let z: [f64; N] = from_fn(|_| random.draw());
-    let (mut of_a, mut of_b) = (state::<A::Vector, N>(&z, 0.25), state::<B::Vector, N>(&z, 0.25));
-    let (mut by_a, mut by_b) = (a.stepper::<E>(H).unwrap().plain(), b.stepper::<E>(H).unwrap().plain());
+    let mut of_a: [f64; N] = from_fn(|_| random.draw());
+    let mut of_b = of_a;
+    let (prepared_a, prepared_b) = (a.prepare(H).unwrap(), b.prepare(H).unwrap());
+    let (mut memory_a, mut memory_b) = (Default::default(), Default::default());
     // Errors of all steps before, and a short time to grow in.
     let mut bound = 0.0_f64;
-    for _ in 0..STEPS {
+    for step in 0..STEPS {
+        let t = 0.25 + step as f64 * H;
         let dw: Vec<f64> = (0..a.noises()).map(|_| H.sqrt() * random.draw()).collect();
-        let mut z = [0.0; N];
-        z[..N / 2].copy_from_slice(of_a.q.components());
-        z[N / 2..].copy_from_slice(of_a.p.components());
-        let own = bounds::<E, N, A>(a, z, [of_a.t, H], &dw);
+        let own = bounds::<E, N, A>(a, of_a, [t, H], &dw);
         bound = 1.5 * bound + own.into_iter().fold(0.0, f64::max);
-        by_a.step(&mut of_a, &dw).unwrap();
-        by_b.step(&mut of_b, &dw).unwrap();
-        let parts = [(&of_a.q, &of_b.q), (&of_a.p, &of_b.p)];
-        for (a, b) in parts.into_iter().flat_map(|(a, b)| a.components().iter().zip(b.components())) {
-            to.close("path", *a, *b, bound);
-        }
+        let (q, p) = of_a.split_at_mut(N / 2);
+        a.advance(&prepared_a, t, H, q, p, &dw, &mut memory_a).unwrap();
+        let (q, p) = of_b.split_at_mut(N / 2);
+        b.advance(&prepared_b, t, H, q, p, &dw, &mut memory_b).unwrap();
+        of_a.iter().zip(&of_b).for_each(|(a, b)| to.close("path", *a, *b, bound));
     }
 }
 
