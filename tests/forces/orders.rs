@@ -32,9 +32,12 @@ pub(crate) fn exact(t: f64, q0: f64, p0: f64) -> [f64; 2] {
 }
 
 fn error<E, H: Discretized<E, Vector = V>>(system: &H, h: f64) -> f64 {
-    let path = system.simulate::<E>(h).start(State::new([1.1], [-0.4])).until(4.0).run().unwrap();
+    let (mut state, mut stepper) = (State::new([1.1], [-0.4]), system.stepper::<E>(h).unwrap());
+    for _ in 0..(4.0 / h).round() as u32 {
+        stepper.step(&mut state, &[]).unwrap();
+    }
     let [q, p] = exact(4.0, 1.1, -0.4);
-    (path.last().q[0] - q).abs().max((path.last().p[0] - p).abs())
+    (state.q[0] - q).abs().max((state.p[0] - p).abs())
 }
 
 fn order<E, H: Discretized<E, Vector = V>>(system: &H, h: f64, expected: f64) {
@@ -69,8 +72,7 @@ where
 
 #[test]
 fn driven_oscillators_have_the_order_of_the_scheme() {
-    orders(&OscillatorInline { drag: DRAG, push: PUSH });
-    orders(&OscillatorLoops { drag: DRAG, push: PUSH });
+    orders(&Oscillator { drag: DRAG, push: PUSH });
 }
 
 /// A force of positions that has no potential, and one that turns in time.

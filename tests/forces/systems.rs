@@ -23,24 +23,16 @@ driven!(DrivenInline, inline);
 driven!(DrivenLoops, sweep);
 
 /// A harmonic oscillator with drag and a periodic force: solved exactly.
-macro_rules! oscillator {
-    ($name:ident, $strategy:ident) => {
-        #[hamiltonian(
-                    drift = |q: [f64; 1], p: [f64; 1]| 0.5 * p[0] * p[0] + 0.5 * q[0] * q[0],
-                    force = |_q: [f64; 1], p: [f64; 1], t| [-self.drag * p[0] + self.push * (2.0 * t).cos()],
-                    embedding = [DeltaPlus, DeltaMinus, Midpoint, Verlet, Gauss<2>, Gauss<3>, Gauss<4>],
-                    __strategy = $strategy,
-                )]
-        #[derive(Clone, Debug)]
-        pub(crate) struct $name {
-            pub(crate) drag: f64,
-            pub(crate) push: f64,
-        }
-    };
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * q * q,
+    force = |_q, p, t| -drag * p + push * (2.0 * t).cos(),
+    embedding = [DeltaPlus, DeltaMinus, Midpoint, Verlet, Gauss<2>, Gauss<3>, Gauss<4>],
+)]
+#[derive(Clone, Debug)]
+pub(crate) struct Oscillator {
+    pub(crate) drag: f64,
+    pub(crate) push: f64,
 }
-
-oscillator!(OscillatorInline, inline);
-oscillator!(OscillatorLoops, sweep);
 
 /// A chain with drag between neighbours, a wind that blows in time, and noise on every site.
 #[hamiltonian(
