@@ -1,6 +1,6 @@
 //! All steps of what other tests take a part of.
 
-use fixtures::{extremes, rounding, stiff};
+use fixtures::{extremes, rest, rounding, stiff};
 
 #[test]
 fn angular_momentum_over_ten_million_steps() {
@@ -25,14 +25,25 @@ fn energies_of_chains_walk_at_random() {
 }
 
 #[test]
-fn wells_at_rest_stay_there() {
-    rounding::wells_at_rest_stay_there(200_000);
+fn systems_at_rest_stay_there() {
+    rest::wells_at_rest_stay_there(200_000);
+    rest::small_amplitudes_in_a_well(20_000);
+    rest::every_amplitude_at_every_scale(20_000);
+    rest::pendula_at_rest_on_any_turn(200_000);
+    rest::relative_equilibria(200_000);
+    rest::atoms_at_their_distance(200_000);
+    rest::cold_ensembles_lose_no_path(64);
 }
 
 /// 160 000 steps.
 #[test]
 fn steps_are_finite_or_errors() {
     extremes::steps_are_finite_or_errors(4000);
+}
+
+#[test]
+fn another_solution_is_named() {
+    assert!(stiff::another_solution_is_named_or_there_is_none(4000) > 10);
 }
 
 #[test]

@@ -180,7 +180,7 @@ fn edges_of_two_coordinates() {
 fn sides_of_neighbours() {
     const SITES: usize = 8;
     let (mut number, mut taken) = (numbers(), 0);
-    for n in 0..4000 {
+    for n in 0..1000 {
         let [q, p] = [0, 1].map(|_| (0..SITES).map(|_| 0.2 * number()).collect::<Vec<f64>>());
         let mut state = State::new(q.clone(), p.clone());
         if Pushes.stepper::<Midpoint>(H).unwrap().step(&mut state, &[]).is_err() {
@@ -197,8 +197,8 @@ fn sides_of_neighbours() {
             assert!(error.abs() <= 4.0 * ROUNDING, "{n}, site {i}: {error}");
         }
     }
-    // Where the ring pushes itself back and forth there is no solution: 1553 starts, or none is found.
-    assert!(taken >= 2400, "{taken}");
+    // Where the ring pushes itself back and forth there is no solution: 1553 of 4000 starts, or none is found.
+    assert!(taken >= 600, "{taken}");
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Derivatives of the end of a run by its start, by parameters and by the step size.
 
 use fixtures::small::{DoubleWell, Kepler, Kubo};
-use wzvi::error::{ConfigError, Error, StepError, StepFailure};
+use fixtures::stiff::another_solution_is_named_or_there_is_none;
+use wzvi::error::{ConfigError, Error};
 use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
 
@@ -14,10 +15,6 @@ use wzvi::prelude::*;
 )]
 #[derive(Clone, Debug)]
 struct Chain;
-
-/// A well of arithmetic only.
-#[hamiltonian(drift = |q, p| 0.5 * p * p + 2.0 * q.powi(4) - 3.0 * q * q, embedding = [Midpoint, Gauss<2>])]
-struct Well;
 
 /// Parameters in both energies, beside the time, and in a comparison.
 #[hamiltonian(
@@ -299,43 +296,8 @@ fn what_it_has_no_use_for_is_refused() {
     }
 }
 
-/// Steps that are long for the force are found by following them. Dual numbers solve them anew: they end where the step does, or the error says that they
-/// do not, and by how much.
+/// A part of what `tests/laws` runs.
 #[test]
 fn another_solution_is_named() {
-    fn check<E>() -> usize
-    where
-        Well: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
-    {
-        let mut others = 0;
-        for case in 0..4000 {
-            let at = |k: i32| f64::from(case * k % 4001) / 4001.0;
-            let (h, q, p) = (0.3 + 1.7 * at(7), 4.0 * at(131) - 2.0, 6.0 * at(1009) - 3.0);
-            let run = || Well.simulate::<E>(h).start(State::new([q], [p])).steps(1);
-            let Ok(path) = run().run() else { continue };
-            let end = path.last();
-            match run().tangent() {
-                Ok(tangent) => {
-                    // What solves the same equations differs by their rounding.
-                    assert!((tangent.end.q[0] - end.q[0]).abs() < 1e-9, "{case}");
-                }
-                Err(Error::Step(StepError {
-                    cause: StepFailure::OtherSolution { apart }, h: of, ..
-                })) => {
-                    assert!(apart > 1e-6 && of == h, "{case}: {apart}");
-                    others += 1;
-                }
-                // With care, too, Newton's method may fail where following does not.
-                Err(Error::Step(StepError { cause, .. })) => assert!(
-                    !matches!(cause, StepFailure::NotConverged { iterations: 0, .. }),
-                    "{case}: {cause}"
-                ),
-                Err(error) => panic!("{error}"),
-            }
-        }
-        others
-    }
-    let others = [check::<Midpoint>(), check::<Gauss<2>>()];
-    println!("{others:?} of 4000");
-    assert!(others.iter().sum::<usize>() > 10, "{others:?}");
+    assert!(another_solution_is_named_or_there_is_none(1000) > 2);
 }

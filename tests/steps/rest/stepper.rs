@@ -43,8 +43,9 @@ fn a_failed_call_does_not_reset_the_watch() {
             stepper.step(&mut state, &[]).is_err()
         })
     };
-    assert!(refused(false).is_some());
-    assert_eq!(refused(true), refused(false));
+    let alone = refused(false);
+    assert!(alone.is_some());
+    assert_eq!(refused(true), alone);
 }
 
 /// Random calls, good and bad: after each bad one the stepper prints as before (its numbers do so to the last bit), and the
@@ -55,7 +56,7 @@ fn exercise<H: Discretized<Midpoint> + std::fmt::Debug>(
     start: &State<H::Vector>,
     bad: impl Fn(&mut u64, &State<H::Vector>) -> (State<H::Vector>, Vec<f64>),
 ) {
-    for seed in 1..=20 {
+    for seed in 1..=8 {
         let mut seed = seed;
         let mut plain = system.stepper::<Midpoint>(h).unwrap();
         let mut tried = system.stepper::<Midpoint>(h).unwrap();
