@@ -10,5 +10,6 @@ mod orbits;
 mod refused;
 mod report;
 mod results;
+mod runs;
 mod series;
 mod stability;

@@ -251,6 +251,19 @@ fn a_step_is_finite_or_an_error_and_then_leaves_every_bit() {
 }
 
 #[test]
+fn moving_the_state_forgets_the_steps_before() {
+    let mut used = PENDULUM.stepper::<Midpoint>(0.1).unwrap();
+    let mut moving = state(&[1.0], &[0.5]);
+    for _ in 0..10 {
+        used.step(&mut moving, &[]).unwrap();
+    }
+    let (mut one, mut other) = (state(&[2.0], &[-0.5]), state(&[2.0], &[-0.5]));
+    used.step(&mut one, &[]).unwrap();
+    PENDULUM.stepper::<Midpoint>(0.1).unwrap().step(&mut other, &[]).unwrap();
+    assert_eq!(bits(&one), bits(&other));
+}
+
+#[test]
 fn time_is_start_plus_n_h_exactly() {
     for (t0, h) in [(0.0, 0.1), (0.3, 0.02), (-7.1, 1.0 / 3.0), (2.5, -0.07), (1e6, 1e-3)] {
         let mut stepper = KUBO.stepper::<Midpoint>(h).unwrap();

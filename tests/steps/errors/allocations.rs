@@ -107,3 +107,20 @@ fn steps_of_high_order_allocate_nothing() {
     assert_eq!(allocations::<Composed<Verlet, Aba864>, _>(&Parted, &q[..4], &p[..4]), [0; 2]);
     assert_eq!(later_allocations::<Gauss<4>, _>(&StiffWell, &[1e-3], &[0.1], 0.5), 0);
 }
+
+/// A run allocates its buffers once, for 10 steps as for 10 000, also where it records each step.
+#[test]
+fn runs_allocate_the_same_for_any_number_of_steps() {
+    let run = |steps: usize, every: u64| {
+        let noise = Increments::from(vec![0.02; steps]);
+        let run = KUBO.simulate::<Midpoint>(0.02).start(State::new([0.0], [1.0])).noise(noise);
+        let (run, mut seen) = (run.steps(steps as u64).record_every(every), 0);
+        let counted = measure(|| assert!(run.inspect(|_, _| seen += 1).run().is_ok()));
+        (counted.count_total, seen)
+    };
+    for every in [0, 1, 3] {
+        let ((few, _), (many, seen)) = (run(10, every), run(10_000, every));
+        assert_eq!(few, many, "record_every({every})");
+        assert!(few < 20 && seen > 3000, "{few} {seen}");
+    }
+}

@@ -1,8 +1,7 @@
-//! The run time alone, with systems written by hand: numbers in lanes, noise, steppers and paths.
+//! The run time alone: numbers in lanes, and noise.
 
 #![allow(clippy::unwrap_used, reason = "a test stops at the first error")]
 
-mod allocation;
 #[cfg(feature = "ensemble")]
 mod ensemble_law;
 #[cfg(feature = "ensemble")]
@@ -17,6 +16,3 @@ mod noise_law;
 mod noise_path;
 #[cfg(feature = "noise")]
 mod noise_wong_zakai;
-mod path;
-mod step;
-mod systems;

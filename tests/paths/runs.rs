@@ -2,20 +2,41 @@
 
 use std::cell::Cell;
 
-use super::systems::{Kubo, Pendulum, Rotors, V1, path};
-use wzvi_runtime::algebra::state::State;
-use wzvi_runtime::error::{ConfigError, NoiseError, PathError, StepFailure};
-use wzvi_runtime::ground::calculus::{DomainError, Nodes};
-use wzvi_runtime::increments::{Increments, Interval, Noise};
-use wzvi_runtime::integrate::Integrate;
-use wzvi_runtime::path::Error;
-use wzvi_runtime::path::trajectory::Trajectory;
-use wzvi_runtime::scheme::embedding::{DeltaPlus, Midpoint};
-use wzvi_runtime::scheme::plan::Plan;
+use fixtures::extremes::{KUBO, PENDULUM};
+use fixtures::small::Kubo;
+use wzvi::Error;
+use wzvi::calculus::{DomainError, Nodes};
+use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
+use wzvi::increments::Interval;
+use wzvi::prelude::*;
 
-const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
-const PENDULUM: Pendulum = Pendulum { omega: 1.3 };
+type V1 = wzvi::nalgebra::SVector<f64, 1>;
+
+/// Each kicked by a noise of its own.
+#[hamiltonian(
+    drift = |_q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(),
+    noise = [|q, _p, k| sigma * q[k].cos(); self.count],
+    embedding = DeltaPlus,
+)]
+struct Rotors {
+    count: usize,
+    sigma: f64,
+}
+
 const H: f64 = 0.02;
+
+/// Increments without a generator: a Weyl sequence in `(-√(3h), √(3h))`, of variance `h`.
+fn path(steps: usize, h: f64) -> Vec<f64> {
+    let golden = 0.618_033_988_749_894_9;
+    (0..steps).map(|i| ((i as f64 * golden + 0.3).fract() - 0.5) * (12.0 * h).sqrt()).collect()
+}
+
+/// The rotation by this angle.
+fn turned(start: &State<V1>, angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    let (q, p) = (start.q[0], start.p[0]);
+    [p * sin + q * cos, p * cos - q * sin]
+}
 
 fn start() -> State<V1> {
     State::new([0.0], [1.0])
@@ -53,13 +74,12 @@ fn a_run_is_its_steps() {
     // Each step is the rotation by 2 atan θ: exactly a t + σ W(t) up to 2θ³/3 of each step.
     let (mut angle, mut off) = (0.0, 0.0);
     for ((state, w), dw) in trajectory.iter().zip(trajectory.wiener(0)).zip(dw.iter().chain([&0.0])) {
-        let rotation = Kubo { a: 1.0, sigma: 0.0 };
-        let [q, p] = rotation.exact(&start(), angle, 0.0);
+        let [q, p] = turned(&start(), angle);
         // Rounding of 1000 steps.
         assert!((state.q[0] - q).hypot(state.p[0] - p) <= 1000.0 * f64::EPSILON);
-        let [q, p] = KUBO.exact(&start(), state.t, w);
+        let [q, p] = turned(&start(), KUBO.a * state.t + KUBO.sigma * w);
         assert!((state.q[0] - q).hypot(state.p[0] - p) <= off + 1000.0 * f64::EPSILON);
-        let theta = KUBO.theta(H, *dw);
+        let theta = 0.5 * (KUBO.a * H + KUBO.sigma * dw);
         angle += 2.0 * theta.atan();
         off += 2.0 / 3.0 * theta.abs().powi(3);
     }
@@ -245,7 +265,7 @@ fn paths_solve_the_euler_lagrange_equations() {
     // q grows to size 10.
     assert!(rotors_path.euler_lagrange_residual(&rotors).unwrap() <= 40.0 * f64::EPSILON);
     let system = rotors_path.euler_lagrange_residual(&Rotors { count: 4, sigma: 0.5 });
-    assert_eq!(system, Err(PathError::System { path: (3, 3), system: (4, 4) }));
+    assert!(matches!(system, Err(PathError::System { path: (3, 3), .. })), "{system:?}");
 }
 
 #[test]
