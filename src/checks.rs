@@ -1,6 +1,7 @@
 //! What generated code hands the user's closures and schemes to, so that `rustc` checks their types where they were written. Nothing here is called.
 
-use core::marker::PhantomData;
+pub use core::marker::PhantomData;
+pub use core::primitive::f64;
 
 use wzvi_runtime::algebra::carry::{Carry, Plain};
 use wzvi_runtime::algebra::scalar::{Constant, Over, Scalar};

@@ -264,13 +264,23 @@ pub mod __private {
     pub use wzvi_runtime::scheme::modified::Conservative;
     pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{
-        Gradient, Hamiltonian, Kind, Lift, Listed, Scheme, Solution, Straight, StraightLine, covector,
-        gradient,
+        Hamiltonian, Kind, Lift, Listed, Scheme, Solution, Straight, StraightLine, covector, gradient,
     };
+
+    pub use crate::__bindings as bindings;
 
     /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
     /// constant.
     pub fn binding() {}
+}
+
+/// The names that generated code binds, so that no constant around can stand for them.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __bindings {
+    ($($name:ident)*) => {
+        use $crate::__private::{$(binding as $name),*};
+    };
 }
 
 /// The programs of the documents, as tests.

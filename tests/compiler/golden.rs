@@ -25,7 +25,6 @@ macro_rules! steps {
 #[test]
 fn golden_expansions_step() {
     steps!(flows::Perturbed { omega: 1.0, epsilon: 0.1 }, Composed<Verlet, Aba864>, [0.3], [0.2], []);
-    steps!(pendulum::Pendulum { omega: 1.0 }, DeltaPlus, [0.3], [0.2], []);
     steps!(pendulum::Pendulum { omega: 1.0 }, Midpoint, [0.3], [0.2], []);
     steps!(newton_block::HenonHeiles, Midpoint, [0.3, 0.1], [0.2, -0.4], []);
     steps!(noise::Kubo { a: 1.0, sigma: 0.5 }, Midpoint, [0.3], [0.2], [0.05]);

@@ -1,8 +1,13 @@
 //! The texts of the schemes that were listed, from those of the schemes that were derived.
 
+use crate::discretise::describe::{describe, hamiltonians, properties};
+use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::Flows;
-use crate::discretise::facts::split::Form;
+use crate::discretise::facts::split::{self, Form};
+use crate::elements::plan::Step;
+use crate::elements::{self, staged};
 use crate::embedding::{Embedding, Kind};
+use crate::model::{StraightLine, System};
 use crate::symbolic::Rational;
 
 /// What `EQUATIONS` and the documentation say.
@@ -15,15 +20,6 @@ pub(crate) struct Texts {
     pub(crate) flows: Option<Flows>,
     /// The forms of the parts of the drift, where `Verlet` is listed and the user has parted it.
     pub(crate) parts: Option<[Form; 2]>,
-}
-
-/// What kicks and drifts are made of.
-pub(crate) struct Split {
-    /// As [`Texts::flows`].
-    pub(crate) flows: Option<Flows>,
-    /// As [`Texts::parts`], whatever is listed.
-    pub(crate) parts: Option<[Form; 2]>,
-    pub(crate) has_force: bool,
 }
 
 /// Those of the derived schemes whose steps are taken: halves of `Verlet` are not where it is made of flows.
@@ -49,56 +45,75 @@ impl Texts {
         self.listed.iter().filter_map(|(embedding, text)| Some((embedding, embedding.stages()?, text)))
     }
 
-    /// `of_parts` are those of `derived(listed)`; `staged` derives a scheme with several stages,
-    /// `facts_of` says what is known of a scheme that is none of the parts.
+    /// `steps` are those of `derived(listed)`.
     pub(crate) fn new(
+        system: &mut System,
+        line: Option<&StraightLine>,
+        facts: &Facts,
         listed: &[Embedding],
-        Split { flows, parts, has_force }: Split,
-        of_parts: Vec<String>,
-        mut staged: impl FnMut(&Embedding) -> String,
-        mut facts_of: impl FnMut(&Embedding, &mut String),
+        steps: &[Step<'_>],
     ) -> Self {
-        let derived = derived(listed);
-        let text_of = |part: &Embedding| {
-            let known = derived.iter().zip(&of_parts).find(|(embedding, _)| *embedding == part);
-            known.map_or("", |(_, text)| text.as_str())
-        };
-        let mut text = |embedding: &Embedding| match embedding.parts().as_slice() {
-            _ if embedding.is_thermostat() => {
-                let declared = staged(&Embedding::Baoab);
-                let mut text = format!("{embedding}\n{declared}{}", thermostat(embedding, has_force));
-                facts_of(embedding, &mut text);
-                text
-            }
-            [whole] => text_of(whole).to_owned(),
-            [] => {
-                let mut text = staged(embedding);
-                facts_of(embedding, &mut text);
-                text
-            }
-            halves => {
-                let mut text = format!(
-                    "{embedding}\n\nA step of size h is two of size h/2, with half of the increments each:\n"
-                );
-                for part in halves {
-                    let derivation = text_of(part).split("\nFacts").next().unwrap_or_default();
-                    // A half needs no correction: the other makes up for it.
-                    let name = part.to_string();
-                    let bare = name.strip_prefix("Uncorrected<").and_then(|rest| rest.strip_suffix('>'));
-                    let derivation = derivation.strip_prefix(&name).unwrap_or(derivation);
-                    text.push_str(&format!("\n{}{derivation}", bare.unwrap_or(&name)));
-                }
-                if flows.is_some() {
-                    text.push_str(FLOWS);
-                }
-                facts_of(embedding, &mut text);
-                text
-            }
-        };
+        let (flows, parts) = (Flows::of(system, facts, listed), split::forms(system));
+        let of_parts: Vec<String> = steps.iter().map(|step| of_step(system, facts, step)).collect();
         let parts = parts.filter(|_| listed.contains(&Embedding::Verlet));
-        let listed = listed.iter().map(|embedding| (embedding.clone(), text(embedding))).collect();
-        Self { of_parts, listed, flows, parts }
+        let derived: Vec<_> = steps.iter().map(Step::embedding).zip(&of_parts).collect();
+        let of_listed = |embedding: &Embedding| {
+            let mut text = match embedding.parts().as_slice() {
+                _ if embedding.is_thermostat() => {
+                    let declared = hamiltonians(system, line, facts);
+                    format!("{embedding}\n{declared}{}", thermostat(embedding, system.has_forces()))
+                }
+                [whole] => return (embedding.clone(), text_of(whole, &derived).to_owned()),
+                [] => match embedding.stages() {
+                    Some(stages) => staged::describe(system, line, facts, stages),
+                    None => hamiltonians(system, line, facts),
+                },
+                halves => of_halves(embedding, halves, &derived, flows.is_some()),
+            };
+            properties(&mut system.graph, facts, embedding, &mut text);
+            (embedding.clone(), text)
+        };
+        let listed = listed.iter().map(of_listed).collect();
+        Self { listed, flows, parts, of_parts }
     }
+}
+
+/// What is said of a step.
+fn of_step(system: &mut System, facts: &Facts, step: &Step<'_>) -> String {
+    match step {
+        Step::StraightLine(line, scheme) => describe(system, line, facts, scheme),
+        Step::InLoops(embedding, strategy) => {
+            elements::describe::describe(system, facts, embedding, *strategy)
+        }
+    }
+}
+
+/// That of a scheme among those that were derived.
+fn text_of<'t>(part: &Embedding, derived: &[(&Embedding, &'t String)]) -> &'t str {
+    derived.iter().find(|(embedding, _)| *embedding == part).map_or("", |(_, text)| text.as_str())
+}
+
+/// A step of two halves, and whether it is made of flows.
+fn of_halves(
+    embedding: &Embedding,
+    halves: &[Embedding],
+    derived: &[(&Embedding, &String)],
+    has_flows: bool,
+) -> String {
+    let mut text =
+        format!("{embedding}\n\nA step of size h is two of size h/2, with half of the increments each:\n");
+    for part in halves {
+        let derivation = text_of(part, derived).split("\nFacts").next().unwrap_or_default();
+        // A half needs no correction: the other makes up for it.
+        let name = part.to_string();
+        let bare = name.strip_prefix("Uncorrected<").and_then(|rest| rest.strip_suffix('>'));
+        let derivation = derivation.strip_prefix(&name).unwrap_or(derivation);
+        text.push_str(&format!("\n{}{derivation}", bare.unwrap_or(&name)));
+    }
+    if has_flows {
+        text.push_str(FLOWS);
+    }
+    text
 }
 
 /// How a step with a bath is taken.

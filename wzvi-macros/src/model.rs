@@ -278,8 +278,6 @@ pub(crate) struct StraightLine {
     /// Those of the system, and entries of lists.
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) drift: Expr,
-    /// The parts of the drift, where the user has parted it.
-    pub(crate) parts: Vec<Expr>,
     pub(crate) noise: Vec<Expr>,
     /// One component per degree of freedom.
     pub(crate) force: Option<Vec<Expr>>,

@@ -11,8 +11,8 @@ use wzvi::prelude::*;
 ```text
 DeltaPlus
 
-Hamiltonians, as sums of elements
-  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]
+Hamiltonians
+  H0 = Σ_(i=0..n - 1) [(p[2 i + 1]² + p[2 i]²)/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
   L_d = Σ_i P[i] Δq[i] - h H0(P, q)
@@ -48,19 +48,11 @@ pub struct Bodies {
     pub g: f64,
     pub mass: Vec<f64>,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Labels,
-        Listed, NoiseClass, Number, Option, Range, Result, Scalar, Sized, StepFailure,
-        Variables, bool, f64, isize, str, u32, usize,
+        self as wzvi, Conservative, DVector, Facts, Labels, Listed, Number, Option,
+        Range, Scalar, Sized, Variables, bool, f64, isize, str, u32, usize,
         elements::{
             Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Quadrature,
             Row, Run, Slopes, Stage, Sums, Unknowns,
@@ -71,14 +63,13 @@ const _: () = {
         embedding::DeltaPlus,
     };
     #[automatically_derived]
-    impl Hamiltonian for Bodies {
+    impl Elements for Bodies {
+        const FACTS: Facts = Facts {
+            has_pairs: true,
+            has_one_velocity: true,
+            ..Facts::autonomous(usize::MAX)
+        };
         type Vector = DVector<f64>;
-        fn degrees(&self) -> usize {
-            0
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
         fn variables(&self) -> Variables {
             Variables {
                 q: Labels::Array {
@@ -96,114 +87,61 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("g", self.g)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-    }
-    #[automatically_derived]
-    impl Elements for Bodies {
         const PLACES: Places = Places {
             components: 2,
-            tables: &[Name { name: "", suffix: "" }, Name { name: "mass", suffix: "" }],
+            tables: &[Name::new("", ""), Name::new("mass", "")],
             nests: &[
-                Nest {
-                    loops: &[
-                        Loop {
-                            start: Index {
-                                terms: &[],
-                                constant: 0,
-                                name: Name { name: "0", suffix: "" },
-                            },
-                            end: Index {
-                                terms: &[(Atom::Size, 1)],
-                                constant: 0,
-                                name: Name { name: "n", suffix: "" },
-                            },
-                        },
+                Nest::new(
+                    &[
+                        Loop(
+                            Index::new(&[], 0, "0"),
+                            Index::new(&[(Atom::Size, 1)], 0, "n"),
+                        ),
                     ],
-                    slots: &[
+                    &[
                         Slot::Entry(
                             1,
                             &[
-                                Position {
-                                    index: Index {
-                                        terms: &[(Atom::Loop(0), 1)],
-                                        constant: 0,
-                                        name: Name { name: "i", suffix: "" },
-                                    },
-                                    is_inside: false,
-                                },
+                                Position::new(
+                                    Index::new(&[(Atom::Loop(0), 1)], 0, "i"),
+                                    false,
+                                ),
                             ],
                         ),
                     ],
-                },
-                Nest {
-                    loops: &[
-                        Loop {
-                            start: Index {
-                                terms: &[],
-                                constant: 0,
-                                name: Name { name: "0", suffix: "" },
-                            },
-                            end: Index {
-                                terms: &[(Atom::Size, 1)],
-                                constant: 0,
-                                name: Name { name: "n", suffix: "" },
-                            },
-                        },
-                        Loop {
-                            start: Index {
-                                terms: &[],
-                                constant: 0,
-                                name: Name { name: "0", suffix: "" },
-                            },
-                            end: Index {
-                                terms: &[(Atom::Loop(0), 1)],
-                                constant: 0,
-                                name: Name { name: "i", suffix: "" },
-                            },
-                        },
+                ),
+                Nest::new(
+                    &[
+                        Loop(
+                            Index::new(&[], 0, "0"),
+                            Index::new(&[(Atom::Size, 1)], 0, "n"),
+                        ),
+                        Loop(
+                            Index::new(&[], 0, "0"),
+                            Index::new(&[(Atom::Loop(0), 1)], 0, "i"),
+                        ),
                     ],
-                    slots: &[
+                    &[
                         Slot::Entry(
                             1,
                             &[
-                                Position {
-                                    index: Index {
-                                        terms: &[(Atom::Loop(0), 1)],
-                                        constant: 0,
-                                        name: Name { name: "i", suffix: "" },
-                                    },
-                                    is_inside: false,
-                                },
+                                Position::new(
+                                    Index::new(&[(Atom::Loop(0), 1)], 0, "i"),
+                                    false,
+                                ),
                             ],
                         ),
                         Slot::Entry(
                             1,
                             &[
-                                Position {
-                                    index: Index {
-                                        terms: &[(Atom::Loop(1), 1)],
-                                        constant: 0,
-                                        name: Name { name: "j", suffix: "" },
-                                    },
-                                    is_inside: false,
-                                },
+                                Position::new(
+                                    Index::new(&[(Atom::Loop(1), 1)], 0, "j"),
+                                    false,
+                                ),
                             ],
                         ),
                     ],
-                },
+                ),
             ],
         };
         fn entries(
@@ -220,28 +158,15 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        const FACTS: Facts = Facts {
-            degrees: usize::MAX,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let g: f64 = self.g;
             let size = (at.degrees() / 2) as isize;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
+                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             let first0 = (2 * i0) as usize;
                             let first1 = i0 as usize;
                             let points0 = &at
@@ -265,10 +190,7 @@ const _: () = {
                             let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
                             let mass_i = S::from_f64(self.mass[i1 as usize]);
                             let mut b0 = S::from_f64(0.0);
-                            let (low, end): (isize, isize) = (0, i1);
-                            if low < end {
-                                let i2 = low;
-                                let len = (end - low) as usize;
+                            if let (i2, len @ 1..) = wzvi::elements::stretch(0, i1) {
                                 let first0 = (2 * i2) as usize;
                                 let first1 = i2 as usize;
                                 let points0 = &at
@@ -291,31 +213,22 @@ const _: () = {
                             total = total + b0;
                         }
                     }
-                    value = value + total * S::from_f64(at.h);
+                    total * S::from_f64(at.h)
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
-        const HAS_PAIRS: bool = true;
-        const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
         type Usual = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let g: f64 = self.g;
@@ -323,100 +236,77 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                let (skipped, len) = by_p
-                                    .clip::<2, _>(len, [(2 * i0) as usize]);
-                                if len > 0 {
-                                    let low = low + skipped as isize;
-                                    let i0 = low;
-                                    let first0 = (2 * i0) as usize;
-                                    let first1 = i0 as usize;
-                                    let points0 = &at
-                                        .p[first0..first0 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let s2 = &self.mass[first1..first1 + len];
-                                    let mut points1 = by_p.points::<2>(first0, len);
-                                    for place in 0..len {
-                                        let p_2i = T::of(points0[place][0]);
-                                        let p_2i_plus_1 = T::of(points0[place][1]);
-                                        let mass_i = T::from_f64(s2[place]);
-                                        points1.add_part(place, 1, p_2i_plus_1 * factor / mass_i);
-                                        points1.add_part(place, 0, p_2i * factor / mass_i);
-                                    }
-                                }
+                        let factor = T::from_f64(at.h);
+                        if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, size, [0]) {
+                            let first0 = (2 * i0) as usize;
+                            let first1 = i0 as usize;
+                            let points0 = &at
+                                .p[first0..first0 + 2 * len]
+                                .as_chunks::<2>()
+                                .0[..len];
+                            let s2 = &self.mass[first1..first1 + len];
+                            let mut points1 = by_p.points::<2>(first0, len);
+                            for place in 0..len {
+                                let p_2i = T::of(points0[place][0]);
+                                let p_2i_plus_1 = T::of(points0[place][1]);
+                                let mass_i = T::from_f64(s2[place]);
+                                points1.add_part(place, 1, p_2i_plus_1 * factor / mass_i);
+                                points1.add_part(place, 0, p_2i * factor / mass_i);
                             }
                         }
                     }
                     if wanted.by_q {
-                        {
-                            struct Interaction;
-                            impl Pair<4, 1, 2, 1, 2> for Interaction {
-                                #[cfg_attr(not(debug_assertions), inline(always))]
-                                fn slopes<T: Scalar>(
-                                    [q_2i,
-                                    q_2i_plus_1,
-                                    mass_i,
-                                    factor,
-                                    ]: [T; 4],
-                                    [g,
-                                    ]: [f64; 1],
-                                    [q_2j,
-                                    q_2j_plus_1,
-                                    ]: [T; 2],
-                                    [mass_j,
-                                    ]: [T; 1],
-                                ) -> ([T; 2], [T; 2]) {
-                                    let difference = q_2i_plus_1 - q_2j_plus_1;
-                                    let difference2 = q_2i - q_2j;
-                                    let sum = difference2 * difference2
-                                        + difference * difference;
-                                    let product = factor * (mass_i * mass_j);
-                                    let inverse = sum.recip();
-                                    let product2 = inverse * (inverse * sum.sqrt());
-                                    let product3 = difference2 * product * product2 * g;
-                                    let product4 = product2 * (difference * product) * g;
-                                    ([product3, product4], [-product3, -product4])
-                                }
+                        struct Interaction;
+                        impl Pair<4, 1, 2, 1, 2> for Interaction {
+                            #[cfg_attr(not(debug_assertions), inline(always))]
+                            fn slopes<T: Scalar>(
+                                [q_2i,
+                                q_2i_plus_1,
+                                mass_i,
+                                factor,
+                                ]: [T; 4],
+                                [g,
+                                ]: [f64; 1],
+                                [q_2j,
+                                q_2j_plus_1,
+                                ]: [T; 2],
+                                [mass_j,
+                                ]: [T; 1],
+                            ) -> ([T; 2], [T; 2]) {
+                                let difference = q_2i_plus_1 - q_2j_plus_1;
+                                let difference2 = q_2i - q_2j;
+                                let sum = difference2 * difference2
+                                    + difference * difference;
+                                let product = factor * (mass_i * mass_j);
+                                let inverse = sum.recip();
+                                let product2 = inverse * (inverse * sum.sqrt());
+                                let product3 = difference2 * product * product2 * g;
+                                let product4 = product2 * (difference * product) * g;
+                                ([product3, product4], [-product3, -product4])
                             }
-                            by_q.begin_rows::<2>(&at.q[0..at.degrees()]);
-                            for i1 in by_q.outer(1, 0 as isize..size) {
-                                let factor = T::from_f64(at.h);
-                                let q_2i = T::of(at.q[(2 * i1) as usize]);
-                                let q_2i_plus_1 = T::of(at.q[(2 * i1 + 1) as usize]);
-                                let mass_i = T::from_f64(self.mass[i1 as usize]);
-                                let (low, end): (isize, isize) = (0, i1);
-                                if low < end {
-                                    let i2 = low;
-                                    by_q.row::<
-                                            T,
-                                            Interaction,
-                                            V,
-                                            4,
-                                            1,
-                                            2,
-                                            1,
-                                            2,
-                                        >(
-                                        at.q,
-                                        Row {
-                                            first: (2 * i2) as usize,
-                                            len: (end - low) as usize,
-                                            own: [q_2i, q_2i_plus_1, mass_i, factor],
-                                            constants: [g],
-                                            entries: [&self.mass[i2 as usize..]],
-                                            places: [(2 * i1) as usize, (2 * i1 + 1) as usize],
-                                        },
-                                    );
-                                }
-                            }
-                            by_q.end_rows::<2>();
                         }
+                        by_q.begin_rows::<2>(&at.q[0..at.degrees()]);
+                        for i1 in by_q.outer(1, 0 as isize..size) {
+                            let factor = T::from_f64(at.h);
+                            let q_2i = T::of(at.q[(2 * i1) as usize]);
+                            let q_2i_plus_1 = T::of(at.q[(2 * i1 + 1) as usize]);
+                            let mass_i = T::from_f64(self.mass[i1 as usize]);
+                            if let (i2, len @ 1..) = wzvi::elements::stretch(0, i1) {
+                                by_q.row(
+                                    Interaction,
+                                    at.q,
+                                    Row {
+                                        first: (2 * i2) as usize,
+                                        len,
+                                        own: [q_2i, q_2i_plus_1, mass_i, factor],
+                                        constants: [g],
+                                        entries: [&self.mass[i2 as usize..]],
+                                        places: [(2 * i1) as usize, (2 * i1 + 1) as usize],
+                                    },
+                                );
+                            }
+                        }
+                        by_q.end_rows::<2>();
                     }
                 }
                 _ => {}
@@ -428,57 +318,40 @@ const _: () = {
         const ORDER: u32 = 1;
         const IS_CONSISTENT: bool = true;
         const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
-            update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
-            remembers: false,
-            is_linear: false,
+            ..Quadrature::new(
+                &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                MomentumUpdate::Multiple(1.0),
+            )
         };
     }
     #[automatically_derived]
     impl Listed<DeltaPlus> for Bodies {
         type Scheme = Loops<DeltaPlus>;
-        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[2 i + 1]²/(2 mass[i]) + p[2 i]²/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]\n    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]\n    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]\n";
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(p[2 i + 1]² + p[2 i]²)/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h/mass[i]   for i = 0..n - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   for i = 0..n - 1\n    Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j] h (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)]   at point j\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]\n    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]\n    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]\n";
     }
     #[automatically_derived]
     impl Conservative for Bodies {}
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as at, binding as b0, binding as by_p, binding as by_q,
-        binding as degrees, binding as difference, binding as difference2,
-        binding as end, binding as factor, binding as first0, binding as first1,
-        binding as g, binding as i0, binding as i1, binding as i2, binding as index,
-        binding as inverse, binding as len, binding as list, binding as low,
-        binding as mass_i, binding as mass_j, binding as outer, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as product, binding as product2,
-        binding as product3, binding as product4, binding as q, binding as q_2i,
-        binding as q_2i_plus_1, binding as q_2j, binding as q_2j_plus_1,
-        binding as range, binding as s2, binding as s5, binding as size,
-        binding as skipped, binding as sum, binding as t, binding as table,
-        binding as term, binding as total, binding as value, binding as wanted,
-        binding as weight,
-    };
+    wzvi::bindings! {
+        at b0 by_p by_q difference difference2 factor first0 first1 g i0 i1 i2 index
+        inverse len list mass_i mass_j outer p_2i p_2i_plus_1 part place points0 points1
+        product product2 product3 product4 q_2i q_2i_plus_1 q_2j q_2j_plus_1 range s2 s5
+        size sum table total wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Bodies {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::DeltaPlus,
-            >(::core::marker::PhantomData::<DeltaPlus>);
+            >(__wzvi::PhantomData::<DeltaPlus>);
             {
                 let g = self.g;
                 let mass = &self.mass;
-                ::wzvi::__private::checks::of_state::<
+                __wzvi::of_state::<
                     &[[::core::primitive::f64; 2usize]],
                     _,
                 >(|q: &[[f64; 2]], p: &[[f64; 2]]| {

@@ -11,8 +11,8 @@ use wzvi::prelude::*;
 ```text
 Midpoint
 
-Hamiltonians, as sums of elements
-  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]
+Hamiltonians
+  H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
   L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})
@@ -45,96 +45,44 @@ Facts
 pub struct Chain {
     pub beta: f64,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Listed,
-        NoiseClass, Number, Option, Result, Scalar, Sized, StepFailure, bool, f64, isize,
-        str, u32, usize, compose::{Composes, Equations, General, Many, ROOM, Structure},
+        self as wzvi, Conservative, DVector, Facts, Listed, Number, Option, Scalar,
+        Sized, bool, f64, isize, str, u32, usize,
+        compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point,
-            Quadrature, Run, Slopes, Stage, Sums, Unknowns,
+            Quadrature, Run, Slopes, Stage, Sums,
         },
-        elements::places::{Index, Name, Nest, Places, Slot},
+        elements::places::{Index, Nest, Places, Slot},
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
-    impl Hamiltonian for Chain {
+    impl Elements for Chain {
+        const FACTS: Facts = Facts {
+            has_windows: true,
+            has_one_velocity: true,
+            ..Facts::autonomous(usize::MAX)
+        };
         type Vector = DVector<f64>;
-        fn degrees(&self) -> usize {
-            0
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("beta", self.beta)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-    }
-    #[automatically_derived]
-    impl Elements for Chain {
         const PLACES: Places = Places {
             components: 1,
             tables: &[],
-            nests: &[
-                Nest {
-                    loops: &[],
-                    slots: &[
-                        Slot::State {
-                            index: Index {
-                                terms: &[],
-                                constant: 0,
-                                name: Name { name: "0", suffix: "" },
-                            },
-                            is_natural: true,
-                        },
-                    ],
-                },
-            ],
+            nests: &[Nest::new(&[], &[Slot::Natural(Index::new(&[], 0, "0"))])],
         };
-        const FACTS: Facts = Facts {
-            degrees: usize::MAX,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let beta: f64 = self.beta;
             let size = at.degrees() as isize;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
+                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             let first0 = i0 as usize;
                             let s0 = &at.p[first0..first0 + len];
                             for place in 0..len {
@@ -147,10 +95,7 @@ const _: () = {
                     {
                         let quarter_beta = 0.25 * beta;
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, size - 1);
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
+                        if let (i1, len @ 1..) = wzvi::elements::stretch(0, size - 1) {
                             let first0 = (i1 + 1) as usize;
                             let first1 = i1 as usize;
                             let s0 = &at.q[first0..first0 + len];
@@ -173,31 +118,22 @@ const _: () = {
                         let q0_squared = q0 * q0;
                         total = total + q0_squared * (q0_squared * quarter_beta + 0.5);
                     }
-                    value = value + total * S::from_f64(at.h);
+                    total * S::from_f64(at.h)
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
-        const HAS_WINDOWS: bool = true;
-        const HAS_ONE_VELOCITY: bool = true;
         type Exact = f64;
         type Usual = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let beta: f64 = self.beta;
@@ -205,149 +141,111 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                let (skipped, len) = by_p.clip::<1, _>(len, [i0 as usize]);
-                                if len > 0 {
-                                    let low = low + skipped as isize;
-                                    let i0 = low;
-                                    let first0 = i0 as usize;
-                                    let s0 = &at.p[first0..first0 + len];
-                                    let mut b0 = by_p.run(first0, len);
-                                    for place in 0..len {
-                                        let p_i = T::of(s0[place]);
-                                        b0.add(place, p_i * factor);
-                                    }
-                                }
+                        let factor = T::from_f64(at.h);
+                        if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
+                            let first0 = i0 as usize;
+                            let s0 = &at.p[first0..first0 + len];
+                            let mut b0 = by_p.run(first0, len);
+                            for place in 0..len {
+                                let p_i = T::of(s0[place]);
+                                b0.add(place, p_i * factor);
                             }
                         }
                     }
                     if wanted.by_q {
+                        let factor = T::from_f64(at.h);
+                        if let (i1, len @ 1..) = by_q
+                            .stretch::<1, _>(0, size - 1, [1, 0])
                         {
-                            let factor = T::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size - 1);
-                            if low < end {
-                                let i1 = low;
-                                let len = (end - low) as usize;
-                                let (skipped, len) = by_q
-                                    .clip::<1, _>(len, [(i1 + 1) as usize, i1 as usize]);
-                                if len > 0 {
-                                    let low = low + skipped as isize;
-                                    let i1 = low;
-                                    let first0 = (i1 + 1) as usize;
-                                    let first1 = i1 as usize;
-                                    let s0 = &at.q[first0..first0 + len];
-                                    let s1 = &at.q[first1..first1 + len];
-                                    let at1 = first0 + (len - 1);
-                                    let mut carried1 = T::from_f64(0.0);
-                                    let mut b1 = by_q.run(first1, len);
-                                    for place in 0..len {
-                                        let q_i_plus_1 = T::of(s0[place]);
-                                        let q_i = T::of(s1[place]);
-                                        let difference = q_i_plus_1 - q_i;
-                                        let product = (difference * difference * beta + 1.0)
-                                            * (factor * difference);
-                                        let ahead = product;
-                                        b1.add(place, -product + carried1);
-                                        carried1 = ahead;
-                                    }
-                                    wzvi::drop(b1);
-                                    by_q.add(at1, carried1);
-                                }
+                            let first0 = (i1 + 1) as usize;
+                            let first1 = i1 as usize;
+                            let s0 = &at.q[first0..first0 + len];
+                            let s1 = &at.q[first1..first1 + len];
+                            let at1 = first0 + (len - 1);
+                            let mut carried1 = T::from_f64(0.0);
+                            let mut b1 = by_q.run(first1, len);
+                            for place in 0..len {
+                                let q_i_plus_1 = T::of(s0[place]);
+                                let q_i = T::of(s1[place]);
+                                let difference = q_i_plus_1 - q_i;
+                                let product = (difference * difference * beta + 1.0)
+                                    * (factor * difference);
+                                let ahead = product;
+                                b1.add(place, -product + carried1);
+                                carried1 = ahead;
                             }
+                            wzvi::drop(b1);
+                            by_q.add(at1, carried1);
                         }
                     }
                     if wanted.by_q {
-                        {
-                            let factor = T::from_f64(at.h);
-                            if by_q.clip::<1, _>(1, [0]).1 > 0 {
-                                let q0 = T::of(at.q[0]);
-                                by_q.add(0, factor * (q0 * (q0 * q0 * beta + 1.0)));
-                            }
+                        let factor = T::from_f64(at.h);
+                        if by_q.clip::<1, _>(1, [0]).1 > 0 {
+                            let q0 = T::of(at.q[0]);
+                            by_q.add(0, factor * (q0 * (q0 * q0 * beta + 1.0)));
                         }
                     }
                 }
                 _ => {}
             }
         }
-        fn curvature<S: Scalar, C: Curvature<S>>(
+        fn curvature<S: Scalar>(
             &self,
             part: usize,
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            into: &mut C,
+            into: &mut impl Curvature<S>,
         ) {
             let beta: f64 = self.beta;
             let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
-                        {
-                            let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                for place in 0..len {
-                                    let i0 = low + place as isize;
-                                    into.add_pp(i0 as usize, i0 as usize, true, factor);
-                                }
+                        let factor = S::from_f64(at.h);
+                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
+                            for place in 0..len {
+                                let i0 = i0 + place as isize;
+                                into.add_pp(i0 as usize, i0 as usize, true, factor);
                             }
                         }
                     }
                     if wanted.by_q {
-                        {
-                            let three_beta = 3.0 * beta;
-                            let factor = S::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size - 1);
-                            if low < end {
-                                let i1 = low;
-                                let len = (end - low) as usize;
-                                let first0 = (i1 + 1) as usize;
-                                let first1 = i1 as usize;
-                                let s0 = &at.q[first0..first0 + len];
-                                let s1 = &at.q[first1..first1 + len];
-                                for place in 0..len {
-                                    let i1 = low + place as isize;
-                                    let q_i_plus_1 = s0[place];
-                                    let q_i = s1[place];
-                                    let difference = q_i_plus_1 - q_i;
-                                    let product = factor
-                                        * (difference * difference * three_beta + 1.0);
-                                    into.add_qq(
-                                        (i1 + 1) as usize,
-                                        (i1 + 1) as usize,
-                                        true,
-                                        product,
-                                    );
-                                    into.add_qq(
-                                        (i1 + 1) as usize,
-                                        i1 as usize,
-                                        false,
-                                        -product,
-                                    );
-                                    into.add_qq(i1 as usize, i1 as usize, true, product);
-                                }
+                        let three_beta = 3.0 * beta;
+                        let factor = S::from_f64(at.h);
+                        if let (i1, len @ 1..) = wzvi::elements::stretch(0, size - 1) {
+                            let first0 = (i1 + 1) as usize;
+                            let first1 = i1 as usize;
+                            let s0 = &at.q[first0..first0 + len];
+                            let s1 = &at.q[first1..first1 + len];
+                            for place in 0..len {
+                                let i1 = i1 + place as isize;
+                                let q_i_plus_1 = s0[place];
+                                let q_i = s1[place];
+                                let difference = q_i_plus_1 - q_i;
+                                let product = factor
+                                    * (difference * difference * three_beta + 1.0);
+                                into.add_qq(
+                                    (i1 + 1) as usize,
+                                    (i1 + 1) as usize,
+                                    true,
+                                    product,
+                                );
+                                into.add_qq(
+                                    (i1 + 1) as usize,
+                                    i1 as usize,
+                                    false,
+                                    -product,
+                                );
+                                into.add_qq(i1 as usize, i1 as usize, true, product);
                             }
                         }
                     }
                     if wanted.by_q {
-                        {
-                            let three_beta = 3.0 * beta;
-                            let factor = S::from_f64(at.h);
-                            let q0 = at.q[0];
-                            into.add_qq(
-                                0,
-                                0,
-                                true,
-                                factor * (q0 * q0 * three_beta + 1.0),
-                            );
-                        }
+                        let three_beta = 3.0 * beta;
+                        let factor = S::from_f64(at.h);
+                        let q0 = at.q[0];
+                        into.add_qq(0, 0, true, factor * (q0 * q0 * three_beta + 1.0));
                     }
                 }
                 _ => {}
@@ -359,17 +257,17 @@ const _: () = {
         const ORDER: u32 = 2;
         const IS_CONSISTENT: bool = true;
         const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
-            update: MomentumUpdate::Multiple(2.0),
-            unknowns: Unknowns::Momenta,
             remembers: true,
-            is_linear: false,
+            ..Quadrature::new(
+                &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+                MomentumUpdate::Multiple(2.0),
+            )
         };
     }
     #[automatically_derived]
     impl Listed<Midpoint> for Chain {
         type Scheme = Loops<Midpoint>;
-        const TEXT: &'static str = "Midpoint\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2] + [beta q[0]^4/4 + q[0]²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
     }
     #[automatically_derived]
     impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Chain {
@@ -381,44 +279,29 @@ const _: () = {
             Midpoint,
             General,
             W,
-            { 1969 + ROOM },
+            { 1946 + ROOM },
         >::ALL;
     }
     #[automatically_derived]
     impl Conservative for Chain {}
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as ahead, binding as at, binding as at1, binding as b0, binding as b1,
-        binding as beta, binding as by_p, binding as by_q, binding as carried1,
-        binding as degrees, binding as difference, binding as difference_squared,
-        binding as end, binding as factor, binding as first0, binding as first1,
-        binding as i0, binding as i1, binding as index, binding as into, binding as len,
-        binding as low, binding as p, binding as p_i, binding as part, binding as place,
-        binding as product, binding as q, binding as q0, binding as q0_squared,
-        binding as q_i, binding as q_i_plus_1, binding as quarter_beta, binding as s0,
-        binding as s1, binding as size, binding as skipped, binding as t,
-        binding as term, binding as three_beta, binding as total, binding as value,
-        binding as wanted, binding as weight,
-    };
+    wzvi::bindings! {
+        ahead at at1 b0 b1 beta by_p by_q carried1 difference difference_squared factor
+        first0 first1 i0 i1 index into len p_i part place product q0 q0_squared q_i
+        q_i_plus_1 quarter_beta s0 s1 size three_beta total wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Chain {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(::core::marker::PhantomData::<Midpoint>);
+            >(__wzvi::PhantomData::<Midpoint>);
             {
                 let beta = self.beta;
-                ::wzvi::__private::checks::of_state::<
+                __wzvi::of_state::<
                     &[::core::primitive::f64],
                     _,
                 >(|q: &[f64], p: &[f64]| {

@@ -40,174 +40,99 @@ Facts
 pub struct Multiplicative {
     pub sigma: f64,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
-        Hamiltonian, Knowledge, Lift, Listed, NoiseClass, Number, Of, Ok, Option, Over,
-        PhantomData, Plain, Plan, Reals, Result, SVector, Scalar, Sized, Solution,
-        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Knowledge, Lift,
+        Listed, NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain, Plan,
+        Reals, Result, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
+        StraightLine, bool, f64, str, usize,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
-            Unknowns,
         },
         embedding::{Corrected, DeltaPlus},
     };
     #[automatically_derived]
-    impl Hamiltonian for Multiplicative {
+    impl Elements for Multiplicative {
+        const FACTS: Facts = Facts {
+            noise: NoiseClass::Multiplicative,
+            conserves_energy: Knowledge::Refuted,
+            ..Facts::autonomous(1)
+        };
         type Vector = SVector<f64, 1>;
-        fn degrees(&self) -> usize {
-            1
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
         fn noises(&self) -> usize {
             1
         }
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("sigma", self.sigma)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-        fn differentiate_noises(
-            &self,
-            dw: &[f64],
-            state: &State<Self::Vector>,
-            into: &mut Gradient<Self::Vector>,
-        ) {
-            wzvi::elements::differentiate_noises(self, dw, state, into);
-        }
-    }
-    #[automatically_derived]
-    impl Elements for Multiplicative {
-        const FACTS: Facts = Facts {
-            degrees: 1,
-            noise: NoiseClass::Multiplicative,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let sigma: f64 = self.sigma;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let q = at.q[0];
-                        let p = at.p[0];
-                        total = total + (q * q + p * p) * 0.5;
-                    }
-                    value = value + total * S::from_f64(at.h);
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    (q * q + p * p) * 0.5 * S::from_f64(at.h)
                 }
-                1 => {
-                    if at.acting.contains(&0) {
-                        let mut total = S::from_f64(0.0);
-                        {
-                            let q = at.q[0];
-                            let p = at.p[0];
-                            total = total + q * p * sigma;
-                        }
-                        value = value + total * at.increment(0);
-                    }
+                1 if at.acting.contains(&0) => {
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    q * p * sigma * at.increment(0)
                 }
                 2 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let sigma_squared = sigma * sigma;
-                        let q = at.q[0];
-                        let p = at.p[0];
-                        total = total + q * p * sigma_squared;
-                    }
-                    value = value + total * at.increment(0) * at.increment(0) * weight;
+                    let sigma_squared = sigma * sigma;
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    q * p * sigma_squared * at.increment(0) * at.increment(0) * weight
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
         type Exact = f64;
         type Usual = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let sigma: f64 = self.sigma;
             match part {
                 0 => {
                     if wanted.by_q {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let q = T::of(at.q[0]);
-                            by_q.add(0, q * factor);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, q * factor);
                     }
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let p = T::of(at.p[0]);
-                            by_p.add(0, p * factor);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor);
                     }
                 }
-                1 => {
-                    if at.acting.contains(&0) {
-                        if (wanted.by_q || wanted.by_p) {
-                            {
-                                let factor = T::of(at.increment(0));
-                                let q = T::of(at.q[0]);
-                                let p = T::of(at.p[0]);
-                                by_q.add(0, p * factor * sigma);
-                                by_p.add(0, q * factor * sigma);
-                            }
-                        }
+                1 if at.acting.contains(&0) => {
+                    if (wanted.by_q || wanted.by_p) {
+                        let factor = T::of(at.increment(0));
+                        let q = T::of(at.q[0]);
+                        let p = T::of(at.p[0]);
+                        by_q.add(0, p * factor * sigma);
+                        by_p.add(0, q * factor * sigma);
                     }
                 }
                 2 => {
                     if (wanted.by_q || wanted.by_p) {
-                        {
-                            let sigma_squared = sigma * sigma;
-                            let factor = T::of(at.increment(0)) * T::of(at.increment(0))
-                                * weight;
-                            let q = T::of(at.q[0]);
-                            let p = T::of(at.p[0]);
-                            by_q.add(0, p * factor * sigma_squared);
-                            by_p.add(0, q * factor * sigma_squared);
-                        }
+                        let sigma_squared = sigma * sigma;
+                        let factor = T::of(at.increment(0)) * T::of(at.increment(0))
+                            * weight;
+                        let q = T::of(at.q[0]);
+                        let p = T::of(at.p[0]);
+                        by_q.add(0, p * factor * sigma_squared);
+                        by_p.add(0, q * factor * sigma_squared);
                     }
                 }
                 _ => {}
@@ -217,13 +142,10 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<Corrected<DeltaPlus>, 1, 1> for Multiplicative {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 1, true);
-        const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
-            update: MomentumUpdate::Multiple(1.0),
-            unknowns: Unknowns::Momenta,
-            remembers: false,
-            is_linear: false,
-        };
+        const QUADRATURE: Quadrature = Quadrature::new(
+            &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0), (2, 0.5)])],
+            MomentumUpdate::Multiple(1.0),
+        );
         type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
@@ -243,14 +165,14 @@ const _: () = {
             prepared: &Of<Self::Prepared, K>,
             t: K,
             h: K,
-            q: [S; 1],
-            p: [S; 1],
-            dw: [S; 1],
+            coordinates: [S; 1],
+            momenta: [S; 1],
+            increments: [S; 1],
             memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
-            let ([q], [p], [dw]) = (q, p, dw);
+            let ([q], [p], [dw]) = (coordinates, momenta, increments);
             let [sigma, half_sigma] = *prepared;
             let product = dw * (dw * half_sigma + 1.0) * sigma;
             let inverse_pivot = wzvi::reciprocal::<S>(product + 1.0)?;
@@ -261,10 +183,7 @@ const _: () = {
                 [[q * product + (p - product2) * h], [-product2]],
                 Effort::fast(0),
             );
-            if !next.is_finite() {
-                return Err(StepFailure::NonFinite);
-            }
-            Ok(())
+            next.ensure_finite()
         }
     }
     #[automatically_derived]
@@ -272,45 +191,25 @@ const _: () = {
         type Scheme = Straight<Corrected<DeltaPlus>, 1, 1>;
         const TEXT: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
     }
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as at, binding as by_p, binding as by_q, binding as carry,
-        binding as degrees, binding as dw, binding as factor, binding as h,
-        binding as half_sigma, binding as index, binding as into,
-        binding as inverse_pivot, binding as lift, binding as memory, binding as next,
-        binding as p, binding as part, binding as prepared, binding as product,
-        binding as product2, binding as q, binding as sigma, binding as sigma_squared,
-        binding as state, binding as t, binding as term, binding as total,
-        binding as value, binding as wanted, binding as weight,
-    };
+    wzvi::bindings! {
+        at by_p by_q carry coordinates dw factor h half_sigma increments index
+        inverse_pivot lift memory momenta next p part prepared product product2 q sigma
+        sigma_squared t wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Multiplicative {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::Corrected<::wzvi::embedding::DeltaPlus>,
-            >(::core::marker::PhantomData::<Corrected<DeltaPlus>>);
-            {
-                ::wzvi::__private::checks::of_state::<
-                    ::core::primitive::f64,
-                    _,
-                >(|q, p| 0.5 * p * p + 0.5 * q * q);
-            }
+            >(__wzvi::PhantomData::<Corrected<DeltaPlus>>);
+            __wzvi::of_state::<__wzvi::f64, _>(|q, p| 0.5 * p * p + 0.5 * q * q);
             {
                 let sigma = self.sigma;
-                ::wzvi::__private::checks::of_state::<
-                    ::core::primitive::f64,
-                    _,
-                >(|q, p| sigma * q * p);
+                __wzvi::of_state::<__wzvi::f64, _>(|q, p| sigma * q * p);
             }
         }
     }

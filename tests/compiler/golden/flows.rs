@@ -69,19 +69,11 @@ pub struct Perturbed {
     pub omega: f64,
     pub epsilon: f64,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Constant, Facts, Hamiltonian, Kind, Knowledge, Lift, Listed,
-        NoiseClass, Number, Of, Option, Over, Reals, Result, SVector, Scalar, Scheme,
-        Sized, StepFailure, bool, f64, str, usize,
+        self as wzvi, Constant, Facts, Kind, Knowledge, Lift, Listed, Number, Of, Option,
+        Over, Reals, SVector, Scalar, Scheme, Sized, bool, f64, str, usize,
         compose::{
             Composes, Equations, Flows, Form, Nystrom, One, Parted, Parts, ROOM,
             Structure,
@@ -91,104 +83,57 @@ const _: () = {
         gauss::{Field, Fixed},
     };
     #[automatically_derived]
-    impl Hamiltonian for Perturbed {
-        type Vector = SVector<f64, 1>;
-        const KIND: Kind = Kind {
-            reads_time: true,
-            ..Kind::AUTONOMOUS
+    impl Elements for Perturbed {
+        const FACTS: Facts = Facts {
+            conserves_energy: Knowledge::Refuted,
+            kind: Kind {
+                reads_time: true,
+                ..Kind::AUTONOMOUS
+            },
+            ..Facts::autonomous(1)
         };
-        fn degrees(&self) -> usize {
-            1
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
+        type Vector = SVector<f64, 1>;
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega), ("epsilon", self.epsilon)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-    }
-    #[automatically_derived]
-    impl Elements for Perturbed {
-        const FACTS: Facts = Facts {
-            degrees: 1,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Refuted,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 5;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let omega: f64 = self.omega;
             let epsilon: f64 = self.epsilon;
             let t = at.t;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let product = omega * omega * 0.5;
-                        let product2 = t.cos() * epsilon;
-                        let q = at.q[0];
-                        let p = at.p[0];
-                        total = total + (q * product2 + product) * (q * q) + p * p * 0.5;
-                    }
-                    value = value + total * S::from_f64(at.h);
+                    let product = omega * omega * 0.5;
+                    let product2 = t.cos() * epsilon;
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    ((q * product2 + product) * (q * q) + p * p * 0.5)
+                        * S::from_f64(at.h)
                 }
                 3 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let omega_squared = omega * omega;
-                        let q = at.q[0];
-                        let p = at.p[0];
-                        total = total + (q * q * omega_squared + p * p) * 0.5;
-                    }
-                    value = value + total * S::from_f64(at.h);
+                    let omega_squared = omega * omega;
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    (q * q * omega_squared + p * p) * 0.5 * S::from_f64(at.h)
                 }
                 4 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let product = t.cos() * epsilon;
-                        let q = at.q[0];
-                        total = total + q * (q * q) * product;
-                    }
-                    value = value + total * S::from_f64(at.h);
+                    let product = t.cos() * epsilon;
+                    let q = at.q[0];
+                    q * (q * q) * product * S::from_f64(at.h)
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
         type Exact = Alone;
         type Usual = Usual;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let omega: f64 = self.omega;
@@ -197,47 +142,37 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_q {
-                        {
-                            let omega_squared = omega * omega;
-                            let product = 3.0 * epsilon * t.cos();
-                            let factor = T::from_f64(at.h);
-                            let q = T::of(at.q[0]);
-                            by_q.add(0, factor * (q * (q * product + omega_squared)));
-                        }
+                        let omega_squared = omega * omega;
+                        let product = 3.0 * epsilon * t.cos();
+                        let factor = T::from_f64(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, factor * (q * (q * product + omega_squared)));
                     }
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let p = T::of(at.p[0]);
-                            by_p.add(0, p * factor);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor);
                     }
                 }
                 3 => {
                     if wanted.by_q {
-                        {
-                            let omega_squared = omega * omega;
-                            let factor = T::from_f64(at.h);
-                            let q = T::of(at.q[0]);
-                            by_q.add(0, q * factor * omega_squared);
-                        }
+                        let omega_squared = omega * omega;
+                        let factor = T::from_f64(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, q * factor * omega_squared);
                     }
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let p = T::of(at.p[0]);
-                            by_p.add(0, p * factor);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor);
                     }
                 }
                 4 => {
                     if wanted.by_q {
-                        {
-                            let product = 3.0 * epsilon * t.cos();
-                            let factor = T::from_f64(at.h);
-                            let q = T::of(at.q[0]);
-                            by_q.add(0, factor * (q * q) * product);
-                        }
+                        let product = 3.0 * epsilon * t.cos();
+                        let factor = T::from_f64(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, factor * (q * q) * product);
                     }
                 }
                 _ => {}
@@ -271,14 +206,14 @@ const _: () = {
             parameters: &Of<Self::Parameters, K>,
             t: S,
             h: S,
-            q: &[S],
-            p: &[S],
-            dw: &[S],
+            coordinates: &[S],
+            momenta: &[S],
+            increments: &[S],
             by_q: &mut [S],
             by_p: &mut [S],
         ) {
             let [omega, epsilon] = *parameters;
-            let (&[q], &[p], &[]) = (q, p, dw) else {
+            let (&[q], &[p], &[]) = (coordinates, momenta, increments) else {
                 return wzvi::gauss::unfit(by_q, by_p);
             };
             if BY_Q {
@@ -314,43 +249,29 @@ const _: () = {
             { 1526 + ROOM },
         >::ALL;
     }
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as at, binding as by_p, binding as by_q, binding as degrees,
-        binding as dw, binding as epsilon, binding as factor, binding as h,
-        binding as index, binding as k, binding as lift, binding as omega,
-        binding as omega_squared, binding as p, binding as parameters, binding as part,
-        binding as product, binding as product2, binding as q, binding as t,
-        binding as term, binding as total, binding as value, binding as wanted,
-        binding as weight,
-    };
+    wzvi::bindings! {
+        at by_p by_q coordinates epsilon factor h increments index k lift momenta omega
+        omega_squared p parameters part product product2 q t wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Perturbed {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
-                ::wzvi::embedding::Verlet,
-            >(::core::marker::PhantomData::<Verlet>);
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<::wzvi::embedding::Verlet>(__wzvi::PhantomData::<Verlet>);
             {
                 let omega = self.omega;
-                ::wzvi::__private::checks::of_time::<
-                    ::core::primitive::f64,
+                __wzvi::of_time::<
+                    __wzvi::f64,
                     _,
                 >(|q, p, t| 0.5 * p * p + 0.5 * omega * omega * q * q);
             }
             {
                 let epsilon = self.epsilon;
-                ::wzvi::__private::checks::of_time::<
-                    ::core::primitive::f64,
+                __wzvi::of_time::<
+                    __wzvi::f64,
                     _,
                 >(|q, _, t| epsilon * q.powi(3) * t.cos());
             }

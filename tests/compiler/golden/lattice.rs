@@ -11,8 +11,8 @@ use wzvi::prelude::*;
 ```text
 DeltaPlus
 
-Hamiltonians, as sums of elements
-  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]
+Hamiltonians
+  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
   L_d = Σ_i P[i] Δq[i] - h H0(P, q)
@@ -47,19 +47,11 @@ Facts
 pub struct Lattice<const N: usize> {
     pub k: f64,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Labels,
-        Listed, NoiseClass, Number, Option, Ord, Result, Scalar, Sized, StepFailure,
-        Variables, bool, f64, isize, str, u32, usize,
+        self as wzvi, Conservative, DVector, Facts, Labels, Listed, Number, Option, Ord,
+        Scalar, Sized, Variables, bool, f64, isize, str, u32, usize,
         elements::{
             Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
             Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
@@ -67,14 +59,13 @@ const _: () = {
         embedding::DeltaPlus,
     };
     #[automatically_derived]
-    impl<const N: usize> Hamiltonian for Lattice<{ N }> {
+    impl<const N: usize> Elements for Lattice<{ N }> {
+        const FACTS: Facts = Facts {
+            has_windows: (N) * 2 >= LEAST_IN_WINDOWS,
+            has_one_velocity: true,
+            ..Facts::autonomous((N) * 2usize)
+        };
         type Vector = DVector<f64>;
-        fn degrees(&self) -> usize {
-            (N as isize) as usize * 2
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
         fn variables(&self) -> Variables {
             Variables {
                 q: Labels::Array {
@@ -92,44 +83,14 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("k", self.k)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-    }
-    #[automatically_derived]
-    impl<const N: usize> Elements for Lattice<{ N }> {
-        const FACTS: Facts = Facts {
-            degrees: (N) * 2usize,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let k: f64 = self.k;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, N as isize);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
+                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, N as isize) {
                             let first0 = (2 * i0) as usize;
                             let points0 = &at
                                 .p[first0..first0 + 2 * len]
@@ -149,8 +110,7 @@ const _: () = {
                         let mut i1: isize = 0;
                         let end: isize = N as isize;
                         while i1 < end {
-                            let low = i1;
-                            let mut len = (end - low) as usize;
+                            let mut len = (end - i1) as usize;
                             len = Ord::min(
                                 len,
                                 ((N as isize) - (i1 + 1) % (N as isize)) as usize,
@@ -178,146 +138,125 @@ const _: () = {
                         }
                         total = total + b0;
                     }
-                    value = value + total * S::from_f64(at.h);
+                    total * S::from_f64(at.h)
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
-        const HAS_WINDOWS: bool = (N) * 2 >= LEAST_IN_WINDOWS;
-        const HAS_ONE_VELOCITY: bool = true;
         type Exact = Alone;
         type Usual = Usual;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let k: f64 = self.k;
             match part {
                 0 => {
                     if wanted.by_p {
+                        let factor = T::from_f64(at.h);
+                        if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, N as isize, [0])
                         {
-                            let factor = T::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, N as isize);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                let (skipped, len) = by_p
-                                    .clip::<2, _>(len, [(2 * i0) as usize]);
-                                if len > 0 {
-                                    let low = low + skipped as isize;
-                                    let i0 = low;
-                                    let first0 = (2 * i0) as usize;
-                                    let points0 = &at
-                                        .p[first0..first0 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let mut points1 = by_p.points::<2>(first0, len);
-                                    for place in 0..len {
-                                        let p_2i = T::of(points0[place][0]);
-                                        let p_2i_plus_1 = T::of(points0[place][1]);
-                                        points1.add_part(place, 1, p_2i_plus_1 * factor);
-                                        points1.add_part(place, 0, p_2i * factor);
-                                    }
-                                }
+                            let first0 = (2 * i0) as usize;
+                            let points0 = &at
+                                .p[first0..first0 + 2 * len]
+                                .as_chunks::<2>()
+                                .0[..len];
+                            let mut points1 = by_p.points::<2>(first0, len);
+                            for place in 0..len {
+                                let p_2i = T::of(points0[place][0]);
+                                let p_2i_plus_1 = T::of(points0[place][1]);
+                                points1.add_part(place, 1, p_2i_plus_1 * factor);
+                                points1.add_part(place, 0, p_2i * factor);
                             }
                         }
                     }
                     if wanted.by_q {
-                        {
-                            let mut b3 = [T::from_f64(0.0); 256];
-                            let mut b1 = [T::from_f64(0.0); 256];
-                            let factor = T::from_f64(at.h);
-                            let mut i1: isize = 0;
-                            let end: isize = N as isize;
-                            while i1 < end {
-                                let mut len = (end - i1) as usize;
-                                len = Ord::min(
+                        let mut b3 = [T::from_f64(0.0); 256];
+                        let mut b1 = [T::from_f64(0.0); 256];
+                        let factor = T::from_f64(at.h);
+                        let mut i1: isize = 0;
+                        let end: isize = N as isize;
+                        while i1 < end {
+                            let mut len = (end - i1) as usize;
+                            len = Ord::min(
+                                len,
+                                ((N as isize) - (i1 + 1) % (N as isize)) as usize,
+                            );
+                            let next = i1 + len as isize;
+                            let (skipped, taken) = by_q
+                                .clip::<
+                                    2,
+                                    _,
+                                >(
                                     len,
-                                    ((N as isize) - (i1 + 1) % (N as isize)) as usize,
+                                    [
+                                        (2 * ((i1 + 1) % (N as isize))) as usize,
+                                        (2 * i1) as usize,
+                                    ],
                                 );
-                                let next = i1 + len as isize;
-                                let (skipped, taken) = by_q
-                                    .clip::<
-                                        2,
-                                        _,
-                                    >(
-                                        len,
-                                        [
-                                            (2 * ((i1 + 1) % (N as isize))) as usize,
-                                            (2 * i1) as usize,
-                                        ],
-                                    );
-                                let until = skipped + taken;
-                                let mut len: usize = 256;
-                                len = wzvi::elements::apart(
-                                    len,
-                                    (2 * ((i1 + 1) % (N as isize))) as usize / 2,
-                                    (2 * i1) as usize / 2,
-                                );
-                                let most = len;
-                                let first0 = (2 * ((i1 + 1) % (N as isize))) as usize;
-                                let first1 = (2 * i1) as usize;
-                                let mut from = if skipped < most {
-                                    0
-                                } else {
-                                    skipped / most * most
-                                };
-                                while from < until {
-                                    let skip = Ord::max(from, skipped);
-                                    from += most;
-                                    let len = Ord::min(from, until) - skip;
-                                    let first0 = first0 + 2 * skip;
-                                    let first1 = first1 + 2 * skip;
-                                    let points0 = &at
-                                        .q[first0..first0 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let points1 = &at
-                                        .q[first1..first1 + 2 * len]
-                                        .as_chunks::<2>()
-                                        .0[..len];
-                                    let mut points2 = by_q.points::<2>(first0, len);
-                                    let b3 = &mut b3[..len];
-                                    let b1 = &mut b1[..len];
+                            let until = skipped + taken;
+                            let mut len: usize = 256;
+                            len = wzvi::elements::apart(
+                                len,
+                                (2 * ((i1 + 1) % (N as isize))) as usize / 2,
+                                (2 * i1) as usize / 2,
+                            );
+                            let most = len;
+                            let first0 = (2 * ((i1 + 1) % (N as isize))) as usize;
+                            let first1 = (2 * i1) as usize;
+                            let mut from = if skipped < most {
+                                0
+                            } else {
+                                skipped / most * most
+                            };
+                            while from < until {
+                                let skip = Ord::max(from, skipped);
+                                from += most;
+                                let len = Ord::min(from, until) - skip;
+                                let first0 = first0 + 2 * skip;
+                                let first1 = first1 + 2 * skip;
+                                let points0 = &at
+                                    .q[first0..first0 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
+                                let points1 = &at
+                                    .q[first1..first1 + 2 * len]
+                                    .as_chunks::<2>()
+                                    .0[..len];
+                                let mut points2 = by_q.points::<2>(first0, len);
+                                let b3 = &mut b3[..len];
+                                let b1 = &mut b1[..len];
+                                for place in 0..len {
+                                    let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
+                                    let q_2i = T::of(points1[place][0]);
+                                    let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
+                                    let q_2i_plus_1 = T::of(points1[place][1]);
+                                    let product = factor
+                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                    let product2 = factor
+                                        * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
+                                    points2.add_part(place, 1, product2);
+                                    points2.add_part(place, 0, product);
+                                    b3[place] = -product2;
+                                    b1[place] = -product;
+                                }
+                                wzvi::drop(points2);
+                                {
+                                    let mut run = by_q.points::<2>(first1, len);
                                     for place in 0..len {
-                                        let q_2_i_plus_1_mod_N = T::of(points0[place][0]);
-                                        let q_2i = T::of(points1[place][0]);
-                                        let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
-                                        let q_2i_plus_1 = T::of(points1[place][1]);
-                                        let product = factor
-                                            * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
-                                        let product2 = factor
-                                            * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
-                                        points2.add_part(place, 1, product2);
-                                        points2.add_part(place, 0, product);
-                                        b3[place] = -product2;
-                                        b1[place] = -product;
-                                    }
-                                    wzvi::drop(points2);
-                                    {
-                                        let mut run = by_q.points::<2>(first1, len);
-                                        for place in 0..len {
-                                            run.add_part(place, 1, b3[place]);
-                                            run.add_part(place, 0, b1[place]);
-                                        }
+                                        run.add_part(place, 1, b3[place]);
+                                        run.add_part(place, 0, b1[place]);
                                     }
                                 }
-                                i1 = next;
                             }
+                            i1 = next;
                         }
                     }
                 }
@@ -330,54 +269,39 @@ const _: () = {
         const ORDER: u32 = 1;
         const IS_CONSISTENT: bool = true;
         const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
-            update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
-            remembers: false,
-            is_linear: false,
+            ..Quadrature::new(
+                &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                MomentumUpdate::Multiple(1.0),
+            )
         };
     }
     #[automatically_derived]
     impl<const N: usize> Listed<DeltaPlus> for Lattice<{ N }> {
         type Scheme = Loops<DeltaPlus>;
-        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..N - 1) [p[2 i + 1]²/2 + p[2 i]²/2] + Σ_(i=0..N - 1) [(q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2 - cos(k (q[2 ((i + 1) mod N)] - q[2 i]))] + Σ_(i=0..N - 1) [1]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
     }
     #[automatically_derived]
     impl<const N: usize> Conservative for Lattice<{ N }> {}
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as at, binding as b0, binding as b1, binding as b3, binding as by_p,
-        binding as by_q, binding as degrees, binding as difference, binding as end,
-        binding as factor, binding as first0, binding as first1, binding as from,
-        binding as half_k, binding as i0, binding as i1, binding as index, binding as k,
-        binding as len, binding as low, binding as most, binding as next, binding as p,
-        binding as p_2i, binding as p_2i_plus_1, binding as part, binding as place,
-        binding as points0, binding as points1, binding as points2, binding as product,
-        binding as product2, binding as q, binding as q_2_i_plus_1_mod_N,
-        binding as q_2_i_plus_1_mod_N_plus_1, binding as q_2i, binding as q_2i_plus_1,
-        binding as run, binding as sin, binding as skip, binding as skipped,
-        binding as t, binding as taken, binding as term, binding as total,
-        binding as until, binding as value, binding as wanted, binding as weight,
-    };
+    wzvi::bindings! {
+        at b0 b1 b3 by_p by_q difference end factor first0 first1 from half_k i0 i1 index
+        k len most next p_2i p_2i_plus_1 part place points0 points1 points2 product
+        product2 q_2_i_plus_1_mod_N q_2_i_plus_1_mod_N_plus_1 q_2i q_2i_plus_1 run sin
+        skip skipped taken total until wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl<const N: usize> ::wzvi::__private::checks::Checked for Lattice<{ N }> {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::DeltaPlus,
-            >(::core::marker::PhantomData::<DeltaPlus>);
+            >(__wzvi::PhantomData::<DeltaPlus>);
             {
                 let k = self.k;
-                ::wzvi::__private::checks::of_state::<
+                __wzvi::of_state::<
                     [[::core::primitive::f64; 2usize]; N],
                     _,
                 >(|q: [[f64; 2]; N], p: [[f64; 2]; N]| {

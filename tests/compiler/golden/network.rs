@@ -11,8 +11,8 @@ use wzvi::prelude::*;
 ```text
 DeltaPlus
 
-Hamiltonians, as sums of elements
-  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i]]
+Hamiltonians
+  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] (1 - cos(q[bonds[i][0]] - q[bonds[i][1]]))]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
   L_d = Σ_i P[i] Δq[i] - h H0(P, q)
@@ -42,19 +42,11 @@ pub struct Network {
     pub bonds: Vec<[usize; 2]>,
     pub strength: Vec<f64>,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Facts, Hamiltonian, Knowledge, Listed,
-        NoiseClass, None, Number, Ord, Range, Result, Scalar, Sized, Some, StepFailure,
-        bool, f64, i128, isize, str, u32, usize,
+        self as wzvi, Conservative, DVector, Facts, Listed, None, Number, Ord, Range,
+        Scalar, Sized, Some, bool, f64, i128, isize, str, u32, usize,
         elements::{
             Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
             Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
@@ -65,163 +57,88 @@ const _: () = {
         embedding::DeltaPlus,
     };
     #[automatically_derived]
-    impl Hamiltonian for Network {
-        type Vector = DVector<f64>;
-        fn degrees(&self) -> usize {
-            0
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-    }
-    #[automatically_derived]
     impl Elements for Network {
+        const FACTS: Facts = Facts {
+            gathers: Slopes { by_q: true, by_p: false },
+            has_one_velocity: true,
+            ..Facts::autonomous(usize::MAX)
+        };
+        type Vector = DVector<f64>;
         const PLACES: Places = Places {
             components: 1,
             tables: &[
-                Name {
-                    name: "bonds.len()",
-                    suffix: "",
-                },
-                Name { name: "bonds", suffix: "" },
-                Name {
-                    name: "strength.len()",
-                    suffix: "",
-                },
-                Name { name: "", suffix: "" },
+                Name::new("bonds.len()", ""),
+                Name::new("bonds", ""),
+                Name::new("strength.len()", ""),
+                Name::new("", ""),
             ],
             nests: &[
-                Nest {
-                    loops: &[
-                        Loop {
-                            start: Index {
-                                terms: &[],
-                                constant: 0,
-                                name: Name { name: "0", suffix: "" },
-                            },
-                            end: Index {
-                                terms: &[
+                Nest::new(
+                    &[
+                        Loop(
+                            Index::new(&[], 0, "0"),
+                            Index::new(
+                                &[
                                     (
                                         Atom::Minimum(
                                             &[
-                                                Index {
-                                                    terms: &[(Atom::Given(0, &[]), 1)],
-                                                    constant: 0,
-                                                    name: Name {
-                                                        name: "bonds.len()",
-                                                        suffix: "",
-                                                    },
-                                                },
-                                                Index {
-                                                    terms: &[(Atom::Given(2, &[]), 1)],
-                                                    constant: 0,
-                                                    name: Name {
-                                                        name: "strength.len()",
-                                                        suffix: "",
-                                                    },
-                                                },
+                                                Index::new(&[(Atom::Given(0, &[]), 1)], 0, "bonds.len()"),
+                                                Index::new(&[(Atom::Given(2, &[]), 1)], 0, "strength.len()"),
                                             ],
                                         ),
                                         1,
                                     ),
                                 ],
-                                constant: 0,
-                                name: Name {
-                                    name: "min(bonds.len(), strength.len())",
-                                    suffix: "",
-                                },
-                            },
-                        },
+                                0,
+                                "min(bonds.len(), strength.len())",
+                            ),
+                        ),
                     ],
-                    slots: &[
-                        Slot::State {
-                            index: Index {
-                                terms: &[
+                    &[
+                        Slot::State(
+                            Index::new(
+                                &[
                                     (
                                         Atom::Given(
                                             1,
                                             &[
-                                                Position {
-                                                    index: Index {
-                                                        terms: &[(Atom::Loop(0), 1)],
-                                                        constant: 0,
-                                                        name: Name { name: "i", suffix: "" },
-                                                    },
-                                                    is_inside: true,
-                                                },
-                                                Position {
-                                                    index: Index {
-                                                        terms: &[],
-                                                        constant: 0,
-                                                        name: Name { name: "0", suffix: "" },
-                                                    },
-                                                    is_inside: false,
-                                                },
+                                                Position::new(
+                                                    Index::new(&[(Atom::Loop(0), 1)], 0, "i"),
+                                                    true,
+                                                ),
+                                                Position::new(Index::new(&[], 0, "0"), false),
                                             ],
                                         ),
                                         1,
                                     ),
                                 ],
-                                constant: 0,
-                                name: Name {
-                                    name: "bonds[i][0]",
-                                    suffix: "",
-                                },
-                            },
-                            is_natural: false,
-                        },
-                        Slot::State {
-                            index: Index {
-                                terms: &[
+                                0,
+                                "bonds[i][0]",
+                            ),
+                        ),
+                        Slot::State(
+                            Index::new(
+                                &[
                                     (
                                         Atom::Given(
                                             1,
                                             &[
-                                                Position {
-                                                    index: Index {
-                                                        terms: &[(Atom::Loop(0), 1)],
-                                                        constant: 0,
-                                                        name: Name { name: "i", suffix: "" },
-                                                    },
-                                                    is_inside: true,
-                                                },
-                                                Position {
-                                                    index: Index {
-                                                        terms: &[],
-                                                        constant: 1,
-                                                        name: Name { name: "1", suffix: "" },
-                                                    },
-                                                    is_inside: false,
-                                                },
+                                                Position::new(
+                                                    Index::new(&[(Atom::Loop(0), 1)], 0, "i"),
+                                                    true,
+                                                ),
+                                                Position::new(Index::new(&[], 1, "1"), false),
                                             ],
                                         ),
                                         1,
                                     ),
                                 ],
-                                constant: 0,
-                                name: Name {
-                                    name: "bonds[i][1]",
-                                    suffix: "",
-                                },
-                            },
-                            is_natural: false,
-                        },
+                                0,
+                                "bonds[i][1]",
+                            ),
+                        ),
                     ],
-                },
+                ),
             ],
         };
         fn entries(
@@ -252,27 +169,14 @@ const _: () = {
                 _ => Entries::of_length(0),
             }
         }
-        const FACTS: Facts = Facts {
-            degrees: usize::MAX,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let size = at.degrees() as isize;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
                     let mut total = S::from_f64(0.0);
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (0, size);
-                        if low < end {
-                            let i0 = low;
-                            let len = (end - low) as usize;
+                        if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             let first0 = i0 as usize;
                             let s0 = &at.p[first0..first0 + len];
                             for place in 0..len {
@@ -284,20 +188,17 @@ const _: () = {
                     }
                     {
                         let mut b0 = S::from_f64(0.0);
-                        let (low, end): (isize, isize) = (
+                        if let (i1, len @ 1..) = wzvi::elements::stretch(
                             0,
                             Ord::min(
                                 (self.bonds.len() as isize),
                                 (self.strength.len() as isize),
                             ),
-                        );
-                        if low < end {
-                            let i1 = low;
-                            let len = (end - low) as usize;
+                        ) {
                             let first0 = i1 as usize;
                             let s0 = &self.strength[first0..first0 + len];
                             for place in 0..len {
-                                let i1 = low + place as isize;
+                                let i1 = i1 + place as isize;
                                 let strength_i = S::from_f64(s0[place]);
                                 let q_bonds_i_0 = at.q[self.bonds[i1 as usize][0] as usize];
                                 let q_bonds_i_1 = at.q[self.bonds[i1 as usize][1] as usize];
@@ -307,152 +208,126 @@ const _: () = {
                         }
                         total = total + b0;
                     }
-                    value = value + total * S::from_f64(at.h);
+                    total * S::from_f64(at.h)
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
-        const GATHERS: Slopes = Slopes { by_q: true, by_p: false };
-        const HAS_ONE_VELOCITY: bool = true;
         type Exact = Alone;
         type Usual = Usual;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let (low, end): (isize, isize) = (0, size);
-                            if low < end {
-                                let i0 = low;
-                                let len = (end - low) as usize;
-                                let (skipped, len) = by_p.clip::<1, _>(len, [i0 as usize]);
-                                if len > 0 {
-                                    let low = low + skipped as isize;
-                                    let i0 = low;
-                                    let first0 = i0 as usize;
-                                    let s0 = &at.p[first0..first0 + len];
-                                    let mut b0 = by_p.run(first0, len);
-                                    for place in 0..len {
-                                        let p_i = T::of(s0[place]);
-                                        b0.add(place, p_i * factor);
-                                    }
-                                }
+                        let factor = T::from_f64(at.h);
+                        if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
+                            let first0 = i0 as usize;
+                            let s0 = &at.p[first0..first0 + len];
+                            let mut b0 = by_p.run(first0, len);
+                            for place in 0..len {
+                                let p_i = T::of(s0[place]);
+                                b0.add(place, p_i * factor);
                             }
                         }
                     }
                     if wanted.by_q {
-                        {
-                            use Placements as _;
-                            struct Interaction;
-                            impl Pair<1, 0, 0, 3, 2> for Interaction {
-                                #[cfg_attr(not(debug_assertions), inline(always))]
-                                fn slopes<T: Scalar>(
-                                    [factor,
-                                    ]: [T; 1],
-                                    []: [f64; 0],
-                                    []: [T; 0],
-                                    [strength_i,
-                                    q_bonds_i_0,
-                                    q_bonds_i_1,
-                                    ]: [T; 3],
-                                ) -> ([T; 2], [T; 0]) {
-                                    let product = (q_bonds_i_0 - q_bonds_i_1).sin()
-                                        * (strength_i * factor);
-                                    ([product, -product], [])
-                                }
+                        use Placements as _;
+                        struct Interaction;
+                        impl Pair<1, 0, 0, 3, 2> for Interaction {
+                            #[cfg_attr(not(debug_assertions), inline(always))]
+                            fn slopes<T: Scalar>(
+                                [factor,
+                                ]: [T; 1],
+                                []: [f64; 0],
+                                []: [T; 0],
+                                [strength_i,
+                                q_bonds_i_0,
+                                q_bonds_i_1,
+                                ]: [T; 3],
+                            ) -> ([T; 2], [T; 0]) {
+                                let product = (q_bonds_i_0 - q_bonds_i_1).sin()
+                                    * (strength_i * factor);
+                                ([product, -product], [])
                             }
-                            let mut block = by_q.beside::<T, 3, 2>();
-                            let factor = T::from_f64(at.h);
-                            let (low, end): (isize, isize) = (
+                        }
+                        let mut block = by_q.beside::<T, 3, 2>();
+                        let factor = T::from_f64(at.h);
+                        if by_q
+                            .gathers(
                                 0,
                                 Ord::min(
                                     (self.bonds.len() as isize),
                                     (self.strength.len() as isize),
                                 ),
-                            );
-                            if by_q.gathers(low, end) {
-                                let (low, end): (isize, isize) = (
-                                    0,
-                                    Ord::min(
-                                        (self.bonds.len() as isize),
-                                        (self.strength.len() as isize),
-                                    ),
-                                );
-                                if low < end {
-                                    let i1 = low;
-                                    let len = (end - low) as usize;
-                                    let list0 = i1 as usize;
-                                    let list0 = &self.strength[list0..list0 + len];
-                                    let list1 = i1 as usize;
-                                    let list1 = &self.bonds[list1..list1 + len];
-                                    let mut first = 0;
-                                    while first < len {
-                                        let few = block.few(len - first);
-                                        let list0 = &list0[first..first + few];
-                                        let list1 = &list1[first..first + few];
-                                        for lane in 0..few {
-                                            let place = first + lane;
-                                            let strength_i = T::from_f64(list0[lane]);
-                                            let q_bonds_i_0 = T::of(at.q[list1[lane][0] as usize]);
-                                            let q_bonds_i_1 = T::of(at.q[list1[lane][1] as usize]);
-                                            block.read(lane, [strength_i, q_bonds_i_0, q_bonds_i_1]);
-                                        }
-                                        block.take::<Interaction, 1, 0>(few, [factor], []);
-                                        for lane in 0..few {
-                                            let place = first + lane;
-                                            let [slope0, slope1] = block.slopes(lane);
-                                            by_q.add(list1[lane][0] as usize, slope0);
-                                            by_q.add(list1[lane][1] as usize, slope1);
-                                        }
-                                        first += few;
+                            )
+                        {
+                            if let (i1, len @ 1..) = wzvi::elements::stretch(
+                                0,
+                                Ord::min(
+                                    (self.bonds.len() as isize),
+                                    (self.strength.len() as isize),
+                                ),
+                            ) {
+                                let list0 = i1 as usize;
+                                let list0 = &self.strength[list0..list0 + len];
+                                let list1 = i1 as usize;
+                                let list1 = &self.bonds[list1..list1 + len];
+                                let mut first = 0;
+                                while first < len {
+                                    let few = block.few(len - first);
+                                    let list0 = &list0[first..first + few];
+                                    let list1 = &list1[first..first + few];
+                                    for lane in 0..few {
+                                        let place = first + lane;
+                                        let strength_i = T::from_f64(list0[lane]);
+                                        let q_bonds_i_0 = T::of(at.q[list1[lane][0] as usize]);
+                                        let q_bonds_i_1 = T::of(at.q[list1[lane][1] as usize]);
+                                        block.read(lane, [strength_i, q_bonds_i_0, q_bonds_i_1]);
                                     }
+                                    block.take::<Interaction, 1, 0>(few, [factor], []);
+                                    for lane in 0..few {
+                                        let place = first + lane;
+                                        let [slope0, slope1] = block.slopes(lane);
+                                        by_q.add(list1[lane][0] as usize, slope0);
+                                        by_q.add(list1[lane][1] as usize, slope1);
+                                    }
+                                    first += few;
                                 }
-                            } else {
-                                let (low, end): (isize, isize) = (
-                                    0,
-                                    Ord::min(
-                                        (self.bonds.len() as isize),
-                                        (self.strength.len() as isize),
-                                    ),
-                                );
-                                if low < end {
-                                    let i1 = low;
-                                    let len = (end - low) as usize;
-                                    let first0 = i1 as usize;
-                                    let s0 = &self.strength[first0..first0 + len];
-                                    for place in 0..len {
-                                        let i1 = low + place as isize;
-                                        let strength_i = T::from_f64(s0[place]);
-                                        let q_bonds_i_0 = T::of(
-                                            at.q[self.bonds[i1 as usize][0] as usize],
-                                        );
-                                        let q_bonds_i_1 = T::of(
-                                            at.q[self.bonds[i1 as usize][1] as usize],
-                                        );
-                                        let product = (q_bonds_i_0 - q_bonds_i_1).sin()
-                                            * (strength_i * factor);
-                                        by_q.add(self.bonds[i1 as usize][0] as usize, product);
-                                        by_q.add(self.bonds[i1 as usize][1] as usize, -product);
-                                    }
+                            }
+                        } else {
+                            if let (i1, len @ 1..) = wzvi::elements::stretch(
+                                0,
+                                Ord::min(
+                                    (self.bonds.len() as isize),
+                                    (self.strength.len() as isize),
+                                ),
+                            ) {
+                                let first0 = i1 as usize;
+                                let s0 = &self.strength[first0..first0 + len];
+                                for place in 0..len {
+                                    let i1 = i1 + place as isize;
+                                    let strength_i = T::from_f64(s0[place]);
+                                    let q_bonds_i_0 = T::of(
+                                        at.q[self.bonds[i1 as usize][0] as usize],
+                                    );
+                                    let q_bonds_i_1 = T::of(
+                                        at.q[self.bonds[i1 as usize][1] as usize],
+                                    );
+                                    let product = (q_bonds_i_0 - q_bonds_i_1).sin()
+                                        * (strength_i * factor);
+                                    by_q.add(self.bonds[i1 as usize][0] as usize, product);
+                                    by_q.add(self.bonds[i1 as usize][1] as usize, -product);
                                 }
                             }
                         }
@@ -467,55 +342,39 @@ const _: () = {
         const ORDER: u32 = 1;
         const IS_CONSISTENT: bool = true;
         const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
-            update: MomentumUpdate::Multiple(1.0),
             unknowns: Unknowns::None,
-            remembers: false,
-            is_linear: false,
+            ..Quadrature::new(
+                &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                MomentumUpdate::Multiple(1.0),
+            )
         };
     }
     #[automatically_derived]
     impl Listed<DeltaPlus> for Network {
         type Scheme = Loops<DeltaPlus>;
-        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians, as sums of elements\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][0]\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][1]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] (1 - cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [-strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][0]\n    Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] h sin(q[bonds[i][0]] - q[bonds[i][1]])]   at point bonds[i][1]\n  p' = D2 L_d:  p'[i] = P[i]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
     }
     #[automatically_derived]
     impl Conservative for Network {}
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as at, binding as b0, binding as block, binding as by_p, binding as by_q,
-        binding as degrees, binding as end, binding as entry, binding as factor,
-        binding as few, binding as first, binding as first0, binding as i0,
-        binding as i1, binding as inner, binding as integer, binding as lane,
-        binding as len, binding as list, binding as list0, binding as list1,
-        binding as low, binding as o0, binding as outer, binding as p, binding as p_i,
-        binding as part, binding as place, binding as product, binding as q,
-        binding as q_bonds_i_0, binding as q_bonds_i_1, binding as range, binding as s0,
-        binding as sin, binding as size, binding as skipped, binding as slope0,
-        binding as slope1, binding as strength_i, binding as t, binding as table,
-        binding as term, binding as total, binding as value, binding as wanted,
-        binding as weight,
-    };
+    wzvi::bindings! {
+        at b0 block by_p by_q entry factor few first first0 i0 i1 inner integer lane len
+        list list0 list1 o0 outer p_i part place product q_bonds_i_0 q_bonds_i_1 range s0
+        sin size slope0 slope1 strength_i table total wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Network {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::DeltaPlus,
-            >(::core::marker::PhantomData::<DeltaPlus>);
+            >(__wzvi::PhantomData::<DeltaPlus>);
             {
                 let bonds = &self.bonds;
                 let strength = &self.strength;
-                ::wzvi::__private::checks::of_state::<
+                __wzvi::of_state::<
                     &[::core::primitive::f64],
                     _,
                 >(|q: &[f64], p: &[f64]| {

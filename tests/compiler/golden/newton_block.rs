@@ -41,36 +41,23 @@ Facts
 ```
 */
 pub struct HenonHeiles;
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Err,
-        Extrapolation, Facts, Hamiltonian, Knowledge, Labels, Lift, Listed, NoiseClass,
-        Number, Of, Ok, Over, Plain, Plan, Reals, Result, Rounded, SVector, Scalar,
-        Sized, Solution, Solver, StepFailure, Straight, StraightLine, Variables, bool,
-        f64, str, usize, compose::{Composes, Equations, General, Many, ROOM, Structure},
+        self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Extrapolation,
+        Facts, Labels, Lift, Listed, Number, Of, Ok, Over, Plain, Plan, Reals, Result,
+        Rounded, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
+        StraightLine, Variables, bool, f64, str, usize,
+        compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
-            Unknowns,
         },
         embedding::{Composed, Midpoint},
     };
     #[automatically_derived]
-    impl Hamiltonian for HenonHeiles {
+    impl Elements for HenonHeiles {
+        const FACTS: Facts = Facts::autonomous(2);
         type Vector = SVector<f64, 2>;
-        fn degrees(&self) -> usize {
-            2
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
         fn variables(&self) -> Variables {
             Variables {
                 q: Labels::Each(&["x", "y"]),
@@ -79,235 +66,173 @@ const _: () = {
                 invariants: &[],
             }
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-    }
-    #[automatically_derived]
-    impl Elements for HenonHeiles {
-        const FACTS: Facts = Facts {
-            degrees: 2,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let x = at.q[0];
-                        let y = at.q[1];
-                        let px = at.p[0];
-                        let py = at.p[1];
-                        let x_squared = x * x;
-                        let y_squared = y * y;
-                        total = total + y * (x_squared - y_squared * 0.3333333333333333)
-                            + (y_squared + (x_squared + (py * py + px * px))) * 0.5;
-                    }
-                    value = value + total * S::from_f64(at.h);
+                    let x = at.q[0];
+                    let y = at.q[1];
+                    let px = at.p[0];
+                    let py = at.p[1];
+                    let x_squared = x * x;
+                    let y_squared = y * y;
+                    (y * (x_squared - y_squared * 0.3333333333333333)
+                        + (y_squared + (x_squared + (py * py + px * px))) * 0.5)
+                        * S::from_f64(at.h)
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
         type Exact = f64;
         type Usual = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             match part {
                 0 => {
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let px = T::of(at.p[0]);
-                            let py = T::of(at.p[1]);
-                            by_p.add(0, px * factor);
-                            by_p.add(1, py * factor);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let px = T::of(at.p[0]);
+                        let py = T::of(at.p[1]);
+                        by_p.add(0, px * factor);
+                        by_p.add(1, py * factor);
                     }
                     if wanted.by_q {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let x = T::of(at.q[0]);
-                            let y = T::of(at.q[1]);
-                            by_q.add(0, factor * (x * (y * 2.0 + 1.0)));
-                            by_q.add(1, factor * (y * (-y + 1.0) + x * x));
-                        }
+                        let factor = T::from_f64(at.h);
+                        let x = T::of(at.q[0]);
+                        let y = T::of(at.q[1]);
+                        by_q.add(0, factor * (x * (y * 2.0 + 1.0)));
+                        by_q.add(1, factor * (y * (-y + 1.0) + x * x));
                     }
                 }
                 _ => {}
             }
         }
     }
-    const _: () = {
-        /// The equations of a block, and their Jacobian by rows.
+    /// The equations of a block, and their Jacobian by rows.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equations<S: Over<K>, K: Constant>(
+        given: [S; 4],
+        constants: [K; 3],
+        iterate: [S; 2],
+    ) -> ([S; 2], [[S; 2]; 2]) {
+        let (
+            [x,
+            y,
+            px,
+            py,
+            ],
+            [half_h,
+            quarter_h_squared,
+            half_h_squared,
+            ],
+            [delta_px,
+            delta_py,
+            ],
+        ) = (given, constants, iterate);
+        let stage_y = y + (py + delta_py) * half_h;
+        let twice_stage_y = stage_y * 2.0;
+        let sum = twice_stage_y + 1.0;
+        let stage_x = x + (px + delta_px) * half_h;
+        let product = stage_x * half_h_squared;
+        (
+            [
+                delta_px + sum * stage_x * half_h,
+                delta_py + (stage_y * (-stage_y + 1.0) + stage_x * stage_x) * half_h,
+            ],
+            [
+                [sum * quarter_h_squared + 1.0, product],
+                [product, (-twice_stage_y + 1.0) * quarter_h_squared + 1.0],
+            ],
+        )
+    }
+    /// The equations of a block at all numbers that round to `iterate`.
+    #[cold]
+    #[inline(never)]
+    fn rounded(given: [f64; 4], constants: [f64; 3], iterate: [f64; 2]) -> [Rounded; 2] {
+        equations(given.map(Rounded::exact), constants, iterate.map(Rounded::nearest)).0
+    }
+    #[automatically_derived]
+    impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
+        const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Newton, 2, 2, true);
+        const QUADRATURE: Quadrature = Quadrature::new(
+            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
+            MomentumUpdate::Multiple(2.0),
+        );
+        type Prepared = Reals<3>;
+        type Memory<S: Scalar> = Extrapolation<S, 2>;
+        type Carry<S: Scalar> = Plain;
+        fn prepare<K: Constant>(
+            &self,
+            lift: Lift<'_, K>,
+            h: K,
+        ) -> Result<Of<Self::Prepared, K>, ConfigError> {
+            let h_squared = h * h;
+            Ok([h * 0.5, h_squared * 0.25, h_squared * 0.5])
+        }
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn equations<S: Over<K>, K: Constant>(
-            given: [S; 4],
-            constants: [K; 3],
-            iterate: [S; 2],
-        ) -> ([S; 2], [[S; 2]; 2]) {
-            let (
-                [x,
-                y,
-                px,
-                py,
-                ],
-                [half_h,
-                quarter_h_squared,
-                half_h_squared,
-                ],
-                [delta_px,
-                delta_py,
-                ],
-            ) = (given, constants, iterate);
-            let stage_y = y + (py + delta_py) * half_h;
-            let twice_stage_y = stage_y * 2.0;
-            let sum = twice_stage_y + 1.0;
-            let stage_x = x + (px + delta_px) * half_h;
-            let product = stage_x * half_h_squared;
-            (
-                [
-                    delta_px + sum * stage_x * half_h,
-                    delta_py + (stage_y * (-stage_y + 1.0) + stage_x * stage_x) * half_h,
-                ],
-                [
-                    [sum * quarter_h_squared + 1.0, product],
-                    [product, (-twice_stage_y + 1.0) * quarter_h_squared + 1.0],
-                ],
-            )
-        }
-        /// The equations of a block at all numbers that round to `iterate`.
-        #[cold]
-        #[inline(never)]
-        fn rounded(
-            given: [f64; 4],
-            constants: [f64; 3],
-            iterate: [f64; 2],
-        ) -> [Rounded; 2] {
-            equations(
-                    given.map(Rounded::exact),
-                    constants,
-                    iterate.map(Rounded::nearest),
-                )
-                .0
-        }
-        #[automatically_derived]
-        impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
-            const PLAN: Plan = <Self as Elements>::FACTS
-                .plan(Solver::Newton, 2, 2, true);
-            const QUADRATURE: Quadrature = Quadrature {
-                stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0)])],
-                update: MomentumUpdate::Multiple(2.0),
-                unknowns: Unknowns::Momenta,
-                remembers: false,
-                is_linear: false,
-            };
-            type Prepared = Reals<3>;
-            type Memory<S: Scalar> = Extrapolation<S, 2>;
-            type Carry<S: Scalar> = Plain;
-            fn prepare<K: Constant>(
-                &self,
-                lift: Lift<'_, K>,
-                h: K,
-            ) -> Result<Of<Self::Prepared, K>, ConfigError> {
-                let h_squared = h * h;
-                Ok([h * 0.5, h_squared * 0.25, h_squared * 0.5])
-            }
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
-                prepared: &Of<Self::Prepared, K>,
-                t: K,
-                h: K,
-                q: [S; 2],
-                p: [S; 2],
-                dw: [S; 0],
-                memory: &mut Self::Memory<S>,
-                carry: &C,
-                next: &mut Solution<S, 2>,
-            ) -> Result<(), StepFailure> {
-                let ([x, y], [px, py]) = (q, p);
-                let [half_h, quarter_h_squared, half_h_squared] = *prepared;
-                let mut unknowns = memory.guess::<true>();
-                let effort = wzvi::newton::<
-                    S,
-                    2,
-                    true,
-                    true,
-                    { CAREFUL },
-                >(
-                    &mut unknowns,
-                    Block {
-                        evaluate: move |iterate: &[S; 2]| equations(
-                            [x, y, px, py],
-                            [half_h, quarter_h_squared, half_h_squared],
-                            *iterate,
-                        ),
-                        rounded: move |iterate: &[S; 2], lane| {
-                            rounded(
-                                [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
-                                [
-                                    half_h.lane(lane),
-                                    quarter_h_squared.lane(lane),
-                                    half_h_squared.lane(lane),
-                                ],
-                                iterate.map(|number| number.lane(lane)),
-                            )
-                        },
+        fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
+            prepared: &Of<Self::Prepared, K>,
+            t: K,
+            h: K,
+            coordinates: [S; 2],
+            momenta: [S; 2],
+            increments: [S; 0],
+            memory: &mut Self::Memory<S>,
+            carry: &C,
+            next: &mut Solution<S, 2>,
+        ) -> Result<(), StepFailure> {
+            let ([x, y], [px, py]) = (coordinates, momenta);
+            let [half_h, quarter_h_squared, half_h_squared] = *prepared;
+            let mut unknowns = memory.guess::<true>();
+            let effort = wzvi::newton::<
+                S,
+                2,
+                true,
+                true,
+                { CAREFUL },
+            >(
+                &mut unknowns,
+                Block {
+                    evaluate: move |iterate: &[S; 2]| equations(
+                        [x, y, px, py],
+                        [half_h, quarter_h_squared, half_h_squared],
+                        *iterate,
+                    ),
+                    rounded: move |iterate: &[S; 2], lane| {
+                        rounded(
+                            [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
+                            [
+                                half_h.lane(lane),
+                                quarter_h_squared.lane(lane),
+                                half_h_squared.lane(lane),
+                            ],
+                            iterate.map(|number| number.lane(lane)),
+                        )
                     },
-                )?;
-                let [delta_px, delta_py] = unknowns;
-                let node_py = py + delta_py;
-                let node_px = px + delta_px;
-                *next = Solution::new(
-                    carry,
-                    [[x, y], [px, py]],
-                    [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
-                    effort,
-                );
-                if !next.is_finite() {
-                    if S::GOES_IN_PART {
-                        let taken = next.are_finite();
-                        memory.record_in_part::<true>(taken, [delta_px, delta_py]);
-                    }
-                    return Err(next.failure());
-                }
-                memory.record::<true>([delta_px, delta_py]);
-                Ok(())
-            }
+                },
+            )?;
+            let [delta_px, delta_py] = unknowns;
+            let node_py = py + delta_py;
+            let node_px = px + delta_px;
+            *next = Solution::new(
+                carry,
+                [[x, y], [px, py]],
+                [[node_px * h, node_py * h], [delta_px * 2.0, delta_py * 2.0]],
+                effort,
+            );
+            let taken = next.are_finite();
+            memory.record_where::<true>(taken, [delta_px, delta_py]);
+            next.ensure_taken(taken)
         }
-    };
+    }
     #[automatically_derived]
     impl Listed<Midpoint> for HenonHeiles {
         type Scheme = Straight<Midpoint, 2, 0>;
@@ -328,47 +253,28 @@ const _: () = {
     }
     #[automatically_derived]
     impl Conservative for HenonHeiles {}
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as at, binding as by_p, binding as by_q, binding as carry,
-        binding as constants, binding as degrees, binding as delta_px,
-        binding as delta_py, binding as dw, binding as effort, binding as factor,
-        binding as given, binding as h, binding as h_squared, binding as half_h,
-        binding as half_h_squared, binding as iterate, binding as lane, binding as lift,
-        binding as memory, binding as next, binding as node_px, binding as node_py,
-        binding as number, binding as p, binding as part, binding as prepared,
-        binding as product, binding as px, binding as py, binding as q,
-        binding as quarter_h_squared, binding as stage_x, binding as stage_y,
-        binding as sum, binding as t, binding as taken, binding as term,
-        binding as total, binding as twice_stage_y, binding as unknowns,
-        binding as value, binding as wanted, binding as weight, binding as x,
-        binding as x_squared, binding as y, binding as y_squared,
-    };
+    wzvi::bindings! {
+        at by_p by_q carry constants coordinates delta_px delta_py effort factor given h
+        h_squared half_h half_h_squared increments iterate lane lift memory momenta next
+        node_px node_py number part prepared product px py quarter_h_squared stage_x
+        stage_y sum t taken twice_stage_y unknowns wanted weight x x_squared y y_squared
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for HenonHeiles {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(::core::marker::PhantomData::<Midpoint>);
-            {
-                ::wzvi::__private::checks::of_state::<
-                    [::core::primitive::f64; 2usize],
-                    _,
-                >(|[x, y], [px, py]| {
-                    0.5 * (px * px + py * py + x * x + y * y) + x * x * y
-                        - y.powi(3) / 3.0
-                });
-            }
+            >(__wzvi::PhantomData::<Midpoint>);
+            __wzvi::of_state::<
+                [::core::primitive::f64; 2usize],
+                _,
+            >(|[x, y], [px, py]| {
+                0.5 * (px * px + py * py + x * x + y * y) + x * x * y - y.powi(3) / 3.0
+            });
         }
     }
 };

@@ -74,36 +74,27 @@ pub struct Kubo {
     pub a: f64,
     pub sigma: f64,
 }
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Gradient,
-        Hamiltonian, Knowledge, Lift, Listed, NoiseClass, Number, Of, Ok, Option, Over,
-        PhantomData, Plain, Plan, Reals, Result, SVector, Scalar, Sized, Solution,
-        Solver, State, StepFailure, Straight, StraightLine, bool, f64, str, usize,
+        self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Lift, Listed,
+        NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain, Plan, Reals,
+        Result, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
+        StraightLine, bool, f64, str, usize,
         compose::{Composes, Equations, General, Many, ROOM, Structure},
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
-            Unknowns,
         },
         embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
-    impl Hamiltonian for Kubo {
+    impl Elements for Kubo {
+        const FACTS: Facts = Facts {
+            noise: NoiseClass::Multiplicative,
+            integrals: 3,
+            ..Facts::autonomous(1)
+        };
         type Vector = SVector<f64, 1>;
-        fn degrees(&self) -> usize {
-            1
-        }
-        fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-            wzvi::elements::check(self, degrees)
-        }
         fn noises(&self) -> usize {
             1
         }
@@ -113,100 +104,41 @@ const _: () = {
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("a", self.a), ("sigma", self.sigma)].get(index).copied()
         }
-        fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {
-            wzvi::elements::evaluate(self, term, q, p, t)
-        }
-        fn differentiate<S: Scalar>(
-            &self,
-            term: usize,
-            q: &[S],
-            p: &[S],
-            t: f64,
-            by_q: &mut [S],
-            by_p: &mut [S],
-        ) {
-            wzvi::elements::differentiate(self, term, q, p, t, by_q, by_p);
-        }
-        fn differentiate_noises(
-            &self,
-            dw: &[f64],
-            state: &State<Self::Vector>,
-            into: &mut Gradient<Self::Vector>,
-        ) {
-            wzvi::elements::differentiate_noises(self, dw, state, into);
-        }
-        fn invariant(&self, number: usize, state: &State<Self::Vector>) -> f64 {
-            wzvi::elements::invariant(self, number, state)
-        }
-    }
-    #[automatically_derived]
-    impl Elements for Kubo {
-        const FACTS: Facts = Facts {
-            degrees: 1,
-            noise: NoiseClass::Multiplicative,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const INTEGRALS: usize = 3;
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
             let a: f64 = self.a;
             let sigma: f64 = self.sigma;
-            let mut value = S::from_f64(0.0);
             match part {
                 0 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let half_a = 0.5 * a;
-                        let q = at.q[0];
-                        let p = at.p[0];
-                        total = total + (p * p + q * q) * half_a;
-                    }
-                    value = value + total * S::from_f64(at.h);
+                    let half_a = 0.5 * a;
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    (p * p + q * q) * half_a * S::from_f64(at.h)
                 }
-                1 => {
-                    if at.acting.contains(&0) {
-                        let mut total = S::from_f64(0.0);
-                        {
-                            let half_sigma = 0.5 * sigma;
-                            let q = at.q[0];
-                            let p = at.p[0];
-                            total = total + (p * p + q * q) * half_sigma;
-                        }
-                        value = value + total * at.increment(0);
-                    }
+                1 if at.acting.contains(&0) => {
+                    let half_sigma = 0.5 * sigma;
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    (p * p + q * q) * half_sigma * at.increment(0)
                 }
                 3 => {
-                    let mut total = S::from_f64(0.0);
-                    {
-                        let q = at.q[0];
-                        let p = at.p[0];
-                        total = total + p * p + q * q;
-                    }
-                    value = value + total;
+                    let q = at.q[0];
+                    let p = at.p[0];
+                    p * p + q * q
                 }
-                _ => {}
+                _ => S::from_f64(0.0),
             }
-            value
         }
         type Exact = f64;
         type Usual = f64;
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<
-            S: Scalar,
-            T: Number<S>,
-            V: Given<S> + ?Sized,
-            Q: Sums<S> + ?Sized,
-            P: Sums<S> + ?Sized,
-        >(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             part: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
             let a: f64 = self.a;
@@ -214,36 +146,26 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_p {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let p = T::of(at.p[0]);
-                            by_p.add(0, p * factor * a);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor * a);
                     }
                     if wanted.by_q {
-                        {
-                            let factor = T::from_f64(at.h);
-                            let q = T::of(at.q[0]);
-                            by_q.add(0, q * factor * a);
-                        }
+                        let factor = T::from_f64(at.h);
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, q * factor * a);
                     }
                 }
-                1 => {
-                    if at.acting.contains(&0) {
-                        if wanted.by_p {
-                            {
-                                let factor = T::of(at.increment(0));
-                                let p = T::of(at.p[0]);
-                                by_p.add(0, p * factor * sigma);
-                            }
-                        }
-                        if wanted.by_q {
-                            {
-                                let factor = T::of(at.increment(0));
-                                let q = T::of(at.q[0]);
-                                by_q.add(0, q * factor * sigma);
-                            }
-                        }
+                1 if at.acting.contains(&0) => {
+                    if wanted.by_p {
+                        let factor = T::of(at.increment(0));
+                        let p = T::of(at.p[0]);
+                        by_p.add(0, p * factor * sigma);
+                    }
+                    if wanted.by_q {
+                        let factor = T::of(at.increment(0));
+                        let q = T::of(at.q[0]);
+                        by_q.add(0, q * factor * sigma);
                     }
                 }
                 _ => {}
@@ -253,13 +175,10 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<Midpoint, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Linear, 1, 2, true);
-        const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
-            update: MomentumUpdate::Multiple(2.0),
-            unknowns: Unknowns::Momenta,
-            remembers: false,
-            is_linear: false,
-        };
+        const QUADRATURE: Quadrature = Quadrature::new(
+            &[Stage::new([0.5, 0.5, 0.5], &[(0, 1.0), (1, 1.0)])],
+            MomentumUpdate::Multiple(2.0),
+        );
         type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
@@ -280,14 +199,14 @@ const _: () = {
             prepared: &Of<Self::Prepared, K>,
             t: K,
             h: K,
-            q: [S; 1],
-            p: [S; 1],
-            dw: [S; 1],
+            coordinates: [S; 1],
+            momenta: [S; 1],
+            increments: [S; 1],
             memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
-            let ([q], [p], [dw]) = (q, p, dw);
+            let ([q], [p], [dw]) = (coordinates, momenta, increments);
             let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let inverse_pivot = wzvi::reciprocal_above_one::<S>(sum * sum * 0.25 + 1.0);
@@ -299,10 +218,7 @@ const _: () = {
                 [[sum * (p - sum2 * (product * 0.5))], [-(sum2 * product)]],
                 Effort::fast(0),
             );
-            if !next.is_finite() {
-                return Err(StepFailure::NonFinite);
-            }
-            Ok(())
+            next.ensure_finite()
         }
     }
     #[automatically_derived]
@@ -313,13 +229,10 @@ const _: () = {
     #[automatically_derived]
     impl StraightLine<Uncorrected<DeltaPlus>, 1, 1> for Kubo {
         const PLAN: Plan = <Self as Elements>::FACTS.plan(Solver::Explicit, 0, 1, false);
-        const QUADRATURE: Quadrature = Quadrature {
-            stages: &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
-            update: MomentumUpdate::Multiple(1.0),
-            unknowns: Unknowns::Momenta,
-            remembers: false,
-            is_linear: false,
-        };
+        const QUADRATURE: Quadrature = Quadrature::new(
+            &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0), (1, 1.0)])],
+            MomentumUpdate::Multiple(1.0),
+        );
         type Prepared = Reals<2>;
         type Memory<S: Scalar> = PhantomData<S>;
         type Carry<S: Scalar> = Plain;
@@ -340,14 +253,14 @@ const _: () = {
             prepared: &Of<Self::Prepared, K>,
             t: K,
             h: K,
-            q: [S; 1],
-            p: [S; 1],
-            dw: [S; 1],
+            coordinates: [S; 1],
+            momenta: [S; 1],
+            increments: [S; 1],
             memory: &mut Self::Memory<S>,
             carry: &C,
             next: &mut Solution<S, 1>,
         ) -> Result<(), StepFailure> {
-            let ([q], [p], [dw]) = (q, p, dw);
+            let ([q], [p], [dw]) = (coordinates, momenta, increments);
             let [sigma, a_h] = *prepared;
             let sum = dw * sigma + a_h;
             let product = q * sum;
@@ -357,10 +270,7 @@ const _: () = {
                 [[sum * (p - product)], [-product]],
                 Effort::fast(0),
             );
-            if !next.is_finite() {
-                return Err(StepFailure::NonFinite);
-            }
-            Ok(())
+            next.ensure_finite()
         }
     }
     #[automatically_derived]
@@ -381,56 +291,33 @@ const _: () = {
             { 903 + ROOM },
         >::ALL;
     }
-    /// The names that are bound above, so that no constant around can stand for them.
-    use ::wzvi::__private::{
-        binding as a, binding as a_h, binding as at, binding as by_p, binding as by_q,
-        binding as carry, binding as degrees, binding as dw, binding as factor,
-        binding as h, binding as half_a, binding as half_sigma, binding as index,
-        binding as into, binding as inverse_pivot, binding as lift, binding as memory,
-        binding as next, binding as number, binding as p, binding as part,
-        binding as prepared, binding as product, binding as q, binding as sigma,
-        binding as state, binding as sum, binding as sum2, binding as t, binding as term,
-        binding as total, binding as value, binding as wanted, binding as weight,
-    };
+    wzvi::bindings! {
+        a a_h at by_p by_q carry coordinates dw factor h half_a half_sigma increments
+        index inverse_pivot lift memory momenta next p part prepared product q sigma sum
+        sum2 t wanted weight
+    }
 };
-#[allow(
-    warnings,
-    clippy::all,
-    clippy::pedantic,
-    clippy::nursery,
-    clippy::restriction,
-    clippy::cargo
-)]
+#[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Kubo {
         fn check(&self) {
-            ::wzvi::__private::checks::is_same::<
+            use ::wzvi::__private::checks as __wzvi;
+            __wzvi::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(::core::marker::PhantomData::<Midpoint>);
-            ::wzvi::__private::checks::is_same::<
+            >(__wzvi::PhantomData::<Midpoint>);
+            __wzvi::is_same::<
                 ::wzvi::embedding::Uncorrected<::wzvi::embedding::DeltaPlus>,
-            >(::core::marker::PhantomData::<Uncorrected<DeltaPlus>>);
+            >(__wzvi::PhantomData::<Uncorrected<DeltaPlus>>);
             {
                 let a = self.a;
-                ::wzvi::__private::checks::of_state::<
-                    ::core::primitive::f64,
-                    _,
-                >(|q, p| 0.5 * a * (q * q + p * p));
+                __wzvi::of_state::<__wzvi::f64, _>(|q, p| 0.5 * a * (q * q + p * p));
             }
             {
                 let sigma = self.sigma;
-                ::wzvi::__private::checks::of_state::<
-                    ::core::primitive::f64,
-                    _,
-                >(|q, p| 0.5 * sigma * (q * q + p * p));
+                __wzvi::of_state::<__wzvi::f64, _>(|q, p| 0.5 * sigma * (q * q + p * p));
             }
-            {
-                ::wzvi::__private::checks::of_state::<
-                    ::core::primitive::f64,
-                    _,
-                >(|q, p| q * q + p * p);
-            }
+            __wzvi::of_state::<__wzvi::f64, _>(|q, p| q * q + p * p);
         }
     }
 };

@@ -15,7 +15,7 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/gol
 const SCENES: [(&str, &str, &str); 10] = [
     (
         "pendulum",
-        "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = [DeltaPlus, Midpoint]",
+        "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = Midpoint",
         "pub struct Pendulum { pub omega: f64 }",
     ),
     (

@@ -9,14 +9,16 @@ use crate::discretise::facts::{Facts, NoiseClass};
 use crate::discretise::lagrangian::StepSymbols;
 use crate::discretise::modified;
 use crate::discretise::structure::{Block, Solution, Unknown};
+use crate::discretise::sums::unweighted;
 use crate::embedding::{Embedding, Points};
-use crate::model::StraightLine;
+use crate::model::{StraightLine, System, Term};
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The text of one scheme.
-pub(crate) fn describe(graph: &mut Graph, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> String {
-    let mut text = format!("{}\n{}", scheme.embedding, hamiltonians(graph, line));
+pub(crate) fn describe(system: &mut System, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> String {
+    let mut text = format!("{}\n{}", scheme.embedding, hamiltonians(system, Some(line), facts));
+    let graph = &mut system.graph;
     lagrangian(graph, scheme, &mut text);
     equations(graph, scheme, &mut text);
     step(graph, scheme, &mut text);
@@ -30,36 +32,42 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     text.push('\n');
 }
 
-/// Every Hamiltonian.
-pub(crate) fn hamiltonians(graph: &Graph, system: &StraightLine) -> String {
+/// Every Hamiltonian and force, as sums of elements.
+pub(crate) fn hamiltonians(system: &mut System, line: Option<&StraightLine>, facts: &Facts) -> String {
+    let numbers = system.noise_numbers();
+    let System { graph, drift, parts, noise, force, conformal, names, .. } = system;
     let text = &mut String::new();
-    line(text, format_args!("\nHamiltonians"));
-    for (k, &term) in [system.drift].iter().chain(&system.noise).enumerate() {
-        line(text, format_args!("  H{k} = {}", graph.display(term)));
-        if k == 0 {
-            for (name, &part) in ["H_A", "H_B"].iter().zip(&system.parts) {
-                line(text, format_args!("  {name} = {}, a part of H0", graph.display(part)));
-            }
-        }
+    let value =
+        |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
+    self::line(text, format_args!("\nHamiltonians"));
+    self::line(text, format_args!("  H0 = {}", value(graph, drift)));
+    for (name, part) in ["H_A", "H_B"].iter().zip(parts) {
+        self::line(text, format_args!("  {name} = {}, a part of H0", value(graph, part)));
     }
-    let forces = system.force.iter().map(|force| (0, force));
-    let noise_forces = system.noise_forces.iter().zip(system.noise.len() + 1..);
-    let forces: Vec<_> = forces.chain(noise_forces.map(|(force, number)| (number, force))).collect();
+    let (forces, noise): (Vec<_>, Vec<_>) = numbers.iter().zip(noise).partition(|(_, noise)| noise.is_force);
+    for (number, noise) in noise {
+        self::line(text, format_args!("  H{number} = {}", value(graph, &noise.term)));
+    }
+    let forces = forces.into_iter().map(|(number, noise)| (number.as_str(), &noise.term));
+    let forces: Vec<(&str, &Term)> = force.iter().map(|force| ("0", force)).chain(forces).collect();
     if !forces.is_empty() {
-        line(text, format_args!("\nForces"));
+        let of_work = if line.is_some() { "" } else { ", as virtual work" };
+        self::line(text, format_args!("\nForces{of_work}"));
     }
+    let mut components = line.into_iter().flat_map(|line| line.force.iter().chain(&line.noise_forces));
     for (number, force) in forces {
-        let components: Vec<String> =
-            force.iter().map(|&component| graph.display(component).to_string()).collect();
-        let components = components.join(", ");
-        match force.len() {
-            1 => line(text, format_args!("  F{number} = {components}")),
-            _ => line(text, format_args!("  F{number} = [{components}]")),
+        let components = components.next().map(|components| -> Vec<String> {
+            components.iter().map(|&component| graph.display(component)).collect()
+        });
+        match components.as_deref() {
+            Some([only]) => self::line(text, format_args!("  F{number} = {only}")),
+            Some(components) => self::line(text, format_args!("  F{number} = [{}]", components.join(", "))),
+            None => self::line(text, format_args!("  F{number} · δ{} = {}", names[0], value(graph, force))),
         }
     }
-    if let Some(rate) = system.conformal {
-        line(text, format_args!("\nFriction"));
-        line(text, format_args!("  γ = {}", graph.display(rate)));
+    if let Some(rate) = *conformal {
+        self::line(text, format_args!("\nFriction"));
+        self::line(text, format_args!("  γ = {}", graph.display(rate)));
     }
     std::mem::take(text)
 }

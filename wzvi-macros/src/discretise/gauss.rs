@@ -7,10 +7,6 @@
 //!
 //! The slopes of `F` are all that a step needs of the system (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.6.4).
 
-use std::collections::HashMap;
-use std::fmt::Write;
-
-use super::describe::hamiltonians;
 use crate::model::StraightLine;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
@@ -20,13 +16,12 @@ pub(crate) struct StepSlopes {
     pub(crate) dw: Vec<Symbol>,
     pub(crate) by_q: Vec<Expr>,
     pub(crate) by_p: Vec<Expr>,
-    /// Whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no momenta.
-    pub(crate) is_nystrom: bool,
     /// Entries of the matrix `K` where `V = q · K q / 2 + U(q, t)` with constant `K`, in Nyström form: row, column, value.
     pub(crate) stiffness: Vec<(usize, usize, Expr)>,
 }
 
 impl StepSlopes {
+    /// `is_nystrom`: whether `F` is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no momenta.
     pub(crate) fn new(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Self {
         let noises = line.noises();
         let h = graph.new_symbol("h");
@@ -55,7 +50,7 @@ impl StepSlopes {
         let by_q: Vec<Expr> = line.phase.q.iter().enumerate().map(|(i, &q)| slope(q, Some(i))).collect();
         let by_p: Vec<Expr> = line.phase.p.iter().map(|&p| slope(p, None)).collect();
         let stiffness = if is_nystrom { stiffness(graph, line) } else { Vec::new() };
-        Self { h, dw, by_q, by_p, is_nystrom, stiffness }
+        Self { h, dw, by_q, by_p, stiffness }
     }
 }
 
@@ -88,61 +83,4 @@ fn constant_part(graph: &mut Graph, expr: Expr, moving: &[Symbol]) -> Expr {
     let still = terms.iter().copied().filter(|&(term, _)| !graph.depends_on(term, moving));
     let parts: Vec<(Expr, Rational)> = [(one, constant)].into_iter().chain(still).collect();
     graph.linear_combination(&parts)
-}
-
-/// The text of `Gauss<stages>`, without its facts.
-pub(crate) fn describe(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes, stages: u32) -> String {
-    let mut text = format!("Gauss<{stages}>\n{}", hamiltonians(graph, line));
-    let phase = &line.phase;
-    let mut placement = HashMap::new();
-    for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
-        let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));
-        placement.insert(symbol, graph.symbol(at_stage));
-    }
-    let terms = (1..=slopes.dw.len()).map(|k| format!(" + {} H{k}", graph.symbol_name(slopes.dw[k - 1])));
-    let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h, with {stages} stages");
-    let _ = writeln!(text, "  L_d = ext Σ_j b_j [p_j · V_j - F(q_j, p_j, t_j)]");
-    let _ = writeln!(text, "  F = h H0{}", terms.collect::<String>());
-    let _ = writeln!(text, "  q_j = q_i + Σ_k a_jk V_k,  q_{{i+1}} = q_i + Σ_j b_j V_j,  t_j = t_i + c_j h");
-    let _ = writeln!(text, "  c_j: the roots of the shifted Legendre polynomial P_{stages}(2c - 1)");
-    let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
-    let equation = |graph: &mut Graph, symbol: Symbol, slope: Expr| {
-        let slope = graph.substitute(&[slope], &placement)[0];
-        (graph.symbol_name(symbol).to_owned(), graph.display(slope).to_string())
-    };
-    for (&q, &by_p) in phase.q.iter().zip(&slopes.by_p) {
-        let (name, slope) = equation(graph, q, by_p);
-        let _ = writeln!(
-            text,
-            "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k"
-        );
-    }
-    for (&p, &by_q) in phase.p.iter().zip(&slopes.by_q) {
-        let (name, slope) = equation(graph, p, by_q);
-        let _ = writeln!(
-            text,
-            "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}"
-        );
-    }
-    for &p in &phase.p {
-        let name = graph.symbol_name(p);
-        let _ = writeln!(text, "  {name}_{{i+1}} = D2 L_d:  {name}_{{i+1}} = {name}_i - Σ_j b_j K_{name},j");
-    }
-    let _ = writeln!(text, "\nStep");
-    let sweeps = if slopes.is_nystrom { "the coordinates of all stages" } else { "all stages" };
-    let _ = writeln!(
-        text,
-        "  solve for {sweeps}: by sweeps while they contract, else Newton's method on all of them at once"
-    );
-    if !slopes.stiffness.is_empty() {
-        let _ = writeln!(
-            text,
-            "  where h is large for the linear part K of the force, Q ← Q + (1 + h² A² M⁻¹K)⁻¹ (φ(Q) - Q), made once"
-        );
-        for &(row, column, value) in &slopes.stiffness {
-            let [row, column] = [row, column].map(|d| graph.symbol_name(phase.q[d]).to_owned());
-            let _ = writeln!(text, "    K_{row}{column} = {}", graph.display(value));
-        }
-    }
-    text
 }

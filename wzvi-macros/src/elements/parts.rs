@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::discretise::facts::{Facts, summed};
 use crate::discretise::quadrature::{Part, Quadrature};
 use crate::discretise::sums::{Sum, Weighted};
-use crate::model::{Element, System};
+use crate::model::System;
 
 /// One part.
 pub(crate) struct PartElements {
@@ -46,12 +46,6 @@ pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u
     let [number] = increments.as_slice() else { return None };
     let outermost = element.loops.first()?.variable;
     number.loops().contains(&outermost).then_some(outermost)
-}
-
-/// The elements of a first integral, which nothing weighs.
-pub(crate) fn unweighted(elements: &[Element]) -> Sum {
-    let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
-    elements.iter().map(weighted).collect()
 }
 
 /// Elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` in the place of those of `H`, and of `s f(q, p / s)` in the place of those of a force.

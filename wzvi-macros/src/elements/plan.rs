@@ -34,29 +34,30 @@ pub(crate) struct Strategy {
 }
 
 /// A scheme, and how its steps are taken.
-pub(crate) enum Step {
-    StraightLine(Box<Scheme>),
+pub(crate) enum Step<'l> {
+    StraightLine(&'l StraightLine, Box<Scheme>),
     InLoops(Embedding, Strategy),
 }
 
-impl Step {
+impl<'l> Step<'l> {
     /// In straight lines where the system is one, and loops do not cost less.
     pub(crate) fn of(
         system: &mut System,
-        line: Option<&StraightLine>,
+        line: Option<&'l StraightLine>,
         facts: &Facts,
         embedding: &Embedding,
     ) -> Self {
-        let scheme = line.map(|line| discretise(&mut system.graph, line, facts, embedding));
-        match scheme.filter(|scheme| system.emission.is_some() || !scheme.is_cheaper_swept(facts.noise)) {
-            Some(scheme) => Self::StraightLine(Box::new(scheme)),
+        let scheme = line.map(|line| (line, discretise(&mut system.graph, line, facts, embedding)));
+        let pays = |scheme: &Scheme| system.emission.is_some() || !scheme.is_cheaper_swept(facts.noise);
+        match scheme.filter(|(_, scheme)| pays(scheme)) {
+            Some((line, scheme)) => Self::StraightLine(line, Box::new(scheme)),
             None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
         }
     }
 
     pub(crate) fn embedding(&self) -> &Embedding {
         match self {
-            Self::StraightLine(scheme) => &scheme.embedding,
+            Self::StraightLine(_, scheme) => &scheme.embedding,
             Self::InLoops(embedding, _) => embedding,
         }
     }

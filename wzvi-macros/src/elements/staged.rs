@@ -1,33 +1,95 @@
-//! Schemes with several stages, of systems of elements.
+//! The text of schemes with several stages.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
-use crate::elements::describe::hamiltonians;
-use crate::model::System;
+use crate::discretise::describe::hamiltonians;
+use crate::discretise::facts::Facts;
+use crate::discretise::facts::flows::is_nystrom;
+use crate::discretise::gauss::StepSlopes;
+use crate::model::{Phase, StraightLine, System};
+use crate::symbolic::{Expr, Graph, Symbol};
 
-/// The text of `Gauss<stages>`, without its facts.
-pub(crate) fn describe(model: &System, stages: u32) -> String {
-    let mut text = format!("Gauss<{stages}>\n\n{}", hamiltonians(model));
-    let numbers = model.noise_numbers();
+/// The text of `Gauss<stages>`, without its facts: with a line for each equation where the system is in straight lines.
+pub(crate) fn describe(
+    system: &mut System,
+    line: Option<&StraightLine>,
+    facts: &Facts,
+    stages: u32,
+) -> String {
+    let hamiltonians = hamiltonians(system, line, facts);
+    let numbers = system.noise_numbers();
     let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
-    let _ = write!(
-        text,
-        "
-Discrete Lagrangian of the step from t to t + h, from q, p to q', p', with {stages} stages
-  L_d = ext Σ_j b_j [P_j · V_j - F(P_j, Q_j, t + c_j h)]
+    let mut text = format!(
+        "Gauss<{stages}>
+{hamiltonians}
+Discrete Lagrangian of the step from t_i to t_i + h, with {stages} stages
+  L_d = ext Σ_j b_j [p_j · V_j - F(q_j, p_j, t_j)]
   F = h H0{}
-  Q_j = q + Σ_k a_jk V_k,  q' = q + Σ_j b_j V_j
+  q_j = q_i + Σ_k a_jk V_k,  q_{{i+1}} = q_i + Σ_j b_j V_j,  t_j = t_i + c_j h
   c_j: the roots of the shifted Legendre polynomial P_{stages}(2c - 1)
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P_j = 0:  V_j = ∂F/∂P (P_j, Q_j)
-  ∂L_d/∂V_j = 0:  P_j = p - Σ_k a_jk ∂F/∂Q (P_k, Q_k)
-  p' = D2 L_d:    p' = p - Σ_j b_j ∂F/∂Q (P_j, Q_j)
-
-Step
-  solve for all stages: by sweeps while they contract, else Newton's method on all of them at once
 ",
         terms.collect::<String>()
     );
+    let is_nystrom = is_nystrom(system, facts);
+    let graph = &mut system.graph;
+    let slopes = line.map(|line| StepSlopes::new(graph, line, is_nystrom));
+    match line.zip(slopes.as_ref()) {
+        Some((line, slopes)) => equations(graph, &line.phase, slopes, &mut text),
+        None => text.push_str(
+            "  ∂L_d/∂p_j = 0:  V_j = ∂F/∂p (q_j, p_j, t_j)
+  ∂L_d/∂V_j = 0:  p_j = p_i - Σ_k a_jk ∂F/∂q (q_k, p_k, t_k)
+  p_{i+1} = D2 L_d:  p_{i+1} = p_i - Σ_j b_j ∂F/∂q (q_j, p_j, t_j)
+",
+        ),
+    }
+    let unknowns = if is_nystrom { "the coordinates of all stages" } else { "all stages" };
+    let _ = writeln!(
+        text,
+        "\nStep\n  solve for {unknowns}: by sweeps while they contract, else Newton's method on all of them at once"
+    );
+    if let Some((line, slopes)) = line.zip(slopes).filter(|(_, slopes)| !slopes.stiffness.is_empty()) {
+        let _ = writeln!(
+            text,
+            "  where h is large for the linear part K of the force, Q ← Q + (1 + h² A² M⁻¹K)⁻¹ (φ(Q) - Q), made once"
+        );
+        for (row, column, value) in slopes.stiffness {
+            let [row, column] = [row, column].map(|d| graph.symbol_name(line.phase.q[d]).to_owned());
+            let _ = writeln!(text, "    K_{row}{column} = {}", graph.display(value));
+        }
+    }
     text
+}
+
+/// `V` and `K`, the slopes of `F` at a stage, by component.
+fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepSlopes, text: &mut String) {
+    let mut placement = HashMap::new();
+    for &symbol in phase.q.iter().chain(&phase.p).chain([&phase.t]) {
+        let at_stage = graph.new_symbol(format!("{}_j", graph.symbol_name(symbol)));
+        placement.insert(symbol, graph.symbol(at_stage));
+    }
+    let mut equation = |symbol: Symbol, slope: Expr| {
+        let slope = graph.substitute(&[slope], &placement)[0];
+        (graph.symbol_name(symbol).to_owned(), graph.display(slope))
+    };
+    for (&q, &by_p) in phase.q.iter().zip(&slopes.by_p) {
+        let (name, slope) = equation(q, by_p);
+        let _ = writeln!(
+            text,
+            "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k"
+        );
+    }
+    for (&p, &by_q) in phase.p.iter().zip(&slopes.by_q) {
+        let (name, slope) = equation(p, by_q);
+        let _ = writeln!(
+            text,
+            "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}"
+        );
+    }
+    for &p in &phase.p {
+        let name = graph.symbol_name(p);
+        let _ = writeln!(text, "  {name}_{{i+1}} = D2 L_d:  {name}_{{i+1}} = {name}_i - Σ_j b_j K_{name},j");
+    }
 }

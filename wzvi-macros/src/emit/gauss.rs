@@ -103,14 +103,14 @@ fn field(
                 __parameters: &__wzvi::Of<Self::Parameters, __K>,
                 __t: __S,
                 __h: __S,
-                __q: &[__S],
-                __p: &[__S],
-                __dw: &[__S],
+                __coordinates: &[__S],
+                __momenta: &[__S],
+                __increments: &[__S],
                 __by_q: &mut [__S],
                 __by_p: &mut [__S],
             ) {
                 #open
-                let (&[#(#q),*], &[#(#p),*], &[#(#dw),*]) = (__q, __p, __dw) else {
+                let (&[#(#q),*], &[#(#p),*], &[#(#dw),*]) = (__coordinates, __momenta, __increments) else {
                     return __wzvi::gauss::unfit(__by_q, __by_p);
                 };
                 #statements

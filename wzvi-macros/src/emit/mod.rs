@@ -16,7 +16,6 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::describe::{Texts, stepped};
-use crate::diagnostics::internal;
 use crate::discretise::facts::Facts;
 
 use crate::elements::plan::Step;
@@ -41,26 +40,22 @@ pub(crate) fn emit(
     system: &mut System,
     line: Option<&StraightLine>,
     facts: &Facts,
-    steps: &[Step],
+    steps: &[Step<'_>],
     texts: &Texts,
 ) -> Expansion {
     let parameters = line.map(|line| line.parameters.as_slice());
     let mut generated = terms::terms(system, parameters, facts, steps, texts);
     let is_taken =
         stepped(&texts.listed.iter().map(|(listed, _)| listed.clone()).collect::<Vec<_>>(), texts.flows);
-    for (step, text) in steps.iter().zip(&texts.of_parts) {
-        match (step, line) {
-            _ if !is_taken.contains(step.embedding()) => {}
-            (Step::StraightLine(scheme), Some(line)) => {
-                generated.extend(step::emit(&system.item, (&mut system.graph, line), facts, scheme, text));
+    let is_alone = is_taken.len() == 1;
+    let steps = steps.iter().zip(&texts.of_parts);
+    for (step, text) in steps.filter(|(step, _)| is_taken.contains(step.embedding())) {
+        generated.extend(match step {
+            Step::StraightLine(line, scheme) => {
+                step::emit(&system.item, (&mut system.graph, line), facts, scheme, (text, is_alone))
             }
-            (Step::InLoops(embedding, strategy), _) => {
-                generated.extend(terms::step(system, facts, embedding, *strategy, text));
-            }
-            (Step::StraightLine(_), None) => {
-                internal::broken("steps in straight lines are of systems that are")
-            }
-        }
+            Step::InLoops(embedding, strategy) => terms::step(system, facts, embedding, *strategy, text),
+        });
     }
     generated.extend(gauss::emit(system, line, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
@@ -78,7 +73,7 @@ pub(crate) fn emit(
     );
     let type_checks = &system.type_checks;
     let implementations = quote! {
-        #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo)]
+        #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {
             #generated
         };

@@ -1,7 +1,7 @@
 //! `FACTS` and `PLAN`: what the compiler found out and decided, as constants.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::count;
 use crate::discretise::Scheme;
@@ -11,17 +11,19 @@ use crate::input::{Length, Shape};
 use crate::model::System;
 use crate::symbolic::zero::Knowledge;
 
-/// What is known of the system, whatever its scheme.
-pub(crate) fn facts(system: &System, facts: &Facts) -> TokenStream {
+/// What is known of the system, whatever its scheme: all in which it differs from an autonomous one, and `others`.
+pub(crate) fn facts(
+    system: &System,
+    facts: &Facts,
+    others: impl IntoIterator<Item = (&'static str, Option<TokenStream>)>,
+) -> TokenStream {
     let noise = match facts.noise {
-        NoiseClass::None => quote!(None),
-        NoiseClass::Additive => quote!(Additive),
-        NoiseClass::Position => quote!(Position),
-        NoiseClass::Momentum => quote!(Momentum),
-        NoiseClass::Multiplicative => quote!(Multiplicative),
+        NoiseClass::None => None,
+        NoiseClass::Additive => Some(quote!(__wzvi::NoiseClass::Additive)),
+        NoiseClass::Position => Some(quote!(__wzvi::NoiseClass::Position)),
+        NoiseClass::Momentum => Some(quote!(__wzvi::NoiseClass::Momentum)),
+        NoiseClass::Multiplicative => Some(quote!(__wzvi::NoiseClass::Multiplicative)),
     };
-    let (energy, commuting) = (knowledge(&facts.conserves_energy), knowledge(&facts.commuting));
-    let degrees = degrees(system);
     let is_damped = system.friction.is_some() || system.conformal.is_some();
     let terms =
         [&system.drift].into_iter().chain(&system.force).chain(system.noise.iter().map(|noise| &noise.term));
@@ -31,16 +33,20 @@ pub(crate) fn facts(system: &System, facts: &Facts) -> TokenStream {
         let may_couple = read.len() > 1 || element.displacements().next().is_some();
         may_couple && system.graph.has_pieces(element.value, &read)
     });
-    quote! {
-        __wzvi::Facts {
-            degrees: #degrees,
-            noise: __wzvi::NoiseClass::#noise,
-            conserves_energy: __wzvi::Knowledge::#energy,
-            commuting: __wzvi::Knowledge::#commuting,
-            is_damped: #is_damped,
-            has_pieces: #has_pieces,
-        }
-    }
+    let known = [
+        ("noise", noise),
+        ("conserves_energy", knowledge(&facts.conserves_energy)),
+        ("commuting", knowledge(&facts.commuting)),
+        ("is_damped", is_damped.then(|| quote!(true))),
+        ("has_pieces", has_pieces.then(|| quote!(true))),
+    ];
+    let fields = known.into_iter().chain(others).filter_map(|(name, value)| {
+        let name = format_ident!("{name}");
+        value.map(|value| quote!(#name: #value,))
+    });
+    let (fields, degrees) = (fields.collect::<TokenStream>(), degrees(system));
+    let autonomous = quote!(__wzvi::Facts::autonomous(#degrees));
+    if fields.is_empty() { autonomous } else { quote!(__wzvi::Facts { #fields ..#autonomous }) }
 }
 
 /// As a constant expression.
@@ -74,10 +80,11 @@ pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
     quote!(<Self as __wzvi::elements::Elements>::FACTS.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent))
 }
 
-fn knowledge(known: &Knowledge) -> TokenStream {
+/// `None` of what is proven.
+fn knowledge(known: &Knowledge) -> Option<TokenStream> {
     match known {
-        Knowledge::Proven => quote!(Proven),
-        Knowledge::Refuted(_) => quote!(Refuted),
-        Knowledge::Unknown(_) => quote!(Unknown),
+        Knowledge::Proven => None,
+        Knowledge::Refuted(_) => Some(quote!(__wzvi::Knowledge::Refuted)),
+        Knowledge::Unknown(_) => Some(quote!(__wzvi::Knowledge::Unknown)),
     }
 }

@@ -213,6 +213,11 @@ impl<'p> Printer<'p> {
         self.lifted(op, Rank::Scalar)
     }
 
+    /// The same as a factor of a product.
+    pub(crate) fn scalar_factor(&self, op: Op) -> TokenStream {
+        if self.is_scalar(op) { self.at_least(op, Binding::Product) } else { self.scalar_value(op) }
+    }
+
     /// The value of `op`, which does not read the state, as an expression of the type of constants.
     pub(crate) fn constant_value(&self, op: Op) -> TokenStream {
         match self.program.operation(op).is_truth() {

@@ -47,7 +47,7 @@ pub(crate) fn emit(
     (graph, line): (&mut Graph, &StraightLine),
     facts: &Facts,
     scheme: &Scheme,
-    text: &str,
+    (text, is_alone): (&str, bool),
 ) -> TokenStream {
     let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
     let noises = scheme.lagrangian.symbols.dw.len();
@@ -57,8 +57,8 @@ pub(crate) fn emit(
     let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);
     let Arguments { q, p, dw } = arguments;
     let state = match dw.is_empty() {
-        true => quote!(let ([#(#q),*], [#(#p),*]) = (__q, __p);),
-        false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__q, __p, __dw);),
+        true => quote!(let ([#(#q),*], [#(#p),*]) = (__coordinates, __momenta);),
+        false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__coordinates, __momenta, __increments);),
     };
     let (open, prepared_type) = (prepared.open(), prepared.ty());
     let (prepare, memory) = (&prepared.body, memory::memory_type(&flow.newton_sizes()));
@@ -103,9 +103,9 @@ pub(crate) fn emit(
                 __prepared: &__wzvi::Of<Self::Prepared, __K>,
                 __t: __K,
                 __h: __K,
-                __q: [__S; #d],
-                __p: [__S; #d],
-                __dw: [__S; #n],
+                __coordinates: [__S; #d],
+                __momenta: [__S; #d],
+                __increments: [__S; #n],
                 __memory: &mut Self::Memory<__S>,
                 __carry: &__C,
                 __next: &mut __wzvi::Solution<__S, #d>,
@@ -117,7 +117,7 @@ pub(crate) fn emit(
         }
     };
     // Equations have names of their own in each scheme.
-    let step = match functions.is_empty() {
+    let step = match is_alone || functions.is_empty() {
         true => step,
         false => quote!(const _: () = { #step };),
     };

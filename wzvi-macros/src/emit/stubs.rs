@@ -86,8 +86,6 @@ impl Stubs {
         quote! {
             type Vector = #vector;
             fn degrees(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
-            fn noises(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
-            fn invariants(&self) -> ::core::primitive::usize { ::core::unimplemented!() }
             fn evaluate<S: #wzvi::scalar::Scalar>(
                 &self, _: ::core::primitive::usize, _: &[S], _: &[S], _: ::core::primitive::f64,
             ) -> S { ::core::unimplemented!() }
@@ -95,12 +93,6 @@ impl Stubs {
                 &self, _: ::core::primitive::usize, _: &[S], _: &[S], _: ::core::primitive::f64,
                 _: &mut [S], _: &mut [S],
             ) { ::core::unimplemented!() }
-            fn invariant(
-                &self, _: ::core::primitive::usize, _: &#wzvi::state::State<Self::Vector>,
-            ) -> ::core::primitive::f64 { ::core::unimplemented!() }
-            fn energy_rate(
-                &self, _: ::core::primitive::usize, _: &#wzvi::state::State<Self::Vector>,
-            ) -> ::core::primitive::f64 { ::core::unimplemented!() }
         }
     }
 }

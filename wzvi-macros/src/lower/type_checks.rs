@@ -16,8 +16,10 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let name = &system.item.ident;
     let (parameters, _, condition) = system.item.generics.split_for_impl();
     let arguments = arguments(&system.item.generics);
-    let (root, vector) = (&declaration.crate_path, shape.tokens());
-    let checks = quote!(#root::__private::checks);
+    let root = &declaration.crate_path;
+    let vector = if matches!(shape, Shape::Real) { quote!(__wzvi::f64) } else { shape.tokens() };
+    // No user has this name.
+    let (path, checks) = (quote!(#root::__private::checks), quote!(__wzvi));
     let takers = Takers { checks: &checks, vector: &vector };
     let entries = match shape {
         Shape::Real => quote!(#checks::entry),
@@ -40,16 +42,17 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let given = given.map(|given| takers.check_given(system, given));
     let schemes = declaration.embeddings.iter().map(|(embedding, written)| {
         let meant = embedding.value.path(root);
-        quote!(#checks::is_same::<#meant>(::core::marker::PhantomData::<#written>);)
+        quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
     });
     // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
     // they would say about style in generated code helps nobody.
     quote! {
-        #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction, clippy::cargo)]
+        #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {
             #[automatically_derived]
-            impl #parameters #checks::Checked for #name #arguments #condition {
+            impl #parameters #path::Checked for #name #arguments #condition {
                 fn check(&self) {
+                    use #path as __wzvi;
                     #(#schemes)*
                     #(#closures)*
                     #(#given)*
@@ -90,7 +93,8 @@ impl Takers<'_> {
             _ => quote!(family_of_time),
         };
         let Self { checks, vector } = self;
-        quote!({ #(#fields)* #checks::#function::<#vector, _>(#closure); })
+        let check = quote!(#checks::#function::<#vector, _>(#closure););
+        if fields.is_empty() { check } else { quote!({ #(#fields)* #check }) }
     }
 
     /// An expression of fields, or a closure of the coordinates.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::index::{Atom, Index, Operation};
-use super::{Half, Slot, System, Table};
+use super::{Element, Half, Slot, System, Table};
 use crate::diagnostics::internal::Promised;
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.
@@ -103,6 +103,15 @@ impl Names<'_> {
 }
 
 impl System {
+    /// An index in the loops of `element`, whose variables are called by their nesting.
+    pub(crate) fn index_in(&self, element: &Element, index: &Index) -> String {
+        let letter = |variable: u32| {
+            let depth = element.loops.iter().position(|known| known.variable == variable);
+            depth.map_or("k", letter_at)
+        };
+        Names { tables: &self.tables, letter: &letter }.index(index)
+    }
+
     /// The number of each noise as it is written behind `H`: `_k` for the members of a family, after the noises before it.
     pub(crate) fn noise_numbers(&self) -> Vec<String> {
         let names = Names { tables: &self.tables, letter: &|_| "k" };

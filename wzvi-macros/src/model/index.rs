@@ -201,6 +201,11 @@ impl Index {
         !self.any(|atom| matches!(atom, Atom::Size | Atom::Given(..)))
     }
 
+    /// Whether it is a sum of multiples of loop variables and sizes.
+    pub(crate) fn is_affine(&self) -> bool {
+        self.terms.iter().all(|(atom, _)| matches!(atom, Atom::Loop(_) | Atom::Size))
+    }
+
     /// Its value, by those of the atoms that no operation makes.
     pub(crate) fn value(&self, of: &dyn Fn(&Atom) -> Option<i128>) -> Option<i128> {
         self.terms.iter().try_fold(self.constant, |sum, (atom, coefficient)| {

@@ -9,7 +9,7 @@
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::facts::kinetic::Kinetic;
 use crate::discretise::facts::space_of;
-use crate::discretise::sums::{Increments, Sum, Weighted};
+use crate::discretise::sums::{Increments, Weighted, unweighted};
 use crate::model::{Element, Friction, Half, System, Term};
 use crate::symbolic::{Expr, Rational};
 
@@ -122,10 +122,6 @@ fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
 /// Adds `-G p` or `-Γ M⁻¹ p` to the force.
 fn draw(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
     let term = &friction.term;
-    let unweighted = |elements: &[Element]| -> Sum {
-        let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
-        elements.iter().map(weighted).collect()
-    };
     let drawn = match friction.is_matrix {
         false => Some(unweighted(&term.values)),
         true => {

@@ -209,7 +209,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
     let has_covectors = system.has_covectors();
-    let System { graph, symbols, tables, parameters, t, drift, parts, noise, force, conformal, .. } = system;
+    let System { graph, symbols, tables, parameters, t, drift, noise, force, conformal, .. } = system;
     let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
     let indices = Indices { tables, checked: true, lists: &[] };
     let mut parameters: Vec<Parameter> = parameters
@@ -238,11 +238,11 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let work = force.as_ref().map(&mut value);
     let (forces, noise): (Vec<&Noise>, Vec<&Noise>) = noise.iter().partition(|noise| noise.is_force);
     let forces: Vec<Expr> = forces.into_iter().map(|noise| value(&noise.term)).collect();
-    let (drift, parts) = (value(drift), parts.iter().map(&mut value).collect());
+    let drift = value(drift);
     let noise = noise.into_iter().map(|noise| value(&noise.term)).collect();
     let force = work.map(|work| phase.components(graph, work));
     let noise_forces = forces.into_iter().map(|work| phase.components(graph, work)).collect();
-    Some(StraightLine { phase, parameters, drift, parts, noise, force, noise_forces, conformal: *conformal })
+    Some(StraightLine { phase, parameters, drift, noise, force, noise_forces, conformal: *conformal })
 }
 
 /// The local variables of a system that straight-line code can stand for: no element has loops, no index reads the state's

@@ -15,6 +15,13 @@ pub struct Name {
     pub suffix: &'static str,
 }
 
+impl Name {
+    /// Of its parts.
+    pub const fn new(name: &'static str, suffix: &'static str) -> Self {
+        Self { name, suffix }
+    }
+}
+
 /// An integer of a system that is out of range: which one, its value, and what it would have to be.
 #[derive(Clone, Copy, PartialEq)]
 pub struct IndexError {

@@ -58,8 +58,9 @@ use std::marker::PhantomData;
 
 use crate::algebra::scalar::Scalar;
 use crate::error::{BathError, ConfigError};
+use crate::scheme::elements::{self, Elements, value_of_part};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
-use crate::scheme::system::Hamiltonian;
+use crate::scheme::system::Hamiltonian as _;
 
 #[doc(hidden)]
 pub use modes::Decay;
@@ -116,7 +117,7 @@ pub struct Isolated<E>(PhantomData<E>);
 #[doc(hidden)]
 pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
     let degrees = system.degrees();
-    if T::KIND.is_conformal {
+    if T::FACTS.kind.is_conformal {
         let rate = system.friction_rate();
         let is_rate = rate.is_finite() && rate >= 0.0;
         return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };
@@ -135,7 +136,7 @@ pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
     message = "`{Self}` has no friction",
     note = "add `friction = ...` (1/time) or `damping = [[...]]` (mass/time), and `temperature = ...` (energy), to `#[hamiltonian(...)]`"
 )]
-pub trait Damped: Hamiltonian {
+pub trait Damped: Elements {
     /// Whether [`Damped::damping`] is the matrix `Γ` (mass/time), and not rates (1/time).
     const IS_MATRIX: bool;
     /// Whether it depends on the coordinates.
@@ -143,11 +144,23 @@ pub trait Damped: Hamiltonian {
     /// Whether `M` is diagonal. Where it is not, rates are all the same.
     const HAS_DIAGONAL_MASSES: bool;
 
+    /// The part of the elements that is the friction.
+    const FRICTION: usize;
+    /// That of the temperature.
+    const TEMPERATURE: Option<usize> = None;
+
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
-    fn damping<S: Scalar>(&self, q: &[S], into: &mut [S]);
+    fn damping<S: Scalar>(&self, q: &[S], into: &mut [S]) {
+        match Self::IS_MATRIX {
+            true => elements::damping(self, Self::FRICTION, q, into),
+            false => elements::rates(self, Self::FRICTION, q, into),
+        }
+    }
 
     /// `kT`, if the system has a temperature; else the bath is at rest.
-    fn temperature(&self) -> Option<f64>;
+    fn temperature(&self) -> Option<f64> {
+        Self::TEMPERATURE.map(|part| value_of_part(self, part, 0.0, &[], &[]))
+    }
 
     /// `M⁻¹`: its diagonal, one number per degree of freedom, or its rows.
     fn inverse_mass(&self, into: &mut [f64]) {

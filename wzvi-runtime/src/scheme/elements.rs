@@ -49,9 +49,8 @@ mod step;
 mod sums;
 mod windows;
 
-pub use bath::{damping, rates};
+pub(crate) use bath::{damping, rates};
 pub use beside::Placements;
-pub use hamiltonian::{differentiate, differentiate_noises, evaluate, force, invariant};
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::{CompensationVec, Memory};
@@ -59,7 +58,7 @@ pub use pairs::{Pair, Row};
 pub(crate) use passes::are_finite;
 pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
 pub(crate) use step::nothing;
-pub use sums::{Given, Run, Sums, apart};
+pub use sums::{Given, Run, Sums, apart, stretch};
 pub(crate) use windows::BLOCK;
 pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
 
@@ -71,9 +70,11 @@ pub use crate::algebra::memory::{Iteration, Method};
 use hamiltonian::{DRIFT, FORCE, NOISE};
 
 use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
+use crate::ground::variables::Variables;
 use crate::scheme::plan::Facts;
-use crate::scheme::system::{Hamiltonian, no_nan};
+use crate::scheme::system::no_nan;
 
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
@@ -143,24 +144,21 @@ pub trait Curvature<S> {
     fn add_force_by_p(&mut self, i: usize, j: usize, value: S);
 }
 
-/// A system whose Hamiltonians are sums of elements.
+/// A system whose Hamiltonians are sums of elements: what is generated of it. It is a [`Hamiltonian`](crate::scheme::system::Hamiltonian) by that.
 ///
 /// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
-/// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Elements::INTEGRALS`] on. A part is weighted by
+/// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Facts::integrals`] on. A part is weighted by
 /// `weight` and by its increments.
-pub trait Elements: Hamiltonian {
-    /// What the elements read and the compiler has not shown to be there.
-    #[doc(hidden)]
-    const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
+pub trait Elements: Sized {
+    /// As `Hamiltonian::Vector`.
+    type Vector: Vector;
 
     /// What the compiler found out of the system.
     const FACTS: Facts;
 
-    /// The part that is the first of the first integrals.
-    const INTEGRALS: usize;
-
-    /// Whether there is a part of the force beside the drift.
-    const HAS_FORCE: bool = false;
+    /// What the elements read and the compiler has not shown to be there.
+    #[doc(hidden)]
+    const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
 
     /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
     #[doc(hidden)]
@@ -169,24 +167,48 @@ pub trait Elements: Hamiltonian {
         places::Entries::of_length(0)
     }
 
+    /// As `Hamiltonian::degrees`.
+    fn degrees(&self) -> usize {
+        if Self::FACTS.degrees == usize::MAX { 0 } else { Self::FACTS.degrees }
+    }
+
+    /// As `Hamiltonian::noises`.
+    fn noises(&self) -> usize {
+        0
+    }
+
+    /// As `Hamiltonian::invariants`.
+    fn invariants(&self) -> usize {
+        0
+    }
+
+    /// As `Hamiltonian::friction_rate`.
+    fn friction_rate(&self) -> f64 {
+        0.0
+    }
+
+    /// As `Hamiltonian::validate`.
+    ///
+    /// # Errors
+    /// As there.
+    fn validate(&self) -> Result<(), ConfigError> {
+        Ok(())
+    }
+
+    /// As `Hamiltonian::variables`.
+    fn variables(&self) -> Variables {
+        Variables::unnamed(self.degrees())
+    }
+
+    /// As `Hamiltonian::parameter`.
+    fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
+        let _ = index;
+        None
+    }
+
     /// The weighted value of a part; 0 for one that does not exist. All slices have the degrees of freedom that were
     /// checked.
     fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
-
-    /// Whether slopes can be taken window by window: elements that read coordinates add to places next to each other, and
-    /// those that read momenta read one each, to whose place they add.
-    const HAS_WINDOWS: bool = false;
-
-    /// Whether there are elements whose pairs stand in rows, see [`Pair`]: then slopes of large systems by `f64` are taken in vector
-    /// instructions.
-    const HAS_PAIRS: bool = false;
-
-    /// By what there are slopes of elements whose [`Placements`] are taken beside each other: those of large systems by `f64` in vector
-    /// instructions.
-    const GATHERS: Slopes = Slopes { by_q: false, by_p: false };
-
-    /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
-    const HAS_ONE_VELOCITY: bool = false;
 
     /// What slopes are computed with where numbers are kept as `f64`: functions have the same bits on every machine, and in
     /// lanes.
@@ -195,30 +217,25 @@ pub trait Elements: Hamiltonian {
     /// The same in a loop over neighbours that becomes vector code: NaN where that cannot have the result of [`Elements::Exact`].
     type Usual: Number<f64>;
 
-    /// Adds the weighted slopes of a part to `by_q` and `by_p`.
-    fn slopes<S, T, V, Q, P>(
+    /// Adds the weighted slopes of a part to `by_q` and `by_p`, computed in numbers `T`.
+    fn slopes<S: Scalar, T: Number<S>>(
         &self,
         part: usize,
         weight: f64,
-        at: &Point<'_, S, V>,
+        at: &Point<'_, S, impl Given<S> + ?Sized>,
         wanted: Slopes,
-        by_q: &mut Q,
-        by_p: &mut P,
-    ) where
-        S: Scalar,
-        T: Number<S>,
-        V: Given<S> + ?Sized,
-        Q: Sums<S> + ?Sized,
-        P: Sums<S> + ?Sized;
+        by_q: &mut (impl Sums<S> + ?Sized),
+        by_p: &mut (impl Sums<S> + ?Sized),
+    );
 
     /// Adds the weighted second derivatives of a part, of which there are those that steps ask for. All noises act.
-    fn curvature<S: Scalar, C: Curvature<S>>(
+    fn curvature<S: Scalar>(
         &self,
         part: usize,
         weight: f64,
         at: &Point<'_, S>,
         wanted: Slopes,
-        into: &mut C,
+        into: &mut impl Curvature<S>,
     ) {
         let _ = (part, weight, at, wanted, into);
     }
@@ -271,7 +288,7 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     {
         pairs::slopes(system, part, weight, &at, wanted, by_q, by_p);
     } else {
-        system.slopes::<S, T, [S], [S], [S]>(part, weight, at, wanted, by_q, by_p);
+        system.slopes::<S, T>(part, weight, at, wanted, by_q, by_p);
     }
 }
 
@@ -298,7 +315,7 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
         by_p.fill(S::from_f64(0.0));
     }
     slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
-    if H::HAS_FORCE {
+    if H::FACTS.kind.is_forced {
         slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
     }
     // Weights of stages differ from lane to lane.
@@ -337,7 +354,7 @@ impl<'a, S: Copy> Flow<'a, S> {
     /// All parts, and whether they act.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<H: Elements>(&self) -> [(usize, bool); 3] {
-        [(DRIFT, true), (FORCE, H::HAS_FORCE), (NOISE, !self.dw.is_empty())]
+        [(DRIFT, true), (FORCE, H::FACTS.kind.is_forced), (NOISE, !self.dw.is_empty())]
     }
 
     /// Where elements of one half of the phase space are evaluated, which read nothing of the other.
@@ -366,15 +383,15 @@ where
             continue;
         }
         if wanted.by_q {
-            system.slopes::<S, T, V, A, [S]>(part, 1.0, &at, wanted, into, none);
+            system.slopes::<S, T>(part, 1.0, &at, wanted, into, none);
         } else {
-            system.slopes::<S, T, V, [S], A>(part, 1.0, &at, wanted, none, into);
+            system.slopes::<S, T>(part, 1.0, &at, wanted, none, into);
         }
     }
 }
 
 /// The value of a part of the drift, or of the temperature.
-pub fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
+pub(crate) fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
     system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 })
 }
 

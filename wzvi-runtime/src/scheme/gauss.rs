@@ -136,9 +136,9 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     const PROPERTIES: Properties = Properties {
         in_lanes: F::Shape::IS_FIXED,
         // That of a step with friction is one of the momentum that friction leaves alone.
-        has_polynomial: N > 1 && !F::KIND.is_conformal,
+        has_polynomial: N > 1 && !F::FACTS.kind.is_conformal,
         dense_order: dense::dense_order(
-            if F::KIND.is_conformal { 1 } else { N as u32 },
+            if F::FACTS.kind.is_conformal { 1 } else { N as u32 },
             &<Self as Scheme<F>>::PLAN,
         ),
         ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<<Self as Scheme<F>>::Memory<f64>>())

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use super::elements::Slopes;
+use super::system::Kind;
+
 /// How the step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
@@ -69,9 +72,42 @@ pub struct Facts {
     pub is_damped: bool,
     /// Whether a condition on several coordinates or momenta decides on what is evaluated: then slopes by one may read another where no second derivative says so.
     pub has_pieces: bool,
+    /// What acts besides Hamiltonians.
+    pub kind: Kind,
+    /// The part of the [elements](crate::scheme::elements::Elements) that is the first of the first integrals.
+    pub integrals: usize,
+    /// Whether slopes can be taken window by window: elements that read coordinates add to places next to each other, and
+    /// those that read momenta read one each, to whose place they add.
+    pub has_windows: bool,
+    /// Whether there are elements whose pairs stand in rows, see [`Pair`](crate::scheme::elements::Pair): then slopes of large systems by
+    /// `f64` are taken in vector instructions.
+    pub has_pairs: bool,
+    /// By what there are slopes of elements whose [`Placements`](crate::scheme::elements::Placements) are taken beside each other: those of
+    /// large systems by `f64` in vector instructions.
+    pub gathers: Slopes,
+    /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
+    pub has_one_velocity: bool,
 }
 
 impl Facts {
+    /// Those of an autonomous system without noise, in which nothing is listed as an integral and no loop goes.
+    pub const fn autonomous(degrees: usize) -> Self {
+        Self {
+            degrees,
+            noise: NoiseClass::None,
+            conserves_energy: Knowledge::Proven,
+            commuting: Knowledge::Proven,
+            is_damped: false,
+            has_pieces: false,
+            kind: Kind::AUTONOMOUS,
+            integrals: 3,
+            has_windows: false,
+            has_pairs: false,
+            gathers: Slopes { by_q: false, by_p: false },
+            has_one_velocity: false,
+        }
+    }
+
     /// The plan of a scheme of this order with such a step.
     pub const fn plan(self, solver: Solver, unknowns: usize, order: u32, consistent: bool) -> Plan {
         let Self { noise, conserves_energy, commuting, .. } = self;

@@ -11,18 +11,21 @@ use crate::model::{Element, Slot};
 use crate::symbolic::{Expr, Graph, Rational};
 
 impl Space {
-    /// What indices are called, where loop variables of depth 0, 1, ... are `i`, `j`, ...
-    fn reader<T>(&self, read: impl FnOnce(&Names<'_>) -> T) -> T {
-        let letter = |variable: u32| letter_at(variable.saturating_sub(self.first) as usize);
+    /// What indices are called, where the variables of `loops` are `i`, `j`, ...: those of sums that were made here are numbered so, too.
+    fn reader<T>(&self, loops: &[Loop], read: impl FnOnce(&Names<'_>) -> T) -> T {
+        let letter = |variable: u32| {
+            let depth = loops.iter().position(|known| known.variable == variable);
+            letter_at(depth.unwrap_or(variable.saturating_sub(self.first) as usize))
+        };
         read(&Names { tables: &self.tables, letter: &letter })
     }
 
-    pub(crate) fn index(&self, index: &Index) -> String {
-        self.reader(|names| names.index(index))
+    pub(crate) fn index(&self, loops: &[Loop], index: &Index) -> String {
+        self.reader(loops, |names| names.index(index))
     }
 
     pub(super) fn slot_name(&self, slot: &Slot) -> String {
-        self.reader(|names| names.slot(slot, &self.names, self.components))
+        self.reader(&[], |names| names.slot(slot, &self.names, self.components))
     }
 
     /// `factor Σ_(i=0..n-1) [...] + ...`
@@ -41,7 +44,7 @@ impl Space {
         for weighted in sum.iter().filter(|w| !is_flat(&w.element)) {
             let mut text = String::new();
             for known in &weighted.element.loops {
-                text.push_str(&self.range(known));
+                text.push_str(&self.range(&weighted.element.loops, known));
             }
             let value = graph.scale(weighted.element.value, factor);
             let _ = write!(text, "[{}]", graph.display(value));
@@ -50,12 +53,13 @@ impl Space {
         parts.join(" + ")
     }
 
-    pub(super) fn range(&self, known: &Loop) -> String {
+    /// One of `loops`.
+    pub(super) fn range(&self, loops: &[Loop], known: &Loop) -> String {
         if is_condition(known) {
-            return format!("(where {} > 0) ", self.index(&known.end));
+            return format!("(where {} > 0) ", self.index(loops, &known.end));
         }
         let last = known.end.shifted(-1).promised("ends of loops are integers");
-        let letter = self.index(&super::variable(known.variable));
-        format!("Σ_({letter}={}..{}) ", self.index(&known.start), self.index(&last))
+        let letter = self.index(loops, &super::variable(known.variable));
+        format!("Σ_({letter}={}..{}) ", self.index(loops, &known.start), self.index(loops, &last))
     }
 }

@@ -42,6 +42,12 @@ pub(crate) struct Weighted {
 /// A sum of elements.
 pub(crate) type Sum = Vec<Weighted>;
 
+/// Elements that nothing weighs.
+pub(crate) fn unweighted(elements: &[Element]) -> Sum {
+    let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
+    elements.iter().map(weighted).collect()
+}
+
 /// The size of the phase space and the variables of its slots: one symbol for each slot.
 #[derive(Clone)]
 pub(crate) struct Space {

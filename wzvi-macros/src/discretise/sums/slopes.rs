@@ -97,16 +97,17 @@ impl Space {
     /// The slope and where it is one: `V'(q[i] - q[i - 1])   for i = 1..n - 1`.
     pub(crate) fn display_slope(&self, graph: &Graph, slope: &Slope) -> String {
         let Slope { part: Weighted { element, .. }, at, is_by_point } = slope;
-        let (points, sums) = element.loops.split_at(usize::from(*is_by_point));
-        let sums: String = sums.iter().map(|known| self.range(known)).collect();
+        let loops = &element.loops;
+        let (points, sums) = loops.split_at(usize::from(*is_by_point));
+        let sums: String = sums.iter().map(|known| self.range(loops, known)).collect();
         let value = graph.display(element.value);
         let value = if sums.is_empty() { value } else { format!("{sums}[{value}]") };
         match points {
             [known] => {
                 let last = known.end.shifted(-1).unwrap_or_default();
-                format!("{value}   for i = {}..{}", self.index(&known.start), self.index(&last))
+                format!("{value}   for i = {}..{}", self.index(loops, &known.start), self.index(loops, &last))
             }
-            _ => format!("{value}   at point {}", self.index(at)),
+            _ => format!("{value}   at point {}", self.index(loops, at)),
         }
     }
 }

@@ -130,7 +130,11 @@ impl Slopes {
             let mut factors: Vec<Expr> = vec![weighted.element.value];
             let names: Vec<String> = match self.part {
                 Part::Drift | Part::Force => vec!["h".to_owned()],
-                _ => weighted.increments.iter().map(|k| format!("ΔW[{}]", space.index(k))).collect(),
+                _ => weighted
+                    .increments
+                    .iter()
+                    .map(|k| format!("ΔW[{}]", space.index(&weighted.element.loops, k)))
+                    .collect(),
             };
             for name in names {
                 let symbol = graph.new_symbol(name);

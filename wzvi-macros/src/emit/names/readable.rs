@@ -2,15 +2,13 @@
 //!
 //! The whole code of a struct is looked at first. A name of ours loses its mark, and a type is imported, unless one of the
 //! user's tokens in the code could mean something else by the word: the generics of the struct, the constants and fields
-//! that it reads. So neither side can capture a name of the other. An emitter's name and one of a formula are the same word only where
-//! the first is read no more when the second is bound. What is left is around the struct, of which no token tells: a pattern `h` means
+//! that it reads. So neither side can capture a name of the other, and no two names are one word. What is left is around the struct, of which no token tells: a pattern `h` means
 //! the constant `h` if there is one, hence all names that are bound are imported as functions, which patterns may shadow; and an
 //! argument `L` means the type `L`, hence numbers among the arguments of types stand in braces.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::ops::Range;
 
-use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::quote;
 
 use super::{MARK, OF_FORMULA, plain};
@@ -50,15 +48,14 @@ pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) 
         listen(quote!(#crate_path), &mut of_user, &|_| true);
     }
     let numbers = generics.const_params().map(|number| number.ident.to_string());
-    let mut survey = Survey::new(of_user, numbers.collect());
+    let mut survey = Survey { of_user, generic_numbers: numbers.collect(), ..Survey::default() };
     let code = survey.read(generated);
     let decided = survey.decide();
     let body = decided.written(code, false);
     let (root, imports, bindings) = (&decided.root, decided.imports(), &decided.bindings);
     let bindings = (!bindings.is_empty()).then(|| {
         quote! {
-            /// The names that are bound above, so that no constant around can stand for them.
-            use #crate_path::__private::{#(binding as #bindings),*};
+            #root::bindings! { #(#bindings)* }
         }
     });
     quote! {
@@ -103,25 +100,10 @@ struct Word {
     is_bound: bool,
     /// Whether it is a number among the generics of a function or type.
     is_generic_number: bool,
-    /// Where it occurs first and last in each function, in the order in which what is there comes into scope.
-    places: HashMap<usize, (usize, usize)>,
-}
-
-impl Word {
-    /// Whether in every function all of this comes before all of `other`.
-    fn is_before(&self, other: &Self) -> bool {
-        self.places
-            .iter()
-            .all(|(function, (_, last))| other.places.get(function).is_none_or(|(first, _)| last < first))
-    }
-
-    /// Whether both can be one word: whoever reads the first has done so before the second is bound.
-    fn can_share(&self, other: &Self) -> bool {
-        self.is_before(other) || other.is_before(self)
-    }
 }
 
 /// The words of the code.
+#[derive(Default)]
 struct Survey {
     /// Those that are not ours, and which of them are numbers among the generics of the struct.
     of_user: HashSet<String>,
@@ -130,78 +112,35 @@ struct Survey {
     words: Vec<Word>,
     path_numbers: HashMap<String, usize>,
     paths: Vec<Vec<String>>,
-    /// The function that is read, 0 outside of any; how many there are, and how many words were read.
-    function: usize,
-    functions: usize,
-    position: usize,
 }
 
 impl Survey {
-    fn new(of_user: HashSet<String>, generic_numbers: HashSet<String>) -> Self {
-        Self {
-            of_user,
-            generic_numbers,
-            numbers: HashMap::new(),
-            words: Vec::new(),
-            path_numbers: HashMap::new(),
-            paths: Vec::new(),
-            function: 0,
-            functions: 0,
-            position: 0,
-        }
-    }
-
     fn read(&mut self, tokens: TokenStream) -> Vec<Node> {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-        let outer = self.function;
-        let code = self.read_range(&tokens, 0..tokens.len());
-        self.function = outer;
-        code
-    }
-
-    fn read_range(&mut self, tokens: &[TokenTree], range: Range<usize>) -> Vec<Node> {
-        let mut code = Vec::with_capacity(range.len());
-        let (outer, mut i) = (self.function, range.start);
-        while i < range.end {
+        let mut code = Vec::with_capacity(tokens.len());
+        let mut i = 0;
+        while let Some(token) = tokens.get(i) {
             let mut next = i + 1;
-            match &tokens[i] {
-                TokenTree::Group(group) => {
-                    code.push(Node::Group(group.clone(), self.read(group.stream())));
-                    // The body of a function, and no number in braces.
-                    let is_argument = is(tokens.get(i + 1), '>') || is(tokens.get(i + 1), ',');
-                    if group.delimiter() == Delimiter::Brace && !is_argument {
-                        self.function = outer;
-                    }
-                }
+            code.push(match token {
+                TokenTree::Group(group) => Node::Group(group.clone(), self.read(group.stream())),
                 TokenTree::Ident(ident) => {
                     let word = ident.to_string();
-                    if word == "fn" {
-                        self.functions += 1;
-                        self.function = self.functions;
-                    }
-                    if !word.starts_with(MARK) || is_field(tokens, i) || self.of_user.contains(&word) {
-                        let is_argument = self.generic_numbers.contains(&word) && is_argument(tokens, i);
-                        code.push(braced(Node::Other(tokens[i].clone()), is_argument));
-                        if let Some((equals, end)) = binding(tokens, i).filter(|_| word == "let") {
-                            // What is bound is not in scope of its own value.
-                            let value = self.read_range(tokens, equals..end);
-                            code.extend(self.read_range(tokens, i + 1..equals));
-                            code.extend(value);
-                            next = end;
-                        }
+                    if !word.starts_with(MARK) || is_field(&tokens, i) || self.of_user.contains(&word) {
+                        let is_argument = self.generic_numbers.contains(&word) && is_argument(&tokens, i);
+                        braced(Node::Other(token.clone()), is_argument)
                     } else if word == ROOT
-                        && let Some((path, end)) = path_to_type(tokens, i)
+                        && let Some((path, end)) = path_to_type(&tokens, i)
                     {
                         next = end;
-                        code.push(Node::Path(self.path(path), ident.clone(), tokens[i + 1..end].to_vec()));
+                        Node::Path(self.path(path), ident.clone(), tokens[i + 1..end].to_vec())
                     } else {
-                        let number = self.word(word, tokens, i);
-                        let is_argument = self.words[number].is_generic_number && is_argument(tokens, i);
-                        code.push(braced(Node::Word(number, ident.clone()), is_argument));
+                        let number = self.word(word, &tokens, i);
+                        let is_argument = self.words[number].is_generic_number && is_argument(&tokens, i);
+                        braced(Node::Word(number, ident.clone()), is_argument)
                     }
                 }
-                other => code.push(Node::Other(other.clone())),
-            }
+                other => Node::Other(other.clone()),
+            });
             i = next;
         }
         code
@@ -214,25 +153,13 @@ impl Survey {
         let is_generic = is_declared && [',', '<'].iter().any(|&c| is(before(tokens, i, 2), c));
         let is_capital = plain(&word).starts_with(char::is_uppercase) && !is_of_formula(&word);
         let is_item = is_declared || is_capital || word == ROOT;
-        let number = match self.numbers.get(&word) {
-            Some(&known) => known,
-            None => {
-                let text = word.clone();
-                self.words.push(Word {
-                    text,
-                    is_bound: true,
-                    is_generic_number: false,
-                    places: HashMap::new(),
-                });
-                self.numbers.insert(word, self.words.len() - 1);
-                self.words.len() - 1
-            }
-        };
-        self.position += 1;
+        let number = *self.numbers.entry(word.clone()).or_insert_with(|| {
+            self.words.push(Word { text: word, is_bound: true, is_generic_number: false });
+            self.words.len() - 1
+        });
         let known = &mut self.words[number];
         known.is_bound &= !is_item;
         known.is_generic_number |= is_generic;
-        known.places.entry(self.function).or_insert((self.position, self.position)).1 = self.position;
         number
     }
 
@@ -258,21 +185,16 @@ impl Survey {
             .iter()
             .map(|path| path.last().is_some_and(|last| taken.insert(last.clone())))
             .collect::<Vec<bool>>();
-        let mut bound: BTreeMap<String, usize> = BTreeMap::new();
+        let mut bound = Vec::new();
         for is_of_formula in [true, false] {
-            let own = |(_, word): &(usize, &Word)| {
-                word.is_bound && self::is_of_formula(&word.text) == is_of_formula
-            };
-            for (number, word) in words.iter().enumerate().filter(own) {
-                let shared = bound.get(plain(&word.text)).filter(|&&other| words[other].can_share(word));
-                names[number] = match shared {
-                    Some(_) => plain(&word.text).to_owned(),
-                    None => free(&word.text, &mut taken),
-                };
-                bound.entry(names[number].clone()).or_insert(number);
+            let own = |word: &Word| word.is_bound && self::is_of_formula(&word.text) == is_of_formula;
+            for (name, word) in names.iter_mut().zip(&words).filter(|(_, word)| own(word)) {
+                *name = free(&word.text, &mut taken);
+                bound.push(name.clone());
             }
         }
-        let bindings = bound.keys().map(|name| Ident::new(name, Span::call_site())).collect();
+        bound.sort_unstable();
+        let bindings = bound.iter().map(|name| Ident::new(name, Span::call_site())).collect();
         let root = Ident::new(&root, Span::call_site());
         Decided { root, names, paths, is_imported, bindings }
     }
@@ -388,22 +310,6 @@ fn is_field(tokens: &[TokenTree], i: usize) -> bool {
 /// Whether token `i` comes after `::`.
 fn ends_path(tokens: &[TokenTree], i: usize) -> bool {
     is(before(tokens, i, 1), ':') && is(before(tokens, i, 2), ':')
-}
-
-/// Of the `let` at `i`: where its `=` is, and where its value ends.
-fn binding(tokens: &[TokenTree], i: usize) -> Option<(usize, usize)> {
-    let is_joint =
-        |token: &TokenTree| matches!(token, TokenTree::Punct(punct) if punct.spacing() == Spacing::Joint);
-    let is_condition =
-        matches!(before(tokens, i, 1), Some(TokenTree::Ident(word)) if word == "if" || word == "while");
-    let is_equals =
-        |at: &usize| is(tokens.get(*at), '=') && !is_joint(&tokens[*at]) && !is_joint(&tokens[*at - 1]);
-    let equals = (i + 1..tokens.len()).find(is_equals)?;
-    let is_end = |at: &usize| match &tokens[*at] {
-        TokenTree::Group(group) => is_condition && group.delimiter() == Delimiter::Brace,
-        token => is(Some(token), ';'),
-    };
-    Some((equals, (equals..tokens.len()).find(is_end)?))
 }
 
 fn braced(node: Node, is_braced: bool) -> Node {

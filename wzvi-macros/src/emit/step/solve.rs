@@ -48,15 +48,8 @@ pub(super) fn solution(
     }
     let uses = flow.program.uses(&flow.roots());
     let factors = prepared.factors.iter().map(|(_, name)| name.clone()).collect();
-    let mut body = SolveBody {
-        flow,
-        uses,
-        printer,
-        factors,
-        records: Vec::new(),
-        records_in_part: Vec::new(),
-        functions: TokenStream::new(),
-    };
+    let mut body =
+        SolveBody { flow, uses, printer, factors, records: Vec::new(), functions: TokenStream::new() };
     let statements = body.emit();
     Solution { functions: body.functions, statements }
 }
@@ -67,10 +60,8 @@ struct SolveBody<'f> {
     printer: Printer<'f>,
     /// Those of the matrices that never change, in their order.
     factors: Vec<Ident>,
-    /// `memory.i.record(solution)`, done only if the whole step succeeds.
+    /// `memory.i.record_where(taken, solution)`, of the paths of which the whole step succeeds.
     records: Vec<TokenStream>,
-    /// The same where only some of the paths beside each other succeed.
-    records_in_part: Vec<TokenStream>,
     /// The equations of each Newton block.
     functions: TokenStream,
 }
@@ -165,8 +156,7 @@ impl SolveBody<'_> {
         let call = self.equations(&given, &names, &roots, residual, jacobian);
         let used = self.uses_memory();
         let memory = part(self.records.len(), self.flow.newton_sizes().len());
-        self.records.push(quote!(#memory.record::<#used>([#(#names),*]);));
-        self.records_in_part.push(quote!(#memory.record_in_part::<#used>(__taken, [#(#names),*]);));
+        self.records.push(quote!(#memory.record_where::<#used>(__taken, [#(#names),*]);));
         let (n, effort) = (count(names.len()), self.printer.other("effort"));
         let code = quote! {
             #statements
@@ -251,18 +241,13 @@ impl SolveBody<'_> {
             efforts.push(quote!(__wzvi::Effort::fast(0)));
         }
         let records = &self.records;
-        let record_in_part = (!records.is_empty()).then(|| {
-            let records = &self.records_in_part;
-            quote! {
-                if __S::GOES_IN_PART {
-                    let __taken = __next.are_finite();
-                    #(#records)*
-                }
-            }
-        });
-        let failure = match records.is_empty() {
-            true => quote!(__wzvi::StepFailure::NonFinite),
-            false => quote!(__next.failure()),
+        let end = match records.is_empty() {
+            true => quote!(__next.ensure_finite()),
+            false => quote! {
+                let __taken = __next.are_finite();
+                #(#records)*
+                __next.ensure_taken(__taken)
+            },
         };
         quote! {
             #statements
@@ -272,12 +257,7 @@ impl SolveBody<'_> {
                 [[#(#dq),*], [#(#dp),*]],
                 #(#efforts)+*,
             );
-            if !__next.is_finite() {
-                #record_in_part
-                return __wzvi::Err(#failure);
-            }
-            #(#records)*
-            __wzvi::Ok(())
+            #end
         }
     }
 }

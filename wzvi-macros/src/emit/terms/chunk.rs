@@ -17,7 +17,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use motion::{Motion, motion, runs, wrap};
-use nest::Nest;
+use nest::{Nest, Places};
 
 pub(super) use beside::{Beside, gathers, lists};
 pub(super) use motion::stretch;
@@ -39,6 +39,8 @@ pub(super) struct Chunk<'a> {
     pub(super) element: &'a Element,
     /// The variable of the innermost loop, its start and its end.
     pub(super) inner: Option<(u32, [TokenStream; 2])>,
+    /// Its start, unless noises that act decide it.
+    pub(super) start: Option<Index>,
     pub(super) outputs: &'a [(Expr, Target)],
     /// What the local variables are called.
     pub(super) locals: &'a [Ident],
@@ -117,7 +119,7 @@ impl Chunk<'_> {
         let block = self.beside.as_ref().map(|beside| self.beside(inner, beside, inside, values));
         self.store(&mut code, inner, block.as_ref().map_or(values, |block| &block.values));
         let place_in = |body: &TokenStream| {
-            mentions(body, &name.to_string()).then(|| quote!(let #name = __low + __place as __wzvi::isize;))
+            mentions(body, &name.to_string()).then(|| quote!(let #name = #name + __place as __wzvi::isize;))
         };
         let Code { reads, stores, opening, closing, .. } = &code;
         let each = match &block {
@@ -149,9 +151,7 @@ impl Chunk<'_> {
         Emitted::new(buffers, nest.emit())
     }
 
-    /// The arguments of `clip`: where the first placement of a chunk writes, if that of each one after it is the place after, or the
-    /// point after.
-    fn places(&self, inner: u32) -> Option<(Literal, TokenStream)> {
+    fn places(&self, inner: u32) -> Option<Places> {
         if self.wanted != Wanted::Slopes {
             return None;
         }
@@ -165,9 +165,22 @@ impl Chunk<'_> {
             strides.push(stride);
         }
         let stride = *strides.first()?;
-        let positions = bases.iter().map(|base| self.indices.position(base));
-        let is_same = strides.iter().all(|other| *other == stride);
-        is_same.then(|| (Literal::i128_unsuffixed(stride), quote!([#(#positions),*])))
+        if strides.iter().any(|other| *other != stride) {
+            return None;
+        }
+        let all = |bases: &[Index]| {
+            let positions = bases.iter().map(|base| self.indices.position(base));
+            quote!([#(#positions),*])
+        };
+        let is_safe = bases.iter().all(Index::is_affine);
+        let start = self.start.as_ref().filter(|_| is_safe);
+        let at_start = start.and_then(|start| bases.iter().map(|base| base.with(inner, start)).collect());
+        Some(Places {
+            stride: Literal::i128_unsuffixed(stride),
+            at: all(&bases),
+            at_start: at_start.map(|bases: Vec<Index>| all(&bases)),
+            is_safe,
+        })
     }
 
     /// The local variables that the arithmetic reads, with their numbers.
@@ -192,7 +205,7 @@ impl Chunk<'_> {
         }
         let place = |target: &Target| match target {
             Target::Slope { index, .. } => Some(self.indices.position(index)),
-            Target::Total | Target::Curvature { .. } => None,
+            Target::Value { .. } | Target::Total | Target::Curvature { .. } => None,
         };
         match self.outputs.iter().map(|(_, target)| place(target)).collect::<Option<Vec<_>>>() {
             Some(places) if self.has_windows && self.wanted == Wanted::Slopes && !places.is_empty() => {
@@ -367,6 +380,8 @@ impl Chunk<'_> {
 
     fn add_by(&self, indices: Indices<'_>, target: &Target, value: &TokenStream) -> TokenStream {
         match target {
+            Target::Value { factor: None } => value.clone(),
+            Target::Value { factor: Some(factor) } => quote!(#value * #factor),
             Target::Total => quote!(__total = __total + #value;),
             Target::Slope { vector, index } => {
                 let position = indices.position(index);

@@ -35,8 +35,6 @@ pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
 pub(crate) fn in_windows() -> TokenStream {
     let f64 = quote!(__wzvi::f64);
     quote! {
-        const IN_WINDOWS: __wzvi::bool = <Self as __wzvi::elements::Elements>::HAS_WINDOWS;
-
         fn take_windows<'p, __W: __wzvi::elements::Word>(
             &self,
             __word: &mut __W,

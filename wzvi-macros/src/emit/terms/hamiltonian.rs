@@ -1,9 +1,9 @@
-//! `impl Hamiltonian`: what the run time does for any sum of elements, by name.
+//! What a system says of itself: its sizes and names, parameters, friction.
 
 use proc_macro2::TokenStream;
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
-use super::{degrees, noise_count, vector_type};
+use super::{noise_count, vector_type};
 use crate::diagnostics::Located;
 use crate::discretise::facts::split;
 use crate::embedding::Embedding;
@@ -12,109 +12,42 @@ use crate::input::Labels;
 use crate::model::{Parameter, System};
 use crate::symbolic::{Expr, Graph};
 
-/// `impl Hamiltonian`
+/// What the system says of itself.
 pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStream {
     let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
     let model = &*model;
     let vector = vector_type(model);
-    let reads_time = split::reads_time(&model.graph, &model.drift, model.t);
-    let kind = kind([friction.is_some(), model.force.is_some(), reads_time]);
-    let degrees = degrees(model);
     let noises = (!model.noise.is_empty()).then(|| number_of("noises", &noise_count(model)));
-    let (usize, f64) = (quote!(__wzvi::usize), f64_type());
-    let invariants = invariants(&model.invariant_names);
-    let invariant = invariants.is_some().then(|| {
-        quote! {
-            fn invariant(&self, __number: #usize, __state: &__wzvi::State<Self::Vector>) -> #f64 {
-                __wzvi::elements::invariant(self, __number, __state)
-            }
-        }
-    });
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
+    let invariants = match model.invariant_names.len() {
+        0 => None,
+        known => Some(number_of("invariants", &count(known).into_token_stream())),
+    };
     let parameter = parameter(&model.graph, listed.unwrap_or(&model.parameters));
     let validate = validate(&model.embeddings, model.friction.is_some());
-    let force = model.force.is_some().then(|| {
-        quote! {
-            fn force<__S: __wzvi::Scalar>(&self, __q: &[__S], __p: &[__S], __t: #f64, __into: &mut [__S]) {
-                __wzvi::elements::force(self, __q, __p, __t, __into);
-            }
-        }
-    });
-    let of_noises = (!model.noise.is_empty()).then(|| {
-        quote! {
-            fn differentiate_noises(
-                &self,
-                __dw: &[#f64],
-                __state: &__wzvi::State<Self::Vector>,
-                __into: &mut __wzvi::Gradient<Self::Vector>,
-            ) {
-                __wzvi::elements::differentiate_noises(self, __dw, __state, __into);
-            }
-        }
-    });
     let variables = variables(&model.labels, model.graph.symbol_name(model.t), &model.invariant_names);
     quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::Hamiltonian for #name #arguments #filter {
-            type Vector = #vector;
-
-            #kind
-
-            #friction
-
-            fn degrees(&self) -> #usize { #degrees }
-
-            fn check(
-                &self,
-                __degrees: #usize,
-            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
-                __wzvi::elements::check(self, __degrees)
-            }
-
-            #noises
-
-            #invariants
-
-            #variables
-
-            #parameter
-
-            fn evaluate<__S: __wzvi::Scalar>(&self, __term: #usize, __q: &[__S], __p: &[__S], __t: #f64) -> __S {
-                __wzvi::elements::evaluate(self, __term, __q, __p, __t)
-            }
-
-            fn differentiate<__S: __wzvi::Scalar>(
-                &self,
-                __term: #usize,
-                __q: &[__S],
-                __p: &[__S],
-                __t: #f64,
-                __by_q: &mut [__S],
-                __by_p: &mut [__S],
-            ) {
-                __wzvi::elements::differentiate(self, __term, __q, __p, __t, __by_q, __by_p);
-            }
-
-            #of_noises
-
-            #force
-
-            #validate
-
-            #invariant
-        }
+        type Vector = #vector;
+        #noises
+        #invariants
+        #variables
+        #parameter
+        #friction
+        #validate
     }
 }
 
-/// What acts on the system besides its Hamiltonians; the default of the trait if nothing does.
-fn kind(acting: [bool; 3]) -> Option<TokenStream> {
-    let fields = ["is_conformal", "is_forced", "reads_time"].map(|field| format_ident!("{field}"));
-    let fields = fields.iter().zip(acting).filter_map(|(field, acts)| acts.then_some(field));
+/// What acts on the system besides its Hamiltonians, if anything does.
+pub(super) fn kind(model: &System) -> Option<TokenStream> {
+    let reads_time = split::reads_time(&model.graph, &model.drift, model.t);
+    let acting = [
+        ("is_conformal", model.conformal.is_some()),
+        ("is_forced", model.force.is_some()),
+        ("reads_time", reads_time),
+    ];
+    let fields: Vec<_> =
+        acting.into_iter().filter(|(_, acts)| *acts).map(|(field, _)| format_ident!("{field}")).collect();
     let kind = quote!(__wzvi::Kind);
-    acting
-        .contains(&true)
-        .then(|| quote!(const KIND: #kind = #kind { #(#fields: true,)* ..#kind::AUTONOMOUS };))
+    (!fields.is_empty()).then(|| quote!(#kind { #(#fields: true,)* ..#kind::AUTONOMOUS }))
 }
 
 /// `Hamiltonian::validate` of a system whose steps have friction and no bath; with a bath that is done where its steps are prepared.
@@ -169,12 +102,6 @@ fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
             }
         }
     })
-}
-
-/// How many first integrals there are; the default of the trait if there are none.
-fn invariants(names: &[String]) -> Option<TokenStream> {
-    let number = count(names.len());
-    (!names.is_empty()).then(|| number_of("invariants", &quote!(#number)))
 }
 
 /// What people are told that the variables are called; the default of the trait if that is the same.

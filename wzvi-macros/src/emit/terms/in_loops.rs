@@ -56,20 +56,17 @@ pub(crate) fn quadrature(
         }
         None => quote!(Slopes),
     };
+    let quadrature = quote!(__wzvi::elements::Quadrature);
+    let straight = quote!(#quadrature::new(&[#(#stages),*], __wzvi::elements::MomentumUpdate::#update));
     let unknowns = match unknowns {
-        Unknowns::None => quote!(None),
-        Unknowns::Momenta => quote!(Momenta),
-        Unknowns::Both => quote!(Both),
+        Unknowns::None => Some(quote!(unknowns: __wzvi::elements::Unknowns::None,)),
+        Unknowns::Momenta => None,
+        Unknowns::Both => Some(quote!(unknowns: __wzvi::elements::Unknowns::Both,)),
     };
-    quote! {
-        __wzvi::elements::Quadrature {
-            stages: &[#(#stages),*],
-            update: __wzvi::elements::MomentumUpdate::#update,
-            unknowns: __wzvi::elements::Unknowns::#unknowns,
-            remembers: #remembers,
-            is_linear: #is_linear,
-        }
-    }
+    let remembers = remembers.then(|| quote!(remembers: true,));
+    let is_linear = is_linear.then(|| quote!(is_linear: true,));
+    let fields = quote!(#unknowns #remembers #is_linear);
+    if fields.is_empty() { straight } else { quote!(#quadrature { #fields ..#straight }) }
 }
 
 /// A quadrature point, as the run time reads it.

@@ -20,6 +20,8 @@ use crate::symbolic::{Expr, Graph, Symbol};
 /// Where a computed value goes.
 #[derive(Clone)]
 pub(super) enum Target {
+    /// The value itself, times a factor.
+    Value { factor: Option<TokenStream> },
     /// `total += value`
     Total,
     /// `vector[index] += value`
@@ -124,7 +126,11 @@ pub(super) fn emit(
     constants.sort_unstable();
     constants.dedup();
     let inside = printer.bind(&ops, &uses, &|_| false);
-    let values: Vec<TokenStream> = ops.iter().map(|&op| printer.scalar_value(op)).collect();
+    let value = |(&op, (_, target)): (&Op, &(Expr, Target))| match target {
+        Target::Value { factor: Some(_) } => printer.scalar_factor(op),
+        _ => printer.scalar_value(op),
+    };
+    let values: Vec<TokenStream> = ops.iter().zip(outputs).map(value).collect();
 
     // The increments of a family whose members are the innermost loop change with it.
     let (fixed_weight, own_weight) = match (context.weight, inner) {
@@ -144,6 +150,7 @@ pub(super) fn emit(
         }
         _ => [indices.sum(&known.start), indices.sum(&known.end)],
     };
+    let start = inner.filter(|known| acting != Some(known.variable)).map(|known| known.start.clone());
     let inner = inner.map(|known| (known.variable, range_of(known)));
     let pairs = match context.wanted {
         Wanted::Slopes => partners(weighted, &indices, context.components),
@@ -158,6 +165,7 @@ pub(super) fn emit(
         indices,
         element,
         inner,
+        start,
         outputs,
         locals: &locals,
         components: context.components,
@@ -194,7 +202,7 @@ pub(super) fn emit(
             }
         };
     }
-    quote! {{ #before #buffers #nest #after }}
+    quote!(#before #buffers #nest #after)
 }
 
 /// A loop whose placements are taken beside each other if the sums say so, else one by one.
@@ -202,8 +210,7 @@ fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &T
     let (_, [start, end]) = chunk.inner.clone().promised("what is gathered has a loop");
     let Emitted { buffers, body, after } = beside;
     let body = quote! {
-        let (__low, __end): (__wzvi::isize, __wzvi::isize) = (#start, #end);
-        if #sums.gathers(__low, __end) {
+        if #sums.gathers(#start, #end) {
             #body
         } else {
             #one_by_one
@@ -216,7 +223,7 @@ fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &T
 pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
     let vector = outputs.iter().find_map(|(_, target)| match target {
         Target::Slope { vector, .. } => Some(quote!(#vector)),
-        Target::Total | Target::Curvature { .. } => None,
+        Target::Value { .. } | Target::Total | Target::Curvature { .. } => None,
     });
     vector.unwrap_or_default()
 }

@@ -16,7 +16,7 @@ mod windows;
 use std::collections::HashMap;
 
 use proc_macro2::{Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use self::combine::Combined;
 pub(crate) use self::gauss::{field, in_windows};
@@ -28,13 +28,13 @@ use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::Quadrature;
-use crate::discretise::sums::{Sum, Weighted};
-use crate::elements::parts::{PartElements, parts, scale_momenta, unweighted};
+use crate::discretise::sums::{Sum, Weighted, unweighted};
+use crate::elements::parts::{PartElements, parts, scale_momenta};
 use crate::elements::plan::{Step, Unknowns};
 use crate::emit::step::mentions;
 use crate::emit::{count, f64_type};
 use crate::input::{Length, Shape};
-use crate::model::index::{Atom, Index};
+use crate::model::index::Index;
 use crate::model::{Element, Parameter, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
@@ -45,18 +45,17 @@ pub(crate) fn terms(
     model: &mut System,
     listed: Option<&[Parameter]>,
     facts: &Facts,
-    steps: &[Step],
+    steps: &[Step<'_>],
     texts: &Texts,
 ) -> TokenStream {
-    let mut generated = hamiltonian::emit(model, listed);
-    generated.extend(elements(model, facts, steps.iter().any(|step| needs_curvature(facts, step))));
+    let mut generated = elements(model, listed, facts, steps.iter().any(|step| needs_curvature(facts, step)));
     generated.extend(parts::emit(model, texts));
     generated.extend(bath::emit(model));
     generated
 }
 
 /// Whether something is solved with second derivatives: the step in loops, or its momentum between its ends.
-fn needs_curvature(facts: &Facts, step: &Step) -> bool {
+fn needs_curvature(facts: &Facts, step: &Step<'_>) -> bool {
     matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
         || !Quadrature::new(facts, step.embedding()).gives_momentum()
 }
@@ -111,36 +110,14 @@ fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
     quote!(let __size = (#degrees / #components) as __wzvi::isize;)
 }
 
-/// The number of degrees of freedom; 0 if only the state knows it.
-fn degrees(model: &System) -> TokenStream {
-    if model.size == Index::atom(Atom::Size) {
-        return quote!(0);
-    }
-    let components = usize::try_from(model.components).unwrap_or(1);
-    if let Some(known) = model.size.as_integer().and_then(|size| usize::try_from(size).ok()) {
-        let degrees = count(known * components);
-        return quote!(#degrees);
-    }
-    let size = Indices::unchecked(&model.tables).value(&model.size);
-    match components {
-        1 => quote!(#size as __wzvi::usize),
-        _ => {
-            let components = count(components);
-            quote!(#size as __wzvi::usize * #components)
-        }
-    }
-}
-
+/// How many noises there are.
 fn noise_count(model: &System) -> TokenStream {
     let all = model.noise_offsets().pop().promised("the last offset is the number of noises");
-    match all.as_integer().and_then(|count| usize::try_from(count).ok()) {
-        Some(known) => {
-            let known = count(known);
-            quote!(#known)
-        }
+    match all.as_integer().and_then(|index| usize::try_from(index).ok()) {
+        Some(known) => count(known).into_token_stream(),
         None => {
-            let count = Indices::unchecked(&model.tables).value(&all);
-            quote!(#count as __wzvi::usize)
+            let all = Indices::unchecked(&model.tables).value(&all);
+            quote!(#all as __wzvi::usize)
         }
     }
 }
@@ -180,15 +157,30 @@ impl Wanted {
     }
 }
 
-/// The code of one element: `c H_e` with the weight `c`, one if there is none, or its first or second derivatives.
-fn element_code(
+/// The value of one element, with the weight `inside` of its loops, to where it goes. A covector is no gradient of anything.
+fn value_code(
     model: &mut System,
     weighted: &Weighted,
-    wanted: Wanted,
-    weight: Option<&TokenStream>,
+    inside: Option<&TokenStream>,
+    target: Target,
 ) -> TokenStream {
     let element = &weighted.element;
-    let graph = &mut model.graph;
+    let is_known = element.displacements().next().is_none();
+    let (value, weight) = weighed(&mut model.graph, element, inside);
+    let outputs: Vec<(Expr, Target)> = is_known.then_some((value, target.clone())).into_iter().collect();
+    let code = computed(model, weighted, Wanted::Value, weight, (outputs, HashMap::new()));
+    match target {
+        Target::Value { .. } if code.is_empty() => quote!(__S::from_f64(0.0)),
+        _ => code,
+    }
+}
+
+/// `c H_e` with a symbol for the weight `c`, if there is one.
+fn weighed<'w>(
+    graph: &mut Graph,
+    element: &Element,
+    weight: Option<&'w TokenStream>,
+) -> (Expr, Option<(Symbol, &'w TokenStream)>) {
     let weight = weight.map(|weight| (graph.new_symbol("c"), weight));
     let value = match weight {
         Some((symbol, _)) => {
@@ -197,18 +189,28 @@ fn element_code(
         }
         None => element.value,
     };
+    (value, weight)
+}
+
+/// The code of the first or second derivatives of one element, `c H_e` with the weight `c`.
+fn element_code(
+    model: &mut System,
+    weighted: &Weighted,
+    wanted: Wanted,
+    weight: &TokenStream,
+) -> TokenStream {
+    let element = &weighted.element;
+    let (value, weight) = weighed(&mut model.graph, element, Some(weight));
+    let graph = &mut model.graph;
     if element.displacements().next().is_some() {
         return covector_code(model, weighted, wanted, (value, weight));
     }
     let all = state_of(element);
     let symbols: Vec<Symbol> = all.iter().map(|(symbol, ..)| *symbol).collect();
-    let mut combined = match wanted {
-        Wanted::Value => None,
-        Wanted::Slopes | Wanted::Curvature => Combined::new(graph, value, &symbols),
-    };
+    let mut combined = Combined::new(graph, value, &symbols);
     let mut outputs: Vec<(Expr, Target)> = Vec::new();
     match wanted {
-        Wanted::Value => outputs.push((value, Target::Total)),
+        Wanted::Value => {}
         Wanted::Slopes => {
             let slopes = match &mut combined {
                 Some(combined) => combined.slopes(graph, &symbols),
@@ -321,88 +323,72 @@ fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
 }
 
 /// `impl Elements`
-fn elements(model: &mut System, facts: &Facts, has_curvature: bool) -> TokenStream {
+fn elements(
+    model: &mut System,
+    listed: Option<&[Parameter]>,
+    facts: &Facts,
+    has_curvature: bool,
+) -> TokenStream {
+    let declared = hamiltonian::emit(model, listed);
     let mut parts = parts(model, facts);
     if model.conformal.is_some() {
         scale_momenta(model, &mut parts);
     }
     let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
     let [value, slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| arms(model, &parts, wanted));
-    let (integrals, known) = (integrals(model), crate::emit::plan::facts(model, facts));
-    let places = places::emit(model);
-    let first_integral = count(Numbers::of(model).integrals);
-    let has_force = model.force.is_some().then(|| {
-        quote!(
-            const HAS_FORCE: __wzvi::bool = true;
-        )
-    });
+    let integrals = integrals(model);
     let (value, slopes) = (quote!(#value #part_values #integrals), quote!(#slopes #part_slopes));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
     let curvature = curvatures_of(model, &parts, has_curvature);
-    let has_windows = windows::are_there(model, &parts);
+    let first_integral = count(Numbers::of(model).integrals);
+    let is_true = |holds: bool| holds.then(|| quote!(true));
+    let others = [
+        ("kind", hamiltonian::kind(model)),
+        ("integrals", (!integrals.is_empty()).then(|| quote!(#first_integral))),
+        ("has_windows", windows::are_there(model, &parts)),
+        ("has_pairs", is_true(windows::have_pairs(model, &parts))),
+        ("gathers", windows::gathered(model, &parts)),
+        ("has_one_velocity", is_true(windows::have_one_velocity(model, &parts))),
+    ];
+    let known = crate::emit::plan::facts(model, facts, others);
+    let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));
     let name = &model.item.ident;
     let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
-    let has_one_velocity = windows::have_one_velocity(model, &parts).then(|| {
-        quote!(
-            const HAS_ONE_VELOCITY: __wzvi::bool = true;
-        )
-    });
-    let has_pairs = windows::have_pairs(model, &parts).then(|| {
-        quote!(
-            const HAS_PAIRS: __wzvi::bool = true;
-        )
-    });
-    let gathers = windows::gathered(model, &parts);
-    let [exact, usual] = windows::numbers(model, &parts);
+    let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
     quote! {
         #[automatically_derived]
-        impl #generics __wzvi::elements::Elements for #name #arguments #filter {
-            #places
-
+        impl #generics #elements::Elements for #name #arguments #filter {
             const FACTS: __wzvi::Facts = #known;
-            const INTEGRALS: #usize = #first_integral;
-            #has_force
+            #declared
+            #places
 
             fn value<__S: __wzvi::Scalar>(
                 &self,
                 __part: #usize,
                 __weight: #f64,
-                __at: &__wzvi::elements::Point<'_, __S>,
+                __at: &#elements::Point<'_, __S>,
             ) -> __S {
                 #of_value
-                let mut __value = __S::from_f64(0.0);
                 match __part {
                     #value
-                    _ => {}
+                    _ => __S::from_f64(0.0),
                 }
-                __value
             }
 
-            #has_windows
-            #has_pairs
-            #gathers
-            #has_one_velocity
             type Exact = #exact;
             type Usual = #usual;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn slopes<
-                __S: __wzvi::Scalar,
-                __T: __wzvi::Number<__S>,
-                __V: __wzvi::elements::Given<__S> + ?__wzvi::Sized,
-                __Q: __wzvi::elements::Sums<__S> + ?__wzvi::Sized,
-                __P: __wzvi::elements::Sums<__S> + ?__wzvi::Sized,
-            >(
+            fn slopes<__S: __wzvi::Scalar, __T: __wzvi::Number<__S>>(
                 &self,
                 __part: #usize,
                 __weight: #f64,
-                __at: &__wzvi::elements::Point<'_, __S, __V>,
-                __wanted: __wzvi::elements::Slopes,
-                __by_q: &mut __Q,
-                __by_p: &mut __P,
+                __at: &#elements::Point<'_, __S, impl #elements::Given<__S> + ?__wzvi::Sized>,
+                __wanted: #elements::Slopes,
+                __by_q: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
+                __by_p: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
             ) {
-                use __wzvi::elements::Run as _;
+                use #elements::Run as _;
                 #of_slopes
                 match __part {
                     #slopes
@@ -418,10 +404,16 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool) -> TokenStre
 /// The code of parts by their numbers.
 fn arms(model: &mut System, parts: &[PartElements], wanted: Wanted) -> TokenStream {
     let arms = parts.iter().map(|part| {
-        let (number, code) = (count(part.part as usize), part_code(model, part, wanted));
-        quote!(#number => { #code })
+        let (condition, code) = part_code(model, part, wanted);
+        arm(part.part as usize, condition, &code)
     });
     arms.collect()
+}
+
+/// That of a part, if there is something to do.
+fn arm(number: usize, condition: Option<TokenStream>, code: &TokenStream) -> TokenStream {
+    let (number, condition) = (count(number), condition.map(|condition| quote!(if #condition)));
+    if code.is_empty() { TokenStream::new() } else { quote!(#number #condition => { #code }) }
 }
 
 /// `Elements::curvature`: that of the parts where steps are solved with it, and of damping by a matrix; nothing if there is neither.
@@ -433,13 +425,13 @@ fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool
     let (f64, usize) = (f64_type(), quote!(__wzvi::usize));
     (!code.is_empty()).then(|| {
         quote! {
-            fn curvature<__S: __wzvi::Scalar, __C: __wzvi::elements::Curvature<__S>>(
+            fn curvature<__S: __wzvi::Scalar>(
                 &self,
                 __part: #usize,
                 __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
                 __wanted: __wzvi::elements::Slopes,
-                __into: &mut __C,
+                __into: &mut impl __wzvi::elements::Curvature<__S>,
             ) {
                 #opened
                 match __part {
@@ -464,9 +456,6 @@ fn opened(model: &System, code: &TokenStream) -> TokenStream {
 fn integrals(model: &mut System) -> TokenStream {
     let first = Numbers::of(model).integrals;
     let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
-    let arms = integrals.iter().enumerate().map(|(k, sum)| {
-        let (number, values) = (count(first + k), values(model, sum, None));
-        quote!(#number => { #values })
-    });
+    let arms = integrals.iter().enumerate().map(|(k, sum)| arm(first + k, None, &values(model, sum, None)));
     arms.collect()
 }

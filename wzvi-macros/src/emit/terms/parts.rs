@@ -3,11 +3,11 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::{Wanted, derivatives, values};
+use super::{Wanted, arm, derivatives, values};
 use crate::describe::Texts;
 use crate::discretise::facts::split::Form;
 use crate::discretise::quadrature::Part;
-use crate::elements::parts::unweighted;
+use crate::discretise::sums::unweighted;
 use crate::emit::count;
 use crate::model::{Friction, System};
 
@@ -62,8 +62,7 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
                 elements.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
             }
         };
-        let number = count(number);
-        quote!(#number => { #code })
+        arm(number, None, &code)
     });
     arms.collect()
 }

@@ -7,7 +7,6 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::diagnostics::internal::Promised;
-use crate::elements::describe;
 use crate::emit::count;
 use crate::model::index::{Atom, Bounds, Index, Loop, Operation};
 use crate::model::{Element, Slot, System, Table, Term};
@@ -31,7 +30,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
     let tables = system.tables.iter().enumerate().map(|(id, table)| {
         let is_read = places.arms.keys().any(|(known, _)| *known == id);
         let (name, suffix) = if is_read { names(table) } else { Default::default() };
-        quote!(__wzvi::elements::places::Name { name: #name, suffix: #suffix },)
+        quote!(__wzvi::elements::places::Name::new(#name, #suffix),)
     });
     let (usize, arms) = (quote!(__wzvi::usize), places.arms.values());
     let entries = (!places.arms.is_empty()).then(|| {
@@ -96,14 +95,14 @@ impl Places<'_> {
             .iter()
             .map(|known| {
                 let (start, end) = (self.index(&known.start, element), self.index(&known.end, element));
-                quote!(__wzvi::elements::places::Loop { start: #start, end: #end },)
+                quote!(__wzvi::elements::places::Loop(#start, #end),)
             })
             .collect();
         let slots = slots.into_iter().map(|slot| match slot {
             Slot::State(_, index) => {
-                let is_natural = bounds.is_nonnegative(index);
+                let kind = if bounds.is_nonnegative(index) { quote!(Natural) } else { quote!(State) };
                 let index = self.index(index, element);
-                quote!(__wzvi::elements::places::Slot::State { index: #index, is_natural: #is_natural },)
+                quote!(__wzvi::elements::places::Slot::#kind(#index),)
             }
             Slot::Entry(table, indices) => {
                 let positions = self.positions(*table, indices, element, None);
@@ -116,7 +115,7 @@ impl Places<'_> {
             }
         });
         let slots: TokenStream = slots.collect();
-        quote!(__wzvi::elements::places::Nest { loops: &[#(#loops)*], slots: &[#slots] },)
+        quote!(__wzvi::elements::places::Nest::new(&[#(#loops)*], &[#slots]),)
     }
 
     fn index(&mut self, index: &Index, element: &Element) -> TokenStream {
@@ -129,8 +128,8 @@ impl Places<'_> {
             })
             .collect();
         let (constant, text) =
-            (Literal::i128_unsuffixed(index.constant), describe::index_in(self.system, element, index));
-        quote!(__wzvi::elements::places::Index { terms: &[#terms], constant: #constant, name: __wzvi::elements::places::Name { name: #text, suffix: "" } })
+            (Literal::i128_unsuffixed(index.constant), self.system.index_in(element, index));
+        quote!(__wzvi::elements::places::Index::new(&[#terms], #constant, #text))
     }
 
     fn atom(&mut self, atom: &Atom, element: &Element) -> TokenStream {
@@ -210,7 +209,7 @@ impl Places<'_> {
             (0..indices.len()).map(|level| self.is_inside(&bounds, table, indices, level)).collect();
         let positions = indices.iter().zip(inside).map(|(index, is_inside)| {
             let index = self.index(index, element);
-            quote!(__wzvi::elements::places::Position { index: #index, is_inside: #is_inside },)
+            quote!(__wzvi::elements::places::Position::new(#index, #is_inside),)
         });
         let positions: TokenStream = positions.collect();
         quote!(&[#positions])

@@ -3,15 +3,20 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::{Indices, Wanted, element_code};
+use super::kernel::Target;
+use super::{Indices, Wanted, element_code, value_code};
 use crate::discretise::sums::Weighted;
 use crate::elements::parts::{PartElements, family_of};
 use crate::model::{Reads, System};
 
-/// All elements of a part.
-pub(super) fn part_code(model: &mut System, part: &PartElements, wanted: Wanted) -> TokenStream {
+/// All elements of a part: its value, or what adds their derivatives; and where there is something to do, if that is asked at once.
+pub(super) fn part_code(
+    model: &mut System,
+    part: &PartElements,
+    wanted: Wanted,
+) -> (Option<TokenStream>, TokenStream) {
     let sum = if wanted == Wanted::Value { &part.values } else { &part.elements };
-    let mut code = TokenStream::new();
+    let mut code = Vec::new();
     // Elements with the same increments stand together.
     for group in sum.chunk_by(|a, b| a.increments == b.increments) {
         let Some(first) = group.first() else { continue };
@@ -22,25 +27,41 @@ pub(super) fn part_code(model: &mut System, part: &PartElements, wanted: Wanted)
                 group.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
             }
         };
-        code.extend(match condition {
-            Some(condition) if !body.is_empty() => quote!(if #condition { #body }),
-            _ => body,
-        });
+        if !body.is_empty() {
+            code.push((condition, body));
+        }
     }
-    code
+    if code.len() == 1 {
+        return code.remove(0);
+    }
+    let is_value = wanted == Wanted::Value;
+    let groups = code.into_iter().map(|(condition, body)| {
+        let body = if is_value { quote!(__value = __value + { #body };) } else { body };
+        match condition {
+            Some(condition) => quote!(if #condition { #body }),
+            None => body,
+        }
+    });
+    let groups: TokenStream = groups.collect();
+    (None, if is_value { quote!(let mut __value = __S::from_f64(0.0); #groups __value) } else { groups })
 }
 
 /// The sum of elements with one weight, which is taken out of it unless it changes in their loops.
 pub(super) fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
     let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
-    let inside = weight.filter(|_| !is_fixed);
-    let code: TokenStream =
-        group.iter().map(|weighted| element_code(model, weighted, Wanted::Value, inside)).collect();
-    let factor = weight.filter(|_| is_fixed).map(|weight| quote!(* #weight));
+    let (inside, outside) = if is_fixed { (None, weight) } else { (weight, None) };
+    if let [only] = group
+        && only.element.loops.len() < 2
+    {
+        return value_code(model, only, inside, Target::Value { factor: outside.cloned() });
+    }
+    let added: Vec<TokenStream> =
+        group.iter().map(|weighted| value_code(model, weighted, inside, Target::Total)).collect();
+    let factor = outside.map(|weight| quote!(* #weight));
     quote! {
         let mut __total = __S::from_f64(0.0);
-        #code
-        __value = __value + __total #factor;
+        #({ #added })*
+        __total #factor
     }
 }
 
@@ -58,8 +79,8 @@ pub(super) fn derivatives(
         Reads::Momenta => quote!(__wanted.by_p),
         Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
     };
-    let body = element_code(model, weighted, wanted, Some(weight));
-    quote!(if #condition { #body })
+    let body = element_code(model, weighted, wanted, weight);
+    if body.is_empty() { body } else { quote!(if #condition { #body }) }
 }
 
 /// The product of the increments of an element of a part, and the weight of the part.

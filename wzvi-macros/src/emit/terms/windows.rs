@@ -5,7 +5,8 @@ use quote::quote;
 
 use super::chunk::{gathers, partners, stretch};
 use super::indices::Indices;
-use crate::elements::parts::{PartElements, unweighted};
+use crate::discretise::sums::unweighted;
+use crate::elements::parts::PartElements;
 use crate::emit::count;
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
@@ -35,9 +36,7 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<To
             quote!((#expr) * #components >= #elements::LEAST_IN_WINDOWS)
         }
     };
-    Some(quote!(
-        const HAS_WINDOWS: __wzvi::bool = #are_there;
-    ))
+    Some(are_there)
 }
 
 /// Whether elements that read coordinates add to places or points next to each other, and those that read momenta read one place or
@@ -100,12 +99,7 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
         by_q |= is_force || element.coordinates().next().is_some();
         by_p |= !is_force && element.momenta().next().is_some();
     }
-    (by_q || by_p).then(|| {
-        let slopes = quote!(__wzvi::elements::Slopes);
-        quote!(
-            const GATHERS: #slopes = #slopes { by_q: #by_q, by_p: #by_p };
-        )
-    })
+    (by_q || by_p).then(|| quote!(__wzvi::elements::Slopes { by_q: #by_q, by_p: #by_p }))
 }
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points, and nothing else.

@@ -53,10 +53,14 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
         }
     }
 
-    /// The same of the paths that have taken a step, and which have not; those remember what they did.
+    /// The same of the paths beside each other that have taken a step; those that have not remember what they did.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn record_in_part<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
-        *self = self.recorded_in_part::<USED>(taken, solution);
+    pub fn record_where<const USED: bool>(&mut self, taken: S::Mask, solution: [S; N]) {
+        if taken.all() {
+            self.record::<USED>(solution);
+        } else if S::GOES_IN_PART {
+            *self = self.recorded_in_part::<USED>(taken, solution);
+        }
     }
 
     /// By value: what the caller has stays in registers.
@@ -155,7 +159,7 @@ mod tests {
             if taken.all() {
                 together.record::<true>([Lanes::new(numbers)]);
             } else {
-                together.record_in_part::<true>(taken, [Lanes::new(numbers)]);
+                together.record_where::<true>(taken, [Lanes::new(numbers)]);
             }
             for lane in 0..3 {
                 if took[lane] {

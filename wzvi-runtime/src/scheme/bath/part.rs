@@ -11,7 +11,7 @@ use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::without_derivatives;
+use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 
 /// The O parts of a step: how many, with an equal share each, and how momenta decay in them.
 #[derive(Clone, Copy, Debug)]

@@ -29,7 +29,7 @@ use crate::scheme::compose::windowed::{self, Givens, least_alone, takes_windows}
 use crate::scheme::elements::Taken;
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
-use crate::scheme::system::{At, Exchange, Lift, Properties, Scheme, fits};
+use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
 
 /// A word of kicks, drifts and O parts, and how these are taken.
 pub trait Letters {
@@ -191,7 +191,7 @@ where
         if !fits(system, degrees) {
             system.check(degrees)?;
         }
-        if const { F::IN_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES }
             && takes_windows::<F>(degrees)
             && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
@@ -225,7 +225,7 @@ where
         memory: &mut Self::Memory<f64>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::IN_WINDOWS && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
+        if const { F::FACTS.has_windows && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
             let noises = system.noises().min(dw.len());
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
             let Memory { flows, bath } = memory;

@@ -16,7 +16,7 @@ use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::kept;
-use crate::scheme::elements::are_finite;
+use crate::scheme::elements::{Elements, are_finite};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
     At, Exchange, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits,
@@ -130,9 +130,9 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
     }
 
     fn memory(system: &T) -> Self::Memory<f64> {
-        let (step, degrees) = (SchemeOf::<T, E>::memory(system), system.degrees());
+        let (step, degrees) = (SchemeOf::<T, E>::memory(system), Elements::degrees(system));
         Memory {
-            kept: kept::Memory::of(vec![step], Vec::new()).with_room(degrees, system.noises()),
+            kept: kept::Memory::of(vec![step], Vec::new()).with_room(degrees, Elements::noises(system)),
             lost: std::array::from_fn(|_| Vec::with_capacity(degrees)),
             bath: part::Memory::of_system(system),
         }

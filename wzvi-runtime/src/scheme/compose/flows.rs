@@ -33,10 +33,8 @@ use crate::scheme::system::{At, Hamiltonian, Lift, Properties, Scheme, Segment, 
 pub trait Flows: Field {
     /// Whether `V` reads the time.
     const FORCE_READS_TIME: bool;
-    /// Whether steps of large systems go window by window.
-    const IN_WINDOWS: bool = false;
 
-    /// All parts of a step, window by window, where they [go so](Flows::IN_WINDOWS).
+    /// All parts of a step, window by window, where they [go so](crate::scheme::plan::Facts::has_windows).
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
@@ -90,7 +88,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::IN_WINDOWS && S::MAY_BE_PLAIN && !C::CARRIES }
+        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES }
             && takes_windows::<F>(q.len())
             && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
@@ -195,7 +193,7 @@ impl<F: Flows> FlowsOf<'_, F, f64> {
     ) -> Option<Followed<F::Vector>> {
         let &Self { system, t, h, .. } = self;
         let (q0, p0) = (segment.q0.components(), segment.p.components());
-        system.check(q0.len()).ok()?;
+        Hamiltonian::check(system, q0.len()).ok()?;
         let value = |q: &[f64], p: &[f64], t: f64| {
             let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
             h * system.evaluate(0, q, p, t) + noises.sum::<f64>()

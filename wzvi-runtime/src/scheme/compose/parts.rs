@@ -23,7 +23,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Elements, Point, Slopes, slopes, value_of_part};
 use crate::scheme::gauss::Shape;
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, without_derivatives};
+use crate::scheme::system::{At, Hamiltonian as _, Lift, Properties, Scheme, Segment, without_derivatives};
 
 /// The form of a part of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ impl Prepared {
                 maps.push(Linear::new(degrees, weight * h, |x, slopes| {
                     let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
                     system.slopes_of_part::<f64, true, true>(*half, 0.0, 1.0, q, p, by_q, by_p);
-                    if F::KIND.is_conformal {
+                    if F::FACTS.kind.is_conformal {
                         let rate = system.friction_rate();
                         by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
                     }
@@ -163,7 +163,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        if F::KIND.is_conformal {
+        if F::FACTS.kind.is_conformal {
             return f64::NAN;
         }
         lagrangian::value(segment, dw, system.noises(), || Self::follow(system, segment, dw))
@@ -216,7 +216,7 @@ impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
         match form::<F>(stage.half) {
             Form::Coordinates => {
                 system.slopes_of_part::<S, true, false>(stage.half, t, -h, q, p, force, &mut []);
-                if F::KIND.is_forced {
+                if F::FACTS.kind.is_forced {
                     system.force(q, p, t, velocity);
                     force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
                 }

@@ -6,7 +6,7 @@ use super::substeps::Half;
 use crate::algebra::memory::Threads;
 use crate::error::StepFailure;
 use crate::scheme::elements::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word};
-use crate::scheme::system::fits;
+use crate::scheme::system::{Hamiltonian as _, fits};
 
 /// Degrees of freedom from which paths of an ensemble go one after the other, window by window. A step of a word in windows takes some 150 ns
 /// besides what each site takes, and 16 paths beside each other leave the first cache (each of some ten lists has 128 bytes for a degree of
@@ -15,13 +15,13 @@ const LEAST_ALONE: usize = 256;
 
 /// From how many degrees of freedom on paths go one after the other.
 pub(crate) const fn least_alone<F: Flows>() -> usize {
-    if F::IN_WINDOWS { LEAST_ALONE } else { usize::MAX }
+    if F::FACTS.has_windows { LEAST_ALONE } else { usize::MAX }
 }
 
 /// Whether steps of so many degrees of freedom go window by window.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn takes_windows<F: Flows>(degrees: usize) -> bool {
-    F::IN_WINDOWS && degrees >= LEAST_IN_WINDOWS
+    F::FACTS.has_windows && degrees >= LEAST_IN_WINDOWS
 }
 
 /// Windows, and the increments of each part of a step.

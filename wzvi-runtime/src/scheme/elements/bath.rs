@@ -4,7 +4,7 @@ use super::{Curvature, Elements, Point, Slopes, slopes};
 use crate::algebra::scalar::Scalar;
 
 /// The rates of friction: part number `part`, whose slopes are those of a covector.
-pub fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
+pub(crate) fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
     if into.len() != q.len() {
         return into.fill(S::from_f64(f64::NAN));
     }
@@ -12,7 +12,7 @@ pub fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mu
 }
 
 /// `Γ` by rows: part number `part` is a covector that is linear in the momenta, with this matrix.
-pub fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
+pub(crate) fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
     let degrees = q.len();
     if into.len() != degrees * degrees {
         return into.fill(S::from_f64(f64::NAN));

@@ -194,14 +194,11 @@ impl<S: Scalar, const L: usize> Block for Kicked<'_, S, L> {
 
 #[cfg(test)]
 mod tests {
-    use crate::scheme::plan::{Facts, Knowledge, NoiseClass};
+    use crate::scheme::plan::Facts;
     use nalgebra::DVector;
 
     use super::super::memory::Memory;
-    use super::super::places::{Entries, Places};
-    use super::super::{
-        Alone, Curvature, Given, Hamiltonian, MomentumUpdate, Point, Quadrature, Slopes, Sums,
-    };
+    use super::super::{Alone, Curvature, Given, MomentumUpdate, Point, Quadrature, Slopes, Sums};
     use super::*;
     use crate::algebra::scalar::Number;
 
@@ -211,46 +208,25 @@ mod tests {
         spring: Vec<f64>,
     }
 
-    impl Hamiltonian for Chain {
-        type Vector = DVector<f64>;
-        fn degrees(&self) -> usize {
-            self.mass.len()
-        }
-        fn evaluate<S: Scalar>(&self, _: usize, _: &[S], _: &[S], _: f64) -> S {
-            S::from_f64(f64::NAN)
-        }
-        fn differentiate<S: Scalar>(&self, _: usize, _: &[S], _: &[S], _: f64, _: &mut [S], _: &mut [S]) {}
-    }
-
     impl Elements for Chain {
-        const FACTS: Facts = Facts {
-            degrees: usize::MAX,
-            noise: NoiseClass::None,
-            conserves_energy: Knowledge::Proven,
-            commuting: Knowledge::Proven,
-            is_damped: false,
-            has_pieces: false,
-        };
-        const PLACES: Places = Places { components: 1, tables: &[], nests: &[] };
-        const INTEGRALS: usize = 3;
-        const HAS_WINDOWS: bool = false;
-        const HAS_ONE_VELOCITY: bool = true;
+        const FACTS: Facts = Facts { has_one_velocity: true, ..Facts::autonomous(usize::MAX) };
+        type Vector = DVector<f64>;
         type Exact = Alone;
         type Usual = Alone;
-        fn entries(&self, _: usize, _: &[usize], _: Range<usize>) -> Entries {
-            Entries::of_length(0)
+        fn degrees(&self) -> usize {
+            self.mass.len()
         }
         fn value<S: Scalar>(&self, _: usize, _: f64, _: &Point<'_, S>) -> S {
             S::from_f64(f64::NAN)
         }
-        fn slopes<S: Scalar, T: Number<S>, V: Given<S> + ?Sized, Q: Sums<S> + ?Sized, P: Sums<S> + ?Sized>(
+        fn slopes<S: Scalar, T: Number<S>>(
             &self,
             _: usize,
             weight: f64,
-            at: &Point<'_, S, V>,
+            at: &Point<'_, S, impl Given<S> + ?Sized>,
             wanted: Slopes,
-            by_q: &mut Q,
-            by_p: &mut P,
+            by_q: &mut (impl Sums<S> + ?Sized),
+            by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             let scale = weight * at.h;
             for i in 0..if wanted.by_p { self.mass.len() } else { 0 } {
@@ -263,13 +239,13 @@ mod tests {
                 by_q.add(i - 1, -pull);
             }
         }
-        fn curvature<S: Scalar, C: Curvature<S>>(
+        fn curvature<S: Scalar>(
             &self,
             _: usize,
             _: f64,
             _: &Point<'_, S>,
             _: Slopes,
-            into: &mut C,
+            into: &mut impl Curvature<S>,
         ) {
             for i in 1..self.mass.len() {
                 into.add_qq(i, i - 1, false, S::from_f64(f64::NAN));

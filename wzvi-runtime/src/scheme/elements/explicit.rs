@@ -72,7 +72,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
         }
         let [q, p] = super::sized_mut(system, [q, p])?;
         let dw = super::increments(system, dw)?;
-        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+        if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
             && takes_windows(scheme, q.len())
             && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
@@ -86,7 +86,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
         }
         let step = Step { system, scheme, t, h, q, p, dw, increment: None };
         let mut lists = memory.work.lists(scheme, step.degrees());
-        if !C::CARRIES && !H::KIND.is_conformal && scheme.update == MomentumUpdate::Multiple(1.0) {
+        if !C::CARRIES && !H::FACTS.kind.is_conformal && scheme.update == MomentumUpdate::Multiple(1.0) {
             // `P` is the new momentum.
             if !step.go_on(&mut lists) {
                 return Err(StepFailure::NonFinite);
@@ -118,7 +118,7 @@ pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.components().len();
-    if const { H::HAS_WINDOWS && !C::CARRIES } && takes_windows(scheme, degrees) {
+    if const { H::FACTS.has_windows && !C::CARRIES } && takes_windows(scheme, degrees) {
         return Givens { system, scheme, t, h, dw }.exchange(q, p, memory);
     }
     let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
@@ -185,7 +185,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn go_on(&self, lists: &mut Lists<'_, S>) -> bool {
         self.kick(lists);
-        let has_one_velocity = H::HAS_ONE_VELOCITY && self.scheme.takes_parts_once();
+        let has_one_velocity = H::FACTS.has_one_velocity && self.scheme.takes_parts_once();
         if has_one_velocity && size_of::<S>() == size_of::<f64>() {
             let Lists { u, momentum, .. } = lists;
             self.drift_onto(momentum, Onto { base: self.q, next: u });
@@ -202,7 +202,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         for stage in self.scheme.stages {
             let (at, none) = (self.at(stage, self.q, momentum), &mut [][..]);
             for &(part, weight) in stage.parts {
-                self.system.slopes::<S, S::OfElements<H::Exact>, [S], [S], _>(
+                self.system.slopes::<S, S::OfElements<H::Exact>>(
                     part,
                     weight,
                     &at,

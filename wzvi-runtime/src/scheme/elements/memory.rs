@@ -451,7 +451,8 @@ impl<S: Scalar> Memory<S> {
     }
 
     fn allocate<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
-        let has_room_in_windows = H::HAS_WINDOWS && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
+        let has_room_in_windows =
+            H::FACTS.has_windows && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
         self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
         (self.rounding, self.plan, self.sweeps) = (None, self.plan.alike(), None);

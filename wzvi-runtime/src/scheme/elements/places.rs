@@ -25,6 +25,13 @@ pub struct Index {
     pub name: Name,
 }
 
+impl Index {
+    /// Of its parts.
+    pub const fn new(terms: &'static [(Atom, i128)], constant: i128, name: &'static str) -> Self {
+        Self { terms, constant, name: Name { name, suffix: "" } }
+    }
+}
+
 /// What an [`Index`] is made of.
 #[derive(Debug)]
 pub enum Atom {
@@ -55,25 +62,24 @@ pub struct Position {
     pub is_inside: bool,
 }
 
-/// A loop over `start..end`.
-#[derive(Debug)]
-pub struct Loop {
-    /// The first value.
-    pub start: Index,
-    /// One more than the last value.
-    pub end: Index,
+impl Position {
+    /// Of its parts.
+    pub const fn new(index: Index, is_inside: bool) -> Self {
+        Self { index, is_inside }
+    }
 }
+
+/// A loop, by its first value and one more than the last value.
+#[derive(Debug)]
+pub struct Loop(pub Index, pub Index);
 
 /// Something that an element reads.
 #[derive(Debug)]
 pub enum Slot {
     /// A component of the coordinates or momenta.
-    State {
-        /// Which one.
-        index: Index,
-        /// Whether the compiler has shown that it is not negative.
-        is_natural: bool,
-    },
+    State(Index),
+    /// The same, of which the compiler has shown that it is not negative.
+    Natural(Index),
     /// An entry of a list of real numbers.
     Entry(usize, &'static [Position]),
     /// An integer as a real number.
@@ -87,6 +93,13 @@ pub struct Nest {
     pub loops: &'static [Loop],
     /// What is read.
     pub slots: &'static [Slot],
+}
+
+impl Nest {
+    /// Of its parts.
+    pub const fn new(loops: &'static [Loop], slots: &'static [Slot]) -> Self {
+        Self { loops, slots }
+    }
 }
 
 /// Everything that a system reads and the compiler has not proven to be there.

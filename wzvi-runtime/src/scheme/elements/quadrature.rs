@@ -81,6 +81,11 @@ pub struct Quadrature {
 }
 
 impl Quadrature {
+    /// Of steps that are solved in straight lines: of momenta between two ends, if anything is.
+    pub const fn new(stages: &'static [Stage], update: MomentumUpdate) -> Self {
+        Self { stages, update, unknowns: Unknowns::Momenta, remembers: false, is_linear: false }
+    }
+
     /// How many times `v` the change of the momenta is, if it is: infinitely many where `D_1 L_d` reads no slopes, and `v` is zero.
     #[doc(hidden)]
     pub const fn factor(&self) -> Option<f64> {

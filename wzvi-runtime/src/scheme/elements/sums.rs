@@ -44,6 +44,23 @@ pub trait Sums<S> {
     /// to leave out, and how many to take then.
     fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize);
 
+    /// The first of the placements `low..end` of a loop that are taken, and how many: those of [`Sums::clip`], where the first one adds to the
+    /// places `first`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn stretch<const D: usize, const N: usize>(
+        &self,
+        low: isize,
+        end: isize,
+        first: [usize; N],
+    ) -> (isize, usize) {
+        let (low, len) = stretch(low, end);
+        if len == 0 {
+            return (low, 0);
+        }
+        let (skipped, len) = self.clip::<D, N>(len, first);
+        (low + skipped as isize, len)
+    }
+
     /// The sums of `len` places from `first` on.
     fn run(&mut self, first: usize, len: usize) -> Self::Run<'_>;
 
@@ -82,6 +99,7 @@ pub trait Sums<S> {
         const F: usize,
     >(
         &mut self,
+        _interaction: K,
         q: &V,
         row: Row<'_, T, O, P, M, F>,
     ) where
@@ -107,6 +125,12 @@ pub trait Run<S> {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_to<S: Scalar, T: Number<S>>(sum: &mut S, value: T) {
     *sum = (T::of(*sum) + value).kept();
+}
+
+/// The first of the placements `low..end` of a loop, and how many there are.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn stretch(low: isize, end: isize) -> (isize, usize) {
+    (low, if low < end { (end - low) as usize } else { 0 })
 }
 
 /// Of `len` placements whose slopes are all added to the places from `first` on, and only then to those from `second` on: how

@@ -12,7 +12,7 @@ use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, Lift, fits, no_nan, without_derivatives};
+use crate::scheme::system::{At, Hamiltonian as _, Lift, fits, no_nan, without_derivatives};
 
 /// What is made once for a step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
     h: K,
 ) -> Result<PreparedOf<F, K, N>, ConfigError> {
     no_nan(system)?;
-    if F::KIND.is_conformal {
+    if F::FACTS.kind.is_conformal {
         without_derivatives(h)?;
     }
     let table = Table::get();
@@ -82,7 +82,7 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
 pub(super) fn gather<F: Field, const L: usize, const N: usize>(
     prepared: [&PreparedOf<F, f64, N>; L],
 ) -> Option<PreparedOf<F, Lanes<L>, N>> {
-    if F::KIND.is_conformal || prepared.iter().any(|prepared| prepared.common.modes.is_some()) {
+    if F::FACTS.kind.is_conformal || prepared.iter().any(|prepared| prepared.common.modes.is_some()) {
         return None;
     }
     let parameters = super::gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;

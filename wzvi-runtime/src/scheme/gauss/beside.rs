@@ -90,7 +90,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
         if CAREFUL && left.is_held {
             lists.slopes.clone_from(&left.past);
-            if F::KIND.is_conformal {
+            if F::FACTS.kind.is_conformal {
                 // They were left in the momentum of the step after.
                 let back = [(1.0 + self.common.friction().decay).recip(); N];
                 lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
@@ -114,7 +114,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// With friction, slopes are left in the momentum of the step that follows.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momentum(&self, lists: &mut Lists<S, F::Shape, N>) {
-        if F::KIND.is_conformal {
+        if F::FACTS.kind.is_conformal {
             let left = [1.0 + self.common.friction().decay; N];
             lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&left));
         }

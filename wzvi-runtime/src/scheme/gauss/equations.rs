@@ -179,7 +179,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             } else {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
                 let one = &mut room.one;
-                if F::KIND.is_conformal {
+                if F::FACTS.kind.is_conformal {
                     let friction = self.common.friction();
                     let own = S::Stages::parts_mut(spare.as_mut(), rooms.p.as_mut());
                     for (own, p) in own.iter_mut().zip(p) {
@@ -234,7 +234,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         for d in 0..q.len() {
             (next_q[d], lost_q[d]) = C::add(q[d], next_q[d], carry.of_coordinate(d));
             let mut change = zero - by_q[d].total();
-            if F::KIND.is_conformal {
+            if F::FACTS.kind.is_conformal {
                 change = change + (self.start[1][d] + change) * self.common.friction().decay;
             }
             (next_p[d], lost_p[d]) = C::add(p[d], change, carry.of_momentum(d));

@@ -118,7 +118,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         for d in 0..degrees {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
-            if F::KIND.is_conformal {
+            if F::FACTS.kind.is_conformal {
                 let inverse = stage.map_or(1.0, |stage| self.common.friction().inverse[stage]);
                 p[d] = p[d] * inverse;
             }
@@ -129,7 +129,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let [t, h] = [h * c + t, h * b].map(Dual::from_f64);
         let parameters = &F::Parameters::lane(self.parameters, 0);
         self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, t, h, q, p, dw, by_q, by_p);
-        if F::KIND.is_conformal {
+        if F::FACTS.kind.is_conformal {
             let scale = stage.map_or(1.0, |stage| self.common.friction().scale[stage]);
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
         }

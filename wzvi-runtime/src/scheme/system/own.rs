@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::{At, Lift, Listed, Properties, Scheme, fits, without_derivatives};
+use super::{At, Hamiltonian as _, Lift, Listed, Properties, Scheme, fits, without_derivatives};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};

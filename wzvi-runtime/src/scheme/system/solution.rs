@@ -50,10 +50,22 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         S::are_finite([self.q, self.p])
     }
 
-    /// Why a step has no finite end: paths beside each other whose end is finite have taken it.
+    /// That every component is finite, of paths that succeed or fail together.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn failure(&self) -> StepFailure {
-        StepFailure::but_of::<S>(self.are_finite())
+    pub fn ensure_finite(&self) -> Result<(), StepFailure> {
+        if self.is_finite() { Ok(()) } else { Err(StepFailure::NonFinite) }
+    }
+
+    /// That all paths beside each other have `taken` the step.
+    ///
+    /// # Errors
+    /// Those of the paths that have not.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn ensure_taken(&self, taken: S::Mask) -> Result<(), StepFailure> {
+        if taken.all() { Ok(()) } else { Err(StepFailure::but_of::<S>(taken)) }
     }
 
     /// [`Solution::store`] of a step that was solved; of paths beside each other, those that have solved it move where others have not.

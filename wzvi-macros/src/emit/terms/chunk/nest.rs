@@ -12,6 +12,18 @@ use crate::emit::terms::indices::Indices;
 /// Placements in one chunk, if there are buffers.
 pub(super) const CHUNK: usize = 256;
 
+/// Where the first placement of a loop writes, if that of each one after it is the place after, or the point after.
+pub(super) struct Places {
+    /// From one placement to the next.
+    pub(super) stride: Literal,
+    /// By the variable of the loop.
+    pub(super) at: TokenStream,
+    /// By the start of the loop, where that is simple.
+    pub(super) at_start: Option<TokenStream>,
+    /// Whether that can be asked of a loop without placements.
+    pub(super) is_safe: bool,
+}
+
 /// What the loop is put together from.
 pub(super) struct Nest<'n> {
     pub(super) indices: Indices<'n>,
@@ -22,8 +34,8 @@ pub(super) struct Nest<'n> {
     pub(super) code: &'n Code,
     /// A chunk, whose stretches are known to begin at their `__first`.
     pub(super) chunk: TokenStream,
-    /// The arguments of `clip`, and what it is asked of.
-    pub(super) places: Option<(Literal, TokenStream)>,
+    /// Where it writes, and to what.
+    pub(super) places: Option<Places>,
     pub(super) sums: TokenStream,
 }
 
@@ -32,7 +44,7 @@ impl Nest<'_> {
         let Code { limits, ordering, has_buffers, .. } = self.code;
         match &self.places {
             _ if limits.is_empty() && ordering.is_empty() && !has_buffers => self.at_once(),
-            Some((stride, places)) if *has_buffers => self.in_pieces(stride, places),
+            Some(Places { stride, at, .. }) if *has_buffers => self.in_pieces(stride, at),
             _ => self.in_chunks(),
         }
     }
@@ -40,35 +52,25 @@ impl Nest<'_> {
     /// All placements are one chunk.
     fn at_once(&self) -> TokenStream {
         let Self { name, start, end, code: Code { before, after, .. }, sums, .. } = self;
-        let isize = quote!(__wzvi::isize);
-        let (limited, pass) = (self.limited(), self.pass());
-        let positions = self.places.as_ref().map(|(_, places)| places);
-        let mentioned = quote!(#limited #pass #positions);
-        let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
-        let pass = match &self.places {
-            None => pass,
-            Some((stride, places)) => {
-                let moves = opens_at_low.as_ref().map(|_| quote!(let #name = __low;));
-                quote! {
-                    let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
-                    if __len > 0 {
-                        let __low = __low + __skipped as #isize;
-                        #moves
+        let pass = self.pass();
+        let code = match &self.places {
+            None => quote!(if let (#name, __len @ 1..) = __wzvi::elements::stretch(#start, #end) { #pass }),
+            Some(Places { stride, at_start: Some(places), .. }) => quote! {
+                if let (#name, __len @ 1..) = #sums.stretch::<#stride, _>(#start, #end, #places) {
+                    #pass
+                }
+            },
+            Some(Places { stride, at, is_safe, .. }) => {
+                let found = quote! {
+                    if let (#name, __len @ 1..) = #sums.stretch::<#stride, _>(#name, #end, #at) {
                         #pass
                     }
-                }
+                };
+                let found = if *is_safe { found } else { quote!(if #name < #end { #found }) };
+                quote!(let #name: __wzvi::isize = #start; #found)
             }
         };
-        quote! {
-            #before
-            let (__low, __end): (#isize, #isize) = (#start, #end);
-            if __low < __end {
-                #opens_at_low
-                #limited
-                #pass
-            }
-            #after
-        }
+        quote!(#before #code #after)
     }
 
     /// Pieces in which no index wraps around: what a stretch of such a piece leaves out is left out at once, and where its slices begin is
@@ -91,7 +93,7 @@ impl Nest<'_> {
                 quote!(let #name = #name + #moved;)
             })
             .collect();
-        let low = mentions(chunk, "__low").then(|| quote!(let __low = #name + __skip as #isize;));
+        let low = mentions(chunk, &name.to_string()).then(|| quote!(let #name = #name + __skip as #isize;));
         let opened = self.opened();
         quote! {
             #before
@@ -131,12 +133,9 @@ impl Nest<'_> {
                 #pass
                 #name += __len as #isize;
             },
-            Some((stride, places)) => quote! {
+            Some(Places { stride, at, .. }) => quote! {
                 let __next = #name + __len as #isize;
-                let (__skipped, __len) = #sums.clip::<#stride, _>(__len, #places);
-                if __len > 0 {
-                    let __low = __low + __skipped as #isize;
-                    #name = __low;
+                if let (#name, __len @ 1..) = #sums.stretch::<#stride, _>(#name, __next, #at) {
                     #pass
                 }
                 #name = __next;
@@ -147,7 +146,6 @@ impl Nest<'_> {
             let mut #name: #isize = #start;
             let __end: #isize = #end;
             while #name < __end {
-                let __low = #name;
                 #limited
                 #pass
             }
@@ -155,14 +153,14 @@ impl Nest<'_> {
         }
     }
 
-    /// How many placements the chunk from `__low` on has.
+    /// How many placements the chunk has.
     fn limited(&self) -> TokenStream {
-        let Code { limits, ordering, has_buffers, .. } = self.code;
+        let Self { name, code: Code { limits, ordering, has_buffers, .. }, .. } = self;
         let (usize, is_limited) = (quote!(__wzvi::usize), mutable(&quote!(#limits #ordering)));
         let most = count(CHUNK);
         let most = match has_buffers {
-            true => quote!(__wzvi::Ord::min((__end - __low) as #usize, #most)),
-            false => quote!((__end - __low) as #usize),
+            true => quote!(__wzvi::Ord::min((__end - #name) as #usize, #most)),
+            false => quote!((__end - #name) as #usize),
         };
         quote! {
             let #is_limited __len = #most;

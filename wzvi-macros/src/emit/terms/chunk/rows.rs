@@ -191,16 +191,12 @@ impl Chunk<'_> {
             #items
             __by_q.begin_rows::<#of_partner>(&__at.q[0..__at.degrees()]);
         };
-        let mentioned = quote!(#first #(#lists)* #(#places)*);
-        let opens_at_low = mentions(&mentioned, &name.to_string()).then(|| quote!(let #name = __low;));
         let body = quote! {
             #before
-            let (__low, __end): (__wzvi::isize, __wzvi::isize) = (#start, #end);
-            if __low < __end {
-                #opens_at_low
-                __by_q.row::<#number, __Interaction, __V, #(#sizes),*>(__at.q, #elements::Row {
+            if let (#name, __len @ 1..) = #elements::stretch(#start, #end) {
+                __by_q.row(__Interaction, __at.q, #elements::Row {
                     first: #first,
-                    len: (__end - __low) as __wzvi::usize,
+                    len: __len,
                     own: [#(#own),*],
                     constants: [#(#constants),*],
                     entries: [#(#lists),*],

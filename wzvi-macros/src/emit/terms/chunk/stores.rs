@@ -224,7 +224,7 @@ impl Chunk<'_> {
         let Some((_, target)) = self.outputs.get(j) else { return };
         let (buffer, zero, most) = (format_ident!("__b{j}"), self.zero(), count(CHUNK));
         let is_fixed = match target {
-            Target::Total => true,
+            Target::Value { .. } | Target::Total => true,
             Target::Slope { index, .. } => !index.loops().contains(&inner),
             Target::Curvature { row, column, .. } => {
                 !row.loops().contains(&inner) && !column.loops().contains(&inner)
@@ -243,7 +243,7 @@ impl Chunk<'_> {
             let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
             code.closing.extend(quote! {
                 for __place in 0..__len {
-                    let #name = __low + __place as __wzvi::isize;
+                    let #name = #name + __place as __wzvi::isize;
                     #add
                 }
             });

@@ -104,6 +104,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         const F: usize,
     >(
         &mut self,
+        _interaction: K,
         _q: &V,
         row: Row<'_, T, O, P, M, F>,
     ) {
@@ -137,15 +138,15 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
 
 /// Whether slopes of any system of this kind are taken in vector instructions.
 pub(in crate::scheme::elements) const fn may_take_vectors<H: Elements>() -> bool {
-    H::HAS_PAIRS || H::GATHERS.by_q || H::GATHERS.by_p
+    H::FACTS.has_pairs || H::FACTS.gathers.by_q || H::FACTS.gathers.by_p
 }
 
-/// Whether slopes of so many degrees of freedom are taken in vector instructions: [rows](Elements::HAS_PAIRS) in columns, and what
-/// [gathers](Elements::GATHERS) in blocks.
+/// Whether slopes of so many degrees of freedom are taken in vector instructions: [rows](crate::scheme::plan::Facts::has_pairs) in columns, and what
+/// [gathers](crate::scheme::plan::Facts::gathers) in blocks.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Slopes, degrees: usize) -> bool {
-    let by_q = wanted.by_q && (H::HAS_PAIRS || H::GATHERS.by_q);
-    (by_q || (wanted.by_p && H::GATHERS.by_p)) && degrees >= LEAST_IN_COLUMNS
+    let by_q = wanted.by_q && (H::FACTS.has_pairs || H::FACTS.gathers.by_q);
+    (by_q || (wanted.by_p && H::FACTS.gathers.by_p)) && degrees >= LEAST_IN_COLUMNS
 }
 
 /// [`Elements::slopes`] with rows in columns and blocks of placements.
@@ -165,7 +166,7 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
         let Self { system, part, weight, at, wanted, mut by_q, mut by_p } = self;
-        system.slopes::<f64, H::Exact, [f64], _, _>(part, weight, at, wanted, &mut by_q, &mut by_p);
+        system.slopes::<f64, H::Exact>(part, weight, at, wanted, &mut by_q, &mut by_p);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Whether everything that a system reads is there, found out by intervals before any loop runs.
 
-use super::{Atom, Index, Name, Nest, Position, Slot, Span};
+use super::{Atom, Index, Loop, Name, Nest, Position, Slot, Span};
 use crate::error::{IndexError, IndexLimit, StepFailure};
 use crate::scheme::elements::Elements;
 
@@ -81,8 +81,8 @@ impl<H: Elements> Survey<'_, H> {
     /// The next loop inwards, with all values that its variable takes.
     fn next<'b>(&self, nest: &'static Nest, fixed: Option<&'b Bounds<'b>>) -> Result<Next<'b>, Fault> {
         let depth = fixed.map_or(0, |last| last.depth + 1);
-        let Some(known) = nest.loops.get(depth) else { return Ok(Next::Body) };
-        let (start, end) = (self.span(&known.start, fixed)?, self.span(&known.end, fixed)?);
+        let Some(Loop(start, end)) = nest.loops.get(depth) else { return Ok(Next::Body) };
+        let (start, end) = (self.span(start, fixed)?, self.span(end, fixed)?);
         let span = Span { low: start.low, high: end.high - 1 };
         Ok(if span.low > span.high {
             Next::Nothing
@@ -96,8 +96,9 @@ impl<H: Elements> Survey<'_, H> {
             Next::Inside(inner) => self.slots(nest, Some(&inner)),
             Next::Nothing => Ok(()),
             Next::Body => nest.slots.iter().try_for_each(|slot| match slot {
-                Slot::State { index, is_natural } => {
+                Slot::State(index) | Slot::Natural(index) => {
                     let Span { low, high } = self.span(index, fixed)?;
+                    let is_natural = matches!(slot, Slot::Natural(_));
                     let outlier = if low < 0 && !is_natural { low } else { high };
                     let is_inside = outlier >= 0 && high < self.degrees as i128;
                     if is_inside { Ok(()) } else { Err(self.outside(index, outlier, fixed)) }
@@ -260,7 +261,7 @@ impl<H: Elements> Survey<'_, H> {
         let mut most = -1;
         for nest in H::PLACES.nests {
             for slot in nest.slots {
-                if let Slot::State { index, .. } = slot
+                if let Slot::State(index) | Slot::Natural(index) = slot
                     && !index.reads_lists()
                 {
                     self.largest(nest, index, None, &mut most)?;

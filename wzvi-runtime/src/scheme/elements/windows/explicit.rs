@@ -11,7 +11,7 @@ use crate::scheme::elements::{Given, MomentumUpdate, Quadrature, Shared, Slopes,
 
 /// Whether steps of so many degrees of freedom go window by window.
 ///
-/// Only for [`Elements::HAS_WINDOWS`], which is asked beforehand, so that nothing is compiled for the others.
+/// Only for [`Facts::has_windows`](crate::scheme::plan::Facts::has_windows), which is asked beforehand, so that nothing is compiled for the others.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_windows(scheme: &Quadrature, degrees: usize) -> bool {
     let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
@@ -63,9 +63,9 @@ impl<H: Shared> Step<'_, H, f64> {
             let at = self.at(stage, state, state);
             for &(part, weight) in stage.parts {
                 if wanted.by_q {
-                    self.system.slopes::<f64, T, _, A, [f64]>(part, weight, &at, wanted, into, none);
+                    self.system.slopes::<f64, T>(part, weight, &at, wanted, into, none);
                 } else {
-                    self.system.slopes::<f64, T, _, [f64], A>(part, weight, &at, wanted, none, into);
+                    self.system.slopes::<f64, T>(part, weight, &at, wanted, none, into);
                 }
             }
         }
@@ -79,7 +79,7 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
         Self: 's;
     type Exact = H::Exact;
     type Usual = H::Usual;
-    const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
+    const HAVE_ONE_VELOCITY: bool = H::FACTS.has_one_velocity;
     const IS_WORD: bool = false;
     const CHANGES: bool = false;
 

@@ -34,6 +34,7 @@ use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
 use crate::scheme::elements::step::Step;
 use crate::scheme::elements::sums::Given;
 use crate::scheme::elements::{MomentumUpdate, Quadrature, Shared, Slopes, Unknowns};
+use crate::scheme::system::Hamiltonian as _;
 
 /// Places of a window. Ten stretches of it are used at one time.
 const SIZE: usize = 256;
@@ -82,7 +83,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// The guess of so many steps before, with its `u` and `P`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
-        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+        if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
             && self.start_in_vectors(scratch, known)
         {
@@ -95,7 +96,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     /// `x ← φ(x)`, or Newton's iteration with a diagonal Jacobian that was factored, with the new `u` and `P` from those of before.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Swept {
-        if const { H::HAS_WINDOWS && S::MAY_BE_PLAIN }
+        if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
             && let Some(swept) = self.sweep_in_vectors(scratch, is_newton)
         {
@@ -116,7 +117,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn takes_vectors(&self, scratch: &Scratch<'_, S>) -> bool {
-        H::HAS_WINDOWS
+        H::FACTS.has_windows
             && S::plain(&[]).is_some()
             && self.scheme.unknowns == Unknowns::Momenta
             && self.scheme.stages.len() == 1
@@ -224,7 +225,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
         let is_known =
             |sweeps: &mut Box<Sweeps>| std::mem::replace(&mut sweeps.is_ready, false) && sweeps.is_finite;
-        H::HAS_WINDOWS
+        H::FACTS.has_windows
             && !H::KIND.is_conformal
             && is_a_multiple
             && scratch.sweeps.as_mut().is_some_and(is_known)

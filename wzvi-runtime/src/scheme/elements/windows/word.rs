@@ -95,7 +95,7 @@ struct Spoken<'a, H, W> {
     degrees: usize,
 }
 
-/// All parts of a step from `q` and `p`, if the system [has windows](crate::scheme::elements::Elements::HAS_WINDOWS).
+/// All parts of a step from `q` and `p`, if the system [has windows](crate::scheme::plan::Facts::has_windows).
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
@@ -107,7 +107,7 @@ pub fn take_windows<'p, H: Shared, W: Word>(
     p: &[f64],
     plan: &'p mut WindowPlan,
 ) -> Option<Result<Taken<'p>, StepFailure>> {
-    if H::HAS_WINDOWS {
+    if H::FACTS.has_windows {
         Some(advance(&mut Spoken { system, word: word.share(), degrees: q.len() }, q, p, plan))
     } else {
         None
@@ -121,7 +121,7 @@ impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
         Self: 's;
     type Exact = H::Exact;
     type Usual = H::Usual;
-    const HAVE_ONE_VELOCITY: bool = H::HAS_ONE_VELOCITY;
+    const HAVE_ONE_VELOCITY: bool = H::FACTS.has_one_velocity;
     const IS_WORD: bool = true;
     const CHANGES: bool = W::CHANGES;
 
