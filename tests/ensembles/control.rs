@@ -178,7 +178,7 @@ fn a_stopped_run_keeps_what_is_done() {
         let partial = run.stop_when(|| asked.fetch_add(1, Ordering::Relaxed) > 1000).run().unwrap();
         assert!(partial.is_partial());
         let paths = partial.last().unwrap().count();
-        assert!(paths.is_multiple_of(512) && paths < 100_000, "{paths}");
+        assert!(paths.is_multiple_of(64) && paths < 100_000, "{paths}");
         let whole = kubo(2).paths(paths).run().unwrap();
         assert_eq!(whole.nodes(), partial.nodes());
         assert!(!whole.is_partial());
