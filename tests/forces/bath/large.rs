@@ -1,5 +1,6 @@
 //! Paths of large systems, which go one after the other and window by window: the same as beside each other in lanes, to the last bit.
 
+use wzvi::bath::{A, B, O};
 use wzvi::ensemble::{InstructionSet, Statistics};
 use wzvi::nalgebra::DVector;
 use wzvi::noise::Truncation;
@@ -66,6 +67,28 @@ fn paths_by_themselves_are_those_in_lanes() {
     // What is looked for inside of steps.
     let passed = check!(bath.ensemble::<Baoab>(0.1).start(start(1.0)).steps(40).section(|state| state.q[0]));
     assert!(passed.crossings().len() == 1);
+}
+
+/// Sites with friction, and a word of nine letters.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + q.windows(2).map(|w| 0.5 * (w[1] - w[0]).powi(2)).sum::<f64>()
+    },
+    friction = gamma, temperature = kt,
+    embedding = [Splitting<(B, A, O, A, B, A, O, A, B)>],
+)]
+#[derive(Clone)]
+struct Spelled {
+    gamma: f64,
+    kt: f64,
+}
+
+/// Window by window and at once, for words of any length.
+#[test]
+fn long_words_go_window_by_window() {
+    type Word = Splitting<(B, A, O, A, B, A, O, A, B)>;
+    let bath = Spelled { gamma: 0.7, kt: 0.4 };
+    check!(bath.ensemble::<Word>(0.1).start(start(1.0)).steps(11));
 }
 
 /// A path that fails does so alone, at the same step.

@@ -16,6 +16,7 @@ use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
@@ -301,21 +302,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         if !self.apart.is_empty() {
             return self.one_by_one(step, t);
         }
-        let memory = &mut self.memory;
-        let (q, p, dw) = (&mut self.q[..], &mut self.p[..], self.increments.of(step));
-        let outcome = match &self.gathered {
-            Some(prepared) if P::ARE_OWN => {
-                let [t, h] = [t, job.h].map(Lanes::from_f64);
-                let at = At { t, h, q, p, dw };
-                SchemeOf::<H, E>::advance::<_, _, Plain, false>(job.system, prepared, at, memory, &mut Plain)
-            }
-            _ => {
-                let (at, prepared) = (At { t, h: job.h, q, p, dw }, &job.prepared);
-                SchemeOf::<H, E>::advance::<f64, _, Plain, false>(
-                    job.system, prepared, at, memory, &mut Plain,
-                )
-            }
-        };
+        let gathered = self.gathered.as_ref().filter(|_| P::ARE_OWN);
+        let at = At { t, h: job.h, q: &mut self.q, p: &mut self.p, dw: self.increments.of(step) };
+        let outcome = advance::<H, E, L>(job.system, &job.prepared, gathered, at, &mut self.memory);
         match outcome {
             Ok(_) => Ok(()),
             Err(StepFailure::Lanes(failed)) => self.in_part(failed, step, t),
@@ -462,6 +451,29 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// beside whom.
     pub(super) fn take_failures(&mut self) -> Vec<PathFailure> {
         in_order_of_paths(std::mem::take(&mut self.failures))
+    }
+}
+
+/// A step the short way, of one system in all lanes, or of one in each where there are some: then all that it reads is in lanes, for one lane, too, so that
+/// the bits of a path do not depend on how many are beside it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn advance<H: Discretized<E>, E, const L: usize>(
+    system: &H,
+    prepared: &PreparedOf<H, E>,
+    gathered: Option<&PreparedOf<H, E, Lanes<L>>>,
+    At { t, h, q, p, dw }: At<'_, Lanes<L>>,
+    memory: &mut MemoryOf<H, E, Lanes<L>>,
+) -> Result<Effort, StepFailure> {
+    match gathered {
+        None => {
+            let at = At { t, h, q, p, dw };
+            SchemeOf::<H, E>::advance::<f64, _, Plain, false>(system, prepared, at, memory, &mut Plain)
+        }
+        Some(gathered) => {
+            let [t, h] = [t, h].map(Lanes::from_f64);
+            let at = At { t, h, q, p, dw };
+            SchemeOf::<H, E>::advance::<Lanes<L>, _, Plain, false>(system, gathered, at, memory, &mut Plain)
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A lane of a group that goes alone: where the short way fails, and each remembers by itself.
 
-use super::{Group, Systems};
+use super::{Group, Systems, advance};
 use crate::algebra::carry::Plain;
 use crate::algebra::few::List;
 use crate::algebra::lanes::Lanes;
@@ -124,10 +124,9 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let (mut q, mut p, dw) =
             (alone(lane, &self.q), alone(lane, &self.p), alone(lane, self.increments.of(step)));
         let (system, prepared) = self.system_of(lane);
+        let gathered = if P::ARE_OWN { SchemeOf::<H, E>::gather([&prepared]) } else { None };
         let at = At { t, h: job.h, q: &mut q, p: &mut p, dw: &dw };
-        let outcome = SchemeOf::<H, E>::advance::<f64, Lanes<1>, Plain, false>(
-            system, &prepared, at, memory, &mut Plain,
-        );
+        let outcome = advance::<H, E, 1>(system, &prepared, gathered.as_ref(), at, memory);
         match outcome {
             Ok(_) => {
                 for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {

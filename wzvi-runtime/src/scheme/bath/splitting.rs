@@ -11,7 +11,7 @@ use std::marker::PhantomData;
 use super::modes::Decay;
 use super::part::{self, Parts, Shares};
 use super::relaxation::is_list;
-use super::windowed::WithBath;
+use super::windowed::{self, Part, WithBath};
 use super::word::{A, B, O, Spelling, Word};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
@@ -25,7 +25,7 @@ use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::flows::{Flows, FlowsOf};
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages, Take};
 use crate::scheme::compose::substeps::Substep;
-use crate::scheme::compose::windowed::{self, Givens, least_alone, takes_windows};
+use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
 use crate::scheme::elements::Taken;
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
@@ -82,6 +82,8 @@ pub struct Prepared<P, K> {
     /// The same with neighbours as one: without friction nothing is between them.
     still: Stages,
     relaxation: Option<Relaxation<K>>,
+    /// All parts of a step, with noises in the flows and without.
+    parts: [Vec<Part>; 2],
 }
 
 /// What a step leaves.
@@ -164,7 +166,8 @@ where
         let flows = W::SPELLING.flows().iter().map(|&(half, weight, node)| (half, factor * weight, node));
         let flows = Stages::listed(flows);
         let parameters = parameters(system, lift, h)?;
-        Ok(Prepared { parameters, flows, still: Stages::of(&substeps), relaxation })
+        let parts = [false, true].map(|joins| windowed::parts::<W>(&flows.0, joins));
+        Ok(Prepared { parameters, flows, still: Stages::of(&substeps), relaxation, parts })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -174,8 +177,8 @@ where
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
         let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
-        let Prepared { flows, still, .. } = (*prepared.first()?).clone();
-        Some(Prepared { parameters, flows, still, relaxation })
+        let Prepared { flows, still, parts, .. } = (*prepared.first()?).clone();
+        Some(Prepared { parameters, flows, still, relaxation, parts })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -273,7 +276,7 @@ fn in_windows<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters>(
     prepared: &'m Prepared<Of<F::Parameters, K>, K>,
     givens: Givens<'_>,
     dw: &[S],
-    windows: &'m mut windowed::Memory,
+    windows: &'m mut Windows,
     bath: &mut part::Memory<S>,
 ) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
     let (degrees, parts) = (givens.q.len(), W::SPELLING.relaxes_before().len());
@@ -283,7 +286,9 @@ fn in_windows<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters>(
         Err(failure) => return Some(Err(failure)),
     };
     let relaxing = driven.by_place(parts, degrees)?;
-    let word = |flows| WithBath::new::<W>(flows, relaxing, &prepared.flows.0, givens.h);
+    let [with_noise, without] = &prepared.parts;
+    let parts = if givens.dw.is_empty() { without } else { with_noise };
+    let word = |flows| WithBath { flows, relaxing, parts };
     let taken = windows.advance(system, &prepared.flows.0, givens, word);
     Some(taken.map(|(taken, word)| (taken, word.heat())))
 }

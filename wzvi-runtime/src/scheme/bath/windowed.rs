@@ -8,70 +8,48 @@ use crate::scheme::compose::stages::Stage;
 use crate::scheme::compose::windowed::KicksAndDrifts;
 use crate::scheme::elements::{Letter, Word};
 
-/// Parts of a step of a word, at most: its flows, and O parts before, between and behind them.
-const MOST: usize = 8;
-
 /// What a part of a step is.
 #[derive(Clone, Copy, Debug)]
-enum Part {
+pub(super) enum Part {
     /// A kick or a drift, by its number.
     Flow(usize),
     /// An O part, by its number.
     Relax(usize),
-    /// An O part between two drifts over a time.
+    /// An O part between two drifts, each over a fraction of the step.
     RelaxBetween(usize, f64),
+}
+
+/// All parts of a step of a word; where `joins`, with an O part between two drifts as one.
+pub(super) fn parts<W: Letters>(stages: &[Stage], joins: bool) -> Vec<Part> {
+    let relaxes_before = |flow: usize| W::SPELLING.relaxes_before().iter().position(|&before| before == flow);
+    let (mut parts, mut flow) = (Vec::new(), 0);
+    while let Some(stage) = stages.get(flow) {
+        parts.extend(relaxes_before(flow).map(Part::Relax));
+        // Lists of masses say what a drift is, unless a noise drifts too.
+        match relaxes_before(flow + 1) {
+            Some(part) if joins && W::SPELLING.drifts_around == Some(flow) => {
+                parts.push(Part::RelaxBetween(part, stage.weight));
+                flow += 2;
+            }
+            _ => {
+                parts.push(Part::Flow(flow));
+                flow += 1;
+            }
+        }
+    }
+    parts.extend(relaxes_before(flow).map(Part::Relax));
+    parts
 }
 
 /// A word of kicks, drifts and O parts.
 #[derive(Debug)]
 pub(super) struct WithBath<'m> {
-    flows: KicksAndDrifts<'m>,
-    relaxing: ByPlace<'m>,
-    parts: [Part; MOST],
-    count: usize,
+    pub(super) flows: KicksAndDrifts<'m>,
+    pub(super) relaxing: ByPlace<'m>,
+    pub(super) parts: &'m [Part],
 }
 
-impl<'m> WithBath<'m> {
-    /// The word `W` in steps of size `h`, with these kicks and drifts.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn new<W: Letters>(
-        flows: KicksAndDrifts<'m>,
-        relaxing: ByPlace<'m>,
-        stages: &[Stage],
-        h: f64,
-    ) -> Self {
-        let mut word = Self { flows, relaxing, parts: [Part::Flow(0); MOST], count: 0 };
-        let relaxes_before =
-            |flow: usize| W::SPELLING.relaxes_before().iter().position(|&before| before == flow);
-        let mut flow = 0;
-        while flow < W::SPELLING.flows().len() {
-            if let Some(part) = relaxes_before(flow) {
-                word.push(Part::Relax(part));
-            }
-            // Lists of masses say what a drift is, unless a noise drifts too.
-            match relaxes_before(flow + 1) {
-                Some(part) if W::SPELLING.drifts_around == Some(flow) && !flows.have_noise() => {
-                    word.push(Part::RelaxBetween(part, stages[flow].weight * h));
-                    flow += 2;
-                }
-                _ => {
-                    word.push(Part::Flow(flow));
-                    flow += 1;
-                }
-            }
-        }
-        if let Some(part) = relaxes_before(flow) {
-            word.push(Part::Relax(part));
-        }
-        word
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn push(&mut self, part: Part) {
-        self.parts[self.count] = part;
-        self.count += 1;
-    }
-
+impl WithBath<'_> {
     /// The heat of the step.
     pub(super) fn heat(&self) -> f64 {
         self.relaxing.heat()
@@ -92,13 +70,13 @@ impl Word for WithBath<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, place: usize) -> [Self; 2] {
-        let Self { flows, relaxing, parts, count } = self;
-        relaxing.divide(place).map(|relaxing| Self { flows, relaxing, parts, count })
+        let Self { flows, relaxing, parts } = self;
+        relaxing.divide(place).map(|relaxing| Self { flows, relaxing, parts })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
-        self.count
+        self.parts.len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -119,8 +97,8 @@ impl Word for WithBath<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
-        if let Part::RelaxBetween(part, time) = self.parts[number] {
-            self.relaxing.apply(part, places, Some((time, q)), p);
+        if let Part::RelaxBetween(part, weight) = self.parts[number] {
+            self.relaxing.apply(part, places, Some((weight * self.flows.step_size(), q)), p);
         }
     }
 }

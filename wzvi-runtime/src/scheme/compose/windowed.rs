@@ -116,10 +116,9 @@ pub(crate) struct KicksAndDrifts<'a> {
 }
 
 impl KicksAndDrifts<'_> {
-    /// Whether noises act in them.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn have_noise(&self) -> bool {
-        !self.scaled.is_empty()
+    pub(crate) fn step_size(&self) -> f64 {
+        self.h
     }
 }
 
