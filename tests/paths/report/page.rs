@@ -130,7 +130,7 @@ fn a_browser_shows_it() {
 /// Asks whether all of the page is seen without scrolling sideways, all columns of its tables too where there is room, and how many figures are side
 /// by side.
 const FITS: &str = "<script>
-const root = document.documentElement, [first, second] = [...document.querySelectorAll('figure')].slice(-2);
+const root = document.documentElement, [first, second] = [...document.querySelectorAll('figure')];
 const fits = (table) => innerWidth < 1000 || table.closest('details') || table.scrollWidth <= table.clientWidth;
 const tables = [...document.querySelectorAll('.table')].every(fits);
 const columns = first.offsetTop === second.offsetTop ? 2 : 1;
