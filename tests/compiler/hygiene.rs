@@ -60,9 +60,9 @@ fn systems(words: &[&str]) -> String {
     };
     let large = |rate: &str| {
         format!(
-            "drift = |coordinates: &[{real}], momenta: &[{real}]| momenta.iter().map(|each| 0.5 * each * each).sum::<{real}>() \
-             + (1..coordinates.len()).map(|each| ({rate}) * (coordinates[each] - coordinates[each - 1]).powi(4)).sum::<{real}>(), \
-             noise = [|coordinates: &[{real}], momenta: &[{real}], each| ({rate}) * coordinates[each]; 3]"
+            "drift = |all_q: &[{real}], all_p: &[{real}]| all_p.iter().map(|each| 0.5 * each * each).sum::<{real}>() \
+             + (1..all_q.len()).map(|each| ({rate}) * (all_q[each] - all_q[each - 1]).powi(4)).sum::<{real}>(), \
+             noise = [|all_q: &[{real}], all_p: &[{real}], each| ({rate}) * all_q[each]; 3]"
         )
     };
     let mut text = String::from("use ::core::iter::Iterator as _;\n\n");

@@ -344,14 +344,14 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Bodies {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::DeltaPlus,
-            >(__wzvi::PhantomData::<DeltaPlus>);
+            >(checks::PhantomData::<DeltaPlus>);
             {
                 let g = self.g;
                 let mass = &self.mass;
-                __wzvi::of_state::<
+                checks::of_state::<
                     &[[::core::primitive::f64; 2usize]],
                     _,
                 >(|q: &[[f64; 2]], p: &[[f64; 2]]| {

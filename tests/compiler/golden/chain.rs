@@ -295,13 +295,13 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Chain {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(__wzvi::PhantomData::<Midpoint>);
+            >(checks::PhantomData::<Midpoint>);
             {
                 let beta = self.beta;
-                __wzvi::of_state::<
+                checks::of_state::<
                     &[::core::primitive::f64],
                     _,
                 >(|q: &[f64], p: &[f64]| {

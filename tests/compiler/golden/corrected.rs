@@ -202,14 +202,14 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Multiplicative {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::Corrected<::wzvi::embedding::DeltaPlus>,
-            >(__wzvi::PhantomData::<Corrected<DeltaPlus>>);
-            __wzvi::of_state::<__wzvi::f64, _>(|q, p| 0.5 * p * p + 0.5 * q * q);
+            >(checks::PhantomData::<Corrected<DeltaPlus>>);
+            checks::of_state::<checks::f64, _>(|q, p| 0.5 * p * p + 0.5 * q * q);
             {
                 let sigma = self.sigma;
-                __wzvi::of_state::<__wzvi::f64, _>(|q, p| sigma * q * p);
+                checks::of_state::<checks::f64, _>(|q, p| sigma * q * p);
             }
         }
     }

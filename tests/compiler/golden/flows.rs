@@ -259,19 +259,19 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Perturbed {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<::wzvi::embedding::Verlet>(__wzvi::PhantomData::<Verlet>);
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<::wzvi::embedding::Verlet>(checks::PhantomData::<Verlet>);
             {
                 let omega = self.omega;
-                __wzvi::of_time::<
-                    __wzvi::f64,
+                checks::of_time::<
+                    checks::f64,
                     _,
                 >(|q, p, t| 0.5 * p * p + 0.5 * omega * omega * q * q);
             }
             {
                 let epsilon = self.epsilon;
-                __wzvi::of_time::<
-                    __wzvi::f64,
+                checks::of_time::<
+                    checks::f64,
                     _,
                 >(|q, _, t| epsilon * q.powi(3) * t.cos());
             }

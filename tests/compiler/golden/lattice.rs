@@ -295,13 +295,13 @@ const _: () = {
     #[automatically_derived]
     impl<const N: usize> ::wzvi::__private::checks::Checked for Lattice<{ N }> {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::DeltaPlus,
-            >(__wzvi::PhantomData::<DeltaPlus>);
+            >(checks::PhantomData::<DeltaPlus>);
             {
                 let k = self.k;
-                __wzvi::of_state::<
+                checks::of_state::<
                     [[::core::primitive::f64; 2usize]; N],
                     _,
                 >(|q: [[f64; 2]; N], p: [[f64; 2]; N]| {

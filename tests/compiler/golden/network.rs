@@ -367,14 +367,14 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Network {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::DeltaPlus,
-            >(__wzvi::PhantomData::<DeltaPlus>);
+            >(checks::PhantomData::<DeltaPlus>);
             {
                 let bonds = &self.bonds;
                 let strength = &self.strength;
-                __wzvi::of_state::<
+                checks::of_state::<
                     &[::core::primitive::f64],
                     _,
                 >(|q: &[f64], p: &[f64]| {

@@ -265,11 +265,11 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for HenonHeiles {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(__wzvi::PhantomData::<Midpoint>);
-            __wzvi::of_state::<
+            >(checks::PhantomData::<Midpoint>);
+            checks::of_state::<
                 [::core::primitive::f64; 2usize],
                 _,
             >(|[x, y], [px, py]| {

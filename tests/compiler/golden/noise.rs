@@ -302,22 +302,22 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Kubo {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(__wzvi::PhantomData::<Midpoint>);
-            __wzvi::is_same::<
+            >(checks::PhantomData::<Midpoint>);
+            checks::is_same::<
                 ::wzvi::embedding::Uncorrected<::wzvi::embedding::DeltaPlus>,
-            >(__wzvi::PhantomData::<Uncorrected<DeltaPlus>>);
+            >(checks::PhantomData::<Uncorrected<DeltaPlus>>);
             {
                 let a = self.a;
-                __wzvi::of_state::<__wzvi::f64, _>(|q, p| 0.5 * a * (q * q + p * p));
+                checks::of_state::<checks::f64, _>(|q, p| 0.5 * a * (q * q + p * p));
             }
             {
                 let sigma = self.sigma;
-                __wzvi::of_state::<__wzvi::f64, _>(|q, p| 0.5 * sigma * (q * q + p * p));
+                checks::of_state::<checks::f64, _>(|q, p| 0.5 * sigma * (q * q + p * p));
             }
-            __wzvi::of_state::<__wzvi::f64, _>(|q, p| q * q + p * p);
+            checks::of_state::<checks::f64, _>(|q, p| q * q + p * p);
         }
     }
 };

@@ -282,11 +282,11 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Bath {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(__wzvi::PhantomData::<Midpoint>);
-            __wzvi::of_state::<
+            >(checks::PhantomData::<Midpoint>);
+            checks::of_state::<
                 &[::core::primitive::f64],
                 _,
             >(|q: &[f64], p: &[f64]| {
@@ -294,7 +294,7 @@ const _: () = {
             });
             {
                 let sigma = self.sigma;
-                __wzvi::family::<&[::core::primitive::f64], _>(|q, p, k| sigma * q[k]);
+                checks::family::<&[::core::primitive::f64], _>(|q, p, k| sigma * q[k]);
             }
         }
     }

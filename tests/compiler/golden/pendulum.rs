@@ -230,14 +230,14 @@ const _: () = {
     #[automatically_derived]
     impl ::wzvi::__private::checks::Checked for Pendulum {
         fn check(&self) {
-            use ::wzvi::__private::checks as __wzvi;
-            __wzvi::is_same::<
+            use ::wzvi::__private::checks as checks;
+            checks::is_same::<
                 ::wzvi::embedding::Midpoint,
-            >(__wzvi::PhantomData::<Midpoint>);
+            >(checks::PhantomData::<Midpoint>);
             {
                 let omega = self.omega;
-                __wzvi::of_state::<
-                    __wzvi::f64,
+                checks::of_state::<
+                    checks::f64,
                     _,
                 >(|q, p| 0.5 * p * p - omega * omega * q.cos());
             }

@@ -17,9 +17,8 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     let (parameters, _, condition) = system.item.generics.split_for_impl();
     let arguments = arguments(&system.item.generics);
     let root = &declaration.crate_path;
-    let vector = if matches!(shape, Shape::Real) { quote!(__wzvi::f64) } else { shape.tokens() };
-    // No user has this name.
-    let (path, checks) = (quote!(#root::__private::checks), quote!(__wzvi));
+    let (path, checks) = (quote!(#root::__private::checks), unused_name(system, declaration));
+    let vector = if matches!(shape, Shape::Real) { quote!(#checks::f64) } else { shape.tokens() };
     let takers = Takers { checks: &checks, vector: &vector };
     let entries = match shape {
         Shape::Real => quote!(#checks::entry),
@@ -52,7 +51,7 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
             #[automatically_derived]
             impl #parameters #path::Checked for #name #arguments #condition {
                 fn check(&self) {
-                    use #path as __wzvi;
+                    use #path as #checks;
                     #(#schemes)*
                     #(#closures)*
                     #(#given)*
@@ -60,6 +59,22 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
             }
         };
     }
+}
+
+/// `checks`, with underscores where the user has the name.
+fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
+    let mut used = Vec::new();
+    let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
+    let written = declaration.in_order().map(|closure| closure.tokens.clone());
+    let written = written.chain(given.map(|given| given.tokens.clone()));
+    let schemes = declaration.embeddings.iter().map(|(_, written)| written.to_token_stream());
+    let around = [system.item.to_token_stream(), declaration.crate_path.to_token_stream()];
+    written.chain(schemes).chain(around).for_each(|tokens| identifiers(tokens, &mut used));
+    let mut name = String::from("checks");
+    while used.iter().any(|used| *used == name) {
+        name.push('_');
+    }
+    Ident::new(&name, Span::call_site()).into_token_stream()
 }
 
 /// The generics of the struct as arguments. Numbers stand in braces: a type around may have their name.
