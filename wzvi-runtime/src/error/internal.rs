@@ -1,7 +1,5 @@
 //! What the library promises to itself.
 
-use std::fmt;
-
 /// A mistake of wzvi and not of its user: something that it relies on does not hold. Nothing was returned that depends on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InternalError {
@@ -9,9 +7,10 @@ pub struct InternalError {
     data: String,
 }
 
+#[cfg(feature = "ensemble")]
 impl InternalError {
     /// `promise` does not hold, as `data` shows.
-    pub(crate) fn new(promise: &'static str, data: impl fmt::Display) -> Self {
+    pub(crate) fn new(promise: &'static str, data: impl std::fmt::Display) -> Self {
         Self { promise, data: data.to_string() }
     }
 }

@@ -209,12 +209,13 @@ impl Kept {
             return Err(CheckpointError::OtherRun { path, differences });
         }
         if saved.done > self.extent.end() {
-            let Extent { kind, all, unit } = self.extent;
+            let Extent { kind, all, .. } = self.extent;
             return Err(match kind {
                 Kind::Path => CheckpointError::Beyond { path, step: saved.done, steps: all },
                 #[cfg(feature = "ensemble")]
                 Kind::Ensemble => {
-                    CheckpointError::MorePaths { path, done: saved.done.saturating_mul(unit), paths: all }
+                    let done = saved.done.saturating_mul(self.extent.unit);
+                    CheckpointError::MorePaths { path, done, paths: all }
                 }
             });
         }
