@@ -37,4 +37,7 @@ struct TwoRotations;
 #[hamiltonian(drift = [|_, p, t| 0.5 * p * p * t.cos(), |q, _| q * q], force = |_, _, t| t.sin(), embedding = Verlet)]
 struct TwoClocks;
 
+#[hamiltonian(drift = [kinetic = |_, p| 0.5 * p * p, potential = |q, _| q * q], embedding = Verlet)]
+struct Named;
+
 fn main() {}

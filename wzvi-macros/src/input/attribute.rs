@@ -233,7 +233,7 @@ impl Entry {
         if list.is_empty() {
             diagnostics.report(messages::empty_list(&self.value, &self.key));
         }
-        if matches!(role, Role::Noise | Role::NoiseForce)
+        if role != Role::Invariant
             && let Some(name) = list.iter().find_map(|hamiltonian| hamiltonian.name.as_ref())
         {
             diagnostics.report(messages::name_of_other(name));
