@@ -75,3 +75,31 @@ fn stiff_steps_have_theirs() {
         }
     }
 }
+
+/// `P = p_i - a P` with `a` the increment: its error is followed by a geometric series, of which eight terms were taken for all even where they grow, so that
+/// any two momenta were joined.
+#[test]
+fn momenta_whose_error_is_not_bounded_are_not_known() {
+    #[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [|q, p| q * p], embedding = Mixed<DeltaMinus, Midpoint>)]
+    struct Stretch;
+    let h = 0.1;
+    for (dw, is_known) in [(0.1, true), (0.9, true), (1.5, true), (50.0, false), (-50.0, false)] {
+        let before = State::new([0.5], [0.3]);
+        let mut after = before;
+        Stretch.stepper::<Both>(h).unwrap().step(&mut after, &[dw]).unwrap();
+        let known = left(&Stretch, [&before, &after], h, dw);
+        // A dozen terms of the size of the largest number.
+        let size = 1.0 + dw.abs() * (after.p[0].abs() + after.q[0].abs());
+        assert!(
+            known.iter().all(|left| if is_known {
+                left.abs() < 12.0 * f64::EPSILON * size
+            } else {
+                left.is_nan()
+            }),
+            "{dw}: {known:?}"
+        );
+        after.p[0] += 1e-3 * after.p[0].abs();
+        let moved = left(&Stretch, [&before, &after], h, dw);
+        assert!(moved.iter().all(|left| left.is_nan()), "{dw}: {moved:?}");
+    }
+}

@@ -5,6 +5,7 @@ use super::hamiltonian::fits;
 use super::step::{Step, decay, scale_at};
 use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::algebra::scalar::Rounded;
+use crate::algebra::solve::larger;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
 
@@ -201,8 +202,10 @@ impl<H: Elements> Step<'_, H, f64> {
     }
 }
 
-/// Passes that bound the error of a momentum: each adds a power of `h H_pq`. Where that many do not settle, the equation hardly says what `P` is.
+/// Passes that bound the error of a momentum: each adds a term of the geometric series in `M = Σ a_s |F_qp|`. Where so many terms do not shrink, nothing is known of it.
 const PASSES: u32 = 8;
+/// A series whose terms halve is worth no other pass: all that it leaves is no more than its last term.
+const HALVES: f64 = 0.5;
 
 /// Both ends of a step, standing for all states that round to them.
 struct Ends<'a, H> {
@@ -225,22 +228,32 @@ impl<'a, H: Elements> Ends<'a, H> {
     }
 
     /// Whether `P = p_i + v` solves the equations of both momenta, as far as the rounding of the ends and of each term tells.
+    ///
+    /// With `d` what `P = p_i - Σ a_s F_q` misses and rounds to, the error of `P` is at most `e = d + M e`, the sum of `δ_0 = d`, `δ_k = M δ_{k-1}`. As `M` has no negative
+    /// entry, `δ_k <= θ δ_{k-1}` in each component implies the same for all terms that follow, which then add up to `θ/(1 - θ) δ_k` at most.
     fn are_joined_by(&self, v: &[f64]) -> bool {
         let mut momentum: Vec<Rounded> =
             self.step.p.iter().zip(v).map(|(p, v)| Rounded { value: p + v, error: 0.0 }).collect();
+        let (mut terms, mut shrinking) = (vec![0.0; momentum.len()], f64::INFINITY);
         for _ in 0..PASSES {
-            // `P = p_i - Σ a_s F_q`: what that misses by now, and how far the momenta of before may have taken it.
             let pull = self.pull(&momentum, |stage| stage.start);
-            let mut settles = true;
-            for ((p, &start), &pull) in momentum.iter_mut().zip(&self.p).zip(&pull) {
+            shrinking = 0.0;
+            for (((p, term), &start), &pull) in momentum.iter_mut().zip(&mut terms).zip(&self.p).zip(&pull) {
                 let next = start - pull;
                 let error = (next.value - p.value).abs() + next.error;
-                settles &= error <= 1.125 * p.error;
-                p.error = error;
+                let grown = (error - p.error).max(0.0);
+                shrinking = larger(shrinking, if grown > 0.0 { grown / *term } else { grown });
+                (p.error, *term) = (error, grown);
             }
-            if settles {
+            if shrinking <= HALVES {
                 break;
             }
+        }
+        if shrinking.is_nan() || shrinking >= 1.0 {
+            return false;
+        }
+        for (p, term) in momentum.iter_mut().zip(&terms) {
+            p.error += shrinking / (1.0 - shrinking) * term;
         }
         let pull = self.pull(&momentum, |stage| stage.end);
         let kept = if H::KIND.is_conformal { 1.0 + decay(self.step.system, self.step.h) } else { 1.0 };
