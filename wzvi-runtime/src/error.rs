@@ -55,7 +55,7 @@ pub use file::FileError;
 #[doc(hidden)]
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
-pub use internal::InternalError;
+pub use internal::{InternalError, StepPromise};
 #[cfg(feature = "ensemble")]
 pub use level::{LevelError, LevelFailure};
 pub use noise::NoiseError;

@@ -1,6 +1,7 @@
 //! Why a step failed.
 
-use super::{BathError, FailedLanes, IndexError};
+use super::internal::MISTAKE;
+use super::{BathError, FailedLanes, IndexError, StepPromise};
 
 /// Why the equations of one step have no (usable) solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +71,21 @@ pub enum StepFailure {
     /// Only in a step of several paths in lanes: the paths of these lanes could not take the step and are unchanged, the others have taken
     /// it. A step of one of them alone reports the cause.
     Lanes(FailedLanes),
+    /// A mistake of wzvi and not of its user: something that a step relies on does not hold. The state is as it was.
+    Internal(StepPromise),
 }
 
 impl StepFailure {
     /// Whether no way to solve the step would change it: the system, the state and the increments do not belong together.
     pub(crate) fn is_of_arguments(&self) -> bool {
-        matches!(self, Self::Increments { .. } | Self::Dimension { .. } | Self::Index(_) | Self::Bath(_))
+        matches!(
+            self,
+            Self::Increments { .. }
+                | Self::Dimension { .. }
+                | Self::Index(_)
+                | Self::Bath(_)
+                | Self::Internal(_)
+        )
     }
 }
 
@@ -108,6 +118,7 @@ messages! { StepFailure:
     Self::Index(error) => "{error}";
     Self::Bath(error) => "{error}";
     Self::Lanes(_) => "some of the lanes could not take the step";
+    Self::Internal(promise) => "{MISTAKE}: {promise}";
     Self::NonFiniteInput => "the state or an increment is NaN or infinite before the step";
 }
 

@@ -7,6 +7,13 @@ pub struct InternalError {
     data: String,
 }
 
+/// How every message about one begins.
+pub(super) const MISTAKE: &str = concat!(
+    "this is a mistake of wzvi ",
+    env!("CARGO_PKG_VERSION"),
+    ", not of yours; please report it: this should hold"
+);
+
 #[cfg(feature = "ensemble")]
 impl InternalError {
     /// `promise` does not hold, as `data` shows.
@@ -15,8 +22,29 @@ impl InternalError {
     }
 }
 
+/// What a step relies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepPromise {
+    /// A system whose steps go window by window has windows.
+    Windows,
+    /// Each part of a step that is the flow of a quadratic form has its linear map.
+    LinearMaps,
+    /// The constants of a step have derivatives only where its scheme takes them along.
+    PlainConstants,
+}
+
+#[cfg(feature = "ensemble")]
+impl StepPromise {
+    pub(super) const ALL: [Self; 3] = [Self::Windows, Self::LinearMaps, Self::PlainConstants];
+}
+
+messages! { StepPromise:
+    Self::Windows => "a system whose steps go window by window has windows";
+    Self::LinearMaps => "each part of a step that is the flow of a quadratic form has its linear map";
+    Self::PlainConstants => "the constants of a step have derivatives only where its scheme takes them along";
+}
+
 messages! { InternalError:
     Self { promise, data } =>
-        "this is a mistake of wzvi {}, not of yours; please report it: this should hold: {promise} ({data})",
-        env!("CARGO_PKG_VERSION");
+        "{MISTAKE}: {promise} ({data})";
 }

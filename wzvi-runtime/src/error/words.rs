@@ -1,15 +1,16 @@
 //! Why a step failed, as words: for checkpoints and messages.
 
-use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepFailure};
+use super::{BathError, FailedLanes, IndexError, IndexLimit, Name, StepFailure, StepPromise};
 use crate::ground::numbers::Tape;
 
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Lanes, behind all of them, another solution, and too many unknowns.
+/// Lanes, behind all of them, another solution, too many unknowns, and what a step relies on.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
 const TOO_MANY: u64 = LANES - 2;
+const INTERNAL: u64 = LANES - 3;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -37,6 +38,7 @@ impl StepFailure {
             Self::Index(error) => [8, error.value() as u64, 0],
             Self::OtherSolution { apart } => [OTHER, apart.to_bits(), 0],
             Self::TooManyUnknowns { unknowns, most } => [TOO_MANY, unknowns as u64, most as u64],
+            Self::Internal(promise) => [INTERNAL, promise as u64, 0],
             Self::Bath(error) => {
                 let [which, a, b] = error.words();
                 [BATH + which, a, b]
@@ -65,6 +67,7 @@ impl StepFailure {
             TOO_MANY => {
                 Self::TooManyUnknowns { unknowns: usize::try_from(a).ok()?, most: usize::try_from(b).ok()? }
             }
+            INTERNAL => Self::Internal(StepPromise::ALL.into_iter().find(|&promise| promise as u64 == a)?),
             _ => Self::Bath(BathError::from_words([which.checked_sub(BATH)?, a, b])?),
         })
     }
@@ -83,6 +86,8 @@ mod tests {
             StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0 },
             StepFailure::OtherSolution { apart: 0.4 },
             StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 },
+            StepFailure::Internal(StepPromise::LinearMaps),
+            StepFailure::Internal(StepPromise::PlainConstants),
             StepFailure::NonFinite,
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
@@ -109,7 +114,7 @@ mod tests {
                 assert_eq!(read.words(), failure.words());
             }
         }
-        for nonsense in [[99, 0, 0], [u64::MAX, 0, 0], [0, 1 << 32, 0]] {
+        for nonsense in [[99, 0, 0], [u64::MAX, 0, 0], [INTERNAL, 3, 0], [0, 1 << 32, 0]] {
             assert_eq!(StepFailure::from_words(nonsense), None);
             let mut untouched = all[0];
             assert_eq!(Tape::read(nonsense.to_vec(), |tape| untouched.pass(tape)), None);

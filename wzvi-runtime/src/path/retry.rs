@@ -460,6 +460,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Bath(_)
         | StepFailure::Lanes(_)
         | StepFailure::OtherSolution { .. }
+        | StepFailure::Internal(_)
         | StepFailure::NonFiniteInput => false,
     }
 }

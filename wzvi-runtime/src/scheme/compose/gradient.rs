@@ -76,7 +76,7 @@ impl<F: Flows, W: Substeps, T: GradientTable> Scheme<F> for GradientKicks<W, T> 
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.plain();
+        let At { t, h, q, p, dw } = at.plain()?;
         let flows = FlowsOf { system, parameters, t, h, count: stages.len() };
         advance(system, &mut Kicks::of::<T>(flows), stages, [q, p], dw, memory, carry)
     }

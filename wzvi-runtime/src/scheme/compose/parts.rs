@@ -19,7 +19,7 @@ use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Elements, Point, Slopes, slopes, value_of_part};
 use crate::scheme::gauss::Shape;
 use crate::scheme::plan::{KeptEnergy, Plan};
@@ -156,7 +156,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.plain();
+        let At { t, h, q, p, dw } = at.plain()?;
         let mut flows = FlowsOf { system, prepared, t, h };
         advance(system, &mut flows, &prepared.stages.0, [q, p], dw, memory, carry)
     }
@@ -227,13 +227,8 @@ impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
                 add::<S, C>(q, velocity, lost_q.as_mut());
             }
             Form::Quadratic => {
-                match prepared.map(index) {
-                    Some(map) => map.increments([q, p], [&mut *velocity, &mut *force]),
-                    None => {
-                        debug_assert!(false, "every stage of this form has a map");
-                        velocity.fill(S::from_f64(f64::NAN));
-                    }
-                }
+                let map = prepared.map(index).ok_or(StepFailure::Internal(StepPromise::LinearMaps))?;
+                map.increments([q, p], [&mut *velocity, &mut *force]);
                 add::<S, C>(q, velocity, lost_q.as_mut());
                 add::<S, C>(p, force, lost_p.as_mut());
             }

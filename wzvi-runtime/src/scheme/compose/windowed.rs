@@ -4,7 +4,7 @@ use super::flows::Flows;
 use super::stages::Stage;
 use super::substeps::Half;
 use crate::algebra::memory::Threads;
-use crate::error::StepFailure;
+use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word};
 use crate::scheme::system::{Hamiltonian as _, fits};
 
@@ -85,7 +85,8 @@ impl Memory {
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
         let mut word = word(KicksAndDrifts { t, h, stages, scaled, reads_time: F::FORCE_READS_TIME });
-        let taken = system.take_windows(&mut word, q, p, plan).unwrap_or(Err(StepFailure::NonFinite))?;
+        let missing = Err(StepFailure::Internal(StepPromise::Windows));
+        let taken = system.take_windows(&mut word, q, p, plan).unwrap_or(missing)?;
         Ok((taken, word))
     }
 

@@ -64,7 +64,7 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         memory: &mut Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let at = at.plain();
+        let at = at.plain()?;
         if const { is_explicit(&H::QUADRATURE) } {
             advance_explicit(system, &H::QUADRATURE, at, memory, carry)
         } else {

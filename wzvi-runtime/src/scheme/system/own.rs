@@ -191,7 +191,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.plain();
+        let At { t, h, q, p, dw } = at.plain()?;
         if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
             system.check(q.len())?;
         }

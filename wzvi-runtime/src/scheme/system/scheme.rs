@@ -9,7 +9,7 @@ use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan};
 
@@ -29,11 +29,17 @@ pub struct At<'a, S, K = f64> {
 }
 
 impl<'a, S, K: Constant> At<'a, S, K> {
-    /// With time and step size as numbers of the first lane, without derivatives.
+    /// With time and step size as `f64`, which is what a scheme prepared that takes no derivatives along.
+    ///
+    /// # Errors
+    /// [`StepPromise::PlainConstants`] where they are none.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn plain(self) -> At<'a, S> {
+    pub fn plain(self) -> Result<At<'a, S>, StepFailure> {
         let Self { t, h, q, p, dw } = self;
-        At { t: t.lane(0), h: h.lane(0), q, p, dw }
+        match K::plain(&[t, h]) {
+            Some(&[t, h]) => Ok(At { t, h, q, p, dw }),
+            _ => Err(StepFailure::Internal(StepPromise::PlainConstants)),
+        }
     }
 }
 
@@ -250,3 +256,21 @@ pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
 pub type CarryOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Carry<f64>;
 /// What a step of `H` by `E` leaves for the next.
 pub type MemoryOf<H, E, S> = <SchemeOf<H, E> as Scheme<H>>::Memory<S>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::scalar::Dual;
+
+    /// Derivatives by the step size are refused where they would be lost, not taken for none.
+    #[test]
+    fn derivatives_are_not_dropped() {
+        let (mut q, mut p) = ([Dual::<1>::constant(0.5)], [Dual::<1>::constant(1.0)]);
+        let h = Dual { value: 0.1, derivative: [1.0] };
+        let at = At { t: Dual::<1>::constant(0.0), h, q: &mut q, p: &mut p, dw: &[] };
+        let plain = at.plain();
+        assert_eq!(plain.map(|at| at.h), Err(StepFailure::Internal(StepPromise::PlainConstants)));
+        let at = At { t: 0.25, h: 0.1, q: &mut q, p: &mut p, dw: &[] };
+        assert_eq!(at.plain().map(|at| [at.t, at.h]), Ok([0.25, 0.1]));
+    }
+}
