@@ -11,6 +11,7 @@ use wzvi::prelude::*;
     embedding = [
         Baoab, Obabo, Splitting<(B, A, O, A, B)>, Splitting<(O, B, A, B, O)>, Splitting<(B, A, O, A)>,
         Splitting<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>,
+        Splitting<(O, A, O, A, B)>, Splitting<(B, A<1, 4>, O, A<3, 4>, B)>, Splitting<(O, B, A, O, A, B, O)>,
     ],
 )]
 #[derive(Clone)]
@@ -113,6 +114,41 @@ fn words_have_the_bits_of_their_names() {
         // Exponentials of lanes differ from those of single numbers in the last digit.
         assert!((kept[0] - last.q[0]).abs() + (kept[1] - last.p[0]).abs() < 1e-13, "{path}");
     }
+}
+
+/// An O part between two drifts is one of several, or the drifts are of different lengths.
+#[test]
+fn letters_are_taken_one_after_the_other() {
+    fn check<W>(letters: &[(char, f64)])
+    where
+        Spring: Discretized<W>,
+    {
+        let (h, spring) = (0.3, Spring { k: 1.3, gamma: 0.7, kt: 0.4 });
+        let normals = [0.6, -1.1, 0.4];
+        let parts = letters.iter().filter(|letter| letter.0 == 'O').count();
+        let mut state = State::new([0.3], [0.8]);
+        spring.stepper::<W>(h).unwrap().plain().step(&mut state, &normals[..parts]).unwrap();
+        let (mut q, mut p, mut normals) = (0.3, 0.8, normals.into_iter());
+        for &(letter, share) in letters {
+            match letter {
+                'A' => q += share * h * p,
+                'B' => p -= share * h * spring.k * q,
+                _ => {
+                    let decay = (-spring.gamma * h / parts as f64).exp();
+                    p = decay * p + ((1.0 - decay * decay) * spring.kt).sqrt() * normals.next().unwrap();
+                }
+            }
+        }
+        // A dozen roundings of numbers of size one.
+        assert!(
+            (state.q[0] - q).abs() < 1e-14 && (state.p[0] - p).abs() < 1e-14,
+            "{letters:?}: {state} {q} {p}"
+        );
+    }
+    let (half, o) = (0.5, ('O', 0.0));
+    check::<Splitting<(O, A, O, A, B)>>(&[o, ('A', half), o, ('A', half), ('B', 1.0)]);
+    check::<Splitting<(B, A<1, 4>, O, A<3, 4>, B)>>(&[('B', half), ('A', 0.25), o, ('A', 0.75), ('B', half)]);
+    check::<Splitting<(O, B, A, O, A, B, O)>>(&[o, ('B', half), ('A', half), o, ('A', half), ('B', half), o]);
 }
 
 /// The law of the steps is the one that is computed.

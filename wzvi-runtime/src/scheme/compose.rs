@@ -40,7 +40,6 @@ use text::{DRIFT_KICK, turns};
 pub use checks::{check_table, check_weights};
 #[doc(hidden)]
 pub use flows::{Flows, KickDrift};
-pub use gradient::{GradientKicks, GradientTable};
 #[doc(hidden)]
 pub use pair::Pair;
 #[doc(hidden)]
@@ -154,6 +153,9 @@ pub trait Composes<E, K: Structure<E> = General> {
     const ORDER: u32;
     /// What `EQUATIONS` say of them.
     const LISTING: Listing;
+    /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick, in the metric of the inverse masses; none where kicks are those of the
+    /// potential alone.
+    const GRADIENT: &'static [f64] = &[];
     /// What takes the steps.
     type Steps;
     /// The parts of a step, in their order.
@@ -193,10 +195,14 @@ impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
 
 /// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
 macro_rules! partitioned {
-    ($($table:ty: $structure:ident, $steps:ty, $parts:expr, $names:expr, $note:expr;)+) => {$(
+    ($($table:ty: $structure:ident, $steps:ty, $parts:expr, $names:expr, $note:expr $(, $gradient:expr)?;)+) => {$(
         impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
             const LISTING: Listing = turns::<$table>($names, $note);
+            $(const GRADIENT: &'static [f64] = {
+                assert!($gradient.len() == <$table>::SEQUENCE.len(), "a gradient has one factor for each drift and kick");
+                $gradient
+            };)?
             type Steps = $steps;
 
             fn substeps() -> Vec<Substep> {
@@ -210,8 +216,8 @@ partitioned! {
     BlanesMoan4: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
     BlanesMoan6: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
     Srkn6: QuadraticKinetic, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    Chin4: QuadraticKinetic, GradientKicks<Many<Verlet, K, Self>, Self>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE;
-    TakahashiImada4: QuadraticKinetic, GradientKicks<Many<Verlet, K, Self>, Self>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE;
+    Chin4: QuadraticKinetic, KickDrift<Many<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE, Chin4::GRADIENT;
+    TakahashiImada4: QuadraticKinetic, KickDrift<Many<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE, TakahashiImada4::GRADIENT;
     Aba864: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
     Aba1064: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
 }

@@ -60,7 +60,7 @@ pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{Given, Run, Sums, apart, stretch};
 pub(crate) use windows::BLOCK;
-pub use windows::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word, take_windows};
+pub use windows::{Flow, Kick, LEAST_IN_WINDOWS, Move, Origin, Taken, WindowPlan, Word, take_windows};
 
 use std::ops::Range;
 
@@ -367,7 +367,7 @@ impl<'a, S: Copy> Flow<'a, S> {
 
 /// The same to any sums.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
+pub(crate) fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
 where
     H: Elements,
     S: Scalar,

@@ -178,10 +178,32 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         self.relaxation.is_still()
     }
 
-    /// The first part between two drifts over `time`, and its heat; `None` where that is not done at once.
+    /// Whether rates and masses are lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply_between_drifts(&mut self, time: K, q: &mut [S], p: &mut [S]) -> Option<S> {
-        self.relaxation.apply_between_drifts(time, &self.normals[..self.per_part], q, p)
+    pub(super) fn are_lists(&self) -> bool {
+        self.relaxation.diagonal().is_some()
+    }
+
+    /// The normals of part number `part`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn normals(&self, part: usize) -> &'m [S] {
+        &self.normals[part * self.per_part..(part + 1) * self.per_part]
+    }
+
+    /// Part number `part` between two drifts over `time`, and its heat, where rates and masses are lists.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] where they are not.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn apply_between_drifts(
+        &self,
+        part: usize,
+        time: K,
+        q: &mut [S],
+        p: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let law = self.relaxation.diagonal().ok_or(StepFailure::NonFinite)?;
+        Ok(law.all_blocks(self.normals(part), Some((time, q)), p))
     }
 
     /// Part number `part`, and its heat.
@@ -196,7 +218,7 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         p: &mut [S],
         lost: &mut [S],
     ) -> Result<S, StepFailure> {
-        let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        let normals = self.normals(part);
         self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, self.room)
     }
 }

@@ -154,19 +154,6 @@ impl<K: Constant> Relaxation<K> {
         matches!(self.0, Law::Still)
     }
 
-    /// A drift over `time`, the O part, and the same drift again, in one pass over lists of masses and rates; `None` where they are no lists.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply_between_drifts<S: Over<K>>(
-        &self,
-        time: K,
-        normals: &[S],
-        q: &mut [S],
-        p: &mut [S],
-    ) -> Option<S> {
-        let law = self.diagonal()?;
-        Some(law.all_blocks(normals, Some((time, q)), p))
-    }
-
     /// Rates and masses, if they are lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn diagonal(&self) -> Option<&Diagonal<K>> {

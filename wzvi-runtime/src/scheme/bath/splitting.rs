@@ -11,8 +11,8 @@ use std::marker::PhantomData;
 use super::modes::Decay;
 use super::part::{self, Parts, Shares};
 use super::relaxation::is_list;
-use super::windowed::{self, Part, WithBath};
-use super::word::{A, B, O, Spelling, Word};
+use super::windowed::WithBath;
+use super::word::{A, Act, B, O, Spelling, Word, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
@@ -67,7 +67,7 @@ impl Letters for GjI {
 
 /// The O parts of a word.
 const fn shares<W: Letters>() -> Shares {
-    Shares { parts: W::SPELLING.relaxes_before().len(), decay: W::DECAY }
+    Shares { parts: W::SPELLING.parts, decay: W::DECAY }
 }
 
 /// The steps of a word.
@@ -78,12 +78,13 @@ pub struct Splitting<W>(PhantomData<W>);
 #[derive(Clone, Debug)]
 pub struct Prepared<P, K> {
     parameters: P,
-    flows: Stages,
-    /// The same with neighbours as one: without friction nothing is between them.
-    still: Stages,
+    /// All parts of a step.
+    apart: Stages<Act>,
+    /// The same with O parts between drifts [joined]: lists of masses say what a drift is, unless a noise drifts too.
+    joined: Stages<Act>,
+    /// Kicks and drifts with neighbours as one: without friction nothing is between them.
+    still: Stages<Act>,
     relaxation: Option<Relaxation<K>>,
-    /// All parts of a step, with noises in the flows and without.
-    parts: [Vec<Part>; 2],
 }
 
 /// What a step leaves.
@@ -146,7 +147,7 @@ where
     type Carry<S: Scalar> = Plain;
 
     fn increments(system: &F, degrees: usize) -> usize {
-        system.noises() + part::normals(system, degrees, W::SPELLING.relaxes_before().len())
+        system.noises() + part::normals(system, degrees, W::SPELLING.parts)
     }
 
     fn exchanged(_: &F, memory: &Self::Memory<f64>) -> Exchange {
@@ -160,14 +161,18 @@ where
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         stages::check(system)?;
         let relaxation = part::prepare(system, h, shares::<W>())?;
+        let letters = W::SPELLING.stages();
         let substeps: Vec<Substep> =
-            W::SPELLING.flows().iter().map(|&(half, weight, _)| (half, weight)).collect();
+            letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();
+        let still = Stages::of(&substeps).map(|_, half| Act::Flow(half));
         let factor = if W::IS_SHORTENED { shortened(system, h.lane(0))? } else { 1.0 };
-        let flows = W::SPELLING.flows().iter().map(|&(half, weight, node)| (half, factor * weight, node));
-        let flows = Stages::listed(flows);
-        let parameters = parameters(system, lift, h)?;
-        let parts = [false, true].map(|joins| windowed::parts::<W>(&flows.0, joins));
-        Ok(Prepared { parameters, flows, still: Stages::of(&substeps), relaxation, parts })
+        let apart = letters.iter().map(|stage| {
+            let (weight, share) = (factor * stage.weight, factor * stage.share);
+            Stage { weight, share, ..*stage }
+        });
+        let apart = Stages(apart.collect()).with_ends(Act::half);
+        let joined = Stages(joined(&apart.0));
+        Ok(Prepared { parameters: parameters(system, lift, h)?, apart, joined, still, relaxation })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -177,8 +182,8 @@ where
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
         let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
-        let Prepared { flows, still, parts, .. } = (*prepared.first()?).clone();
-        Some(Prepared { parameters, flows, still, relaxation, parts })
+        let Prepared { apart, joined, still, .. } = (*prepared.first()?).clone();
+        Some(Prepared { parameters, apart, joined, still, relaxation })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -210,9 +215,13 @@ where
             }
         }
         let parts = bath.parts(system, &prepared.relaxation, (h, shares::<W>(), degrees), (dw, noises))?;
-        let Stages(list) = if parts.are_still() { &prepared.still } else { &prepared.flows };
-        let flows = FlowsOf { system, parameters: &prepared.parameters, t, h, count: list.len() };
-        let mut word = Spoken::<_, K, S, W>::new(flows, parts);
+        let Stages(list) = match parts.are_lists() && !C::CARRIES && noises == 0 {
+            _ if parts.are_still() => &prepared.still,
+            true => &prepared.joined,
+            false => &prepared.apart,
+        };
+        let flows = FlowsOf { system, parameters: &prepared.parameters, t, h };
+        let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
         let effort = stages::advance(system, &mut word, list, [q, p], &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
@@ -279,88 +288,42 @@ fn in_windows<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters>(
     windows: &'m mut Windows,
     bath: &mut part::Memory<S>,
 ) -> Option<Result<(Taken<'m>, f64), StepFailure>> {
-    let (degrees, parts) = (givens.q.len(), W::SPELLING.relaxes_before().len());
+    let degrees = givens.q.len();
     let size = (K::from_f64(givens.h), shares::<W>(), degrees);
     let driven = match bath.parts(system, &prepared.relaxation, size, (dw, system.noises())) {
         Ok(driven) => driven,
         Err(failure) => return Some(Err(failure)),
     };
-    let relaxing = driven.by_place(parts, degrees)?;
-    let [with_noise, without] = &prepared.parts;
-    let parts = if givens.dw.is_empty() { without } else { with_noise };
-    let word = |flows| WithBath { flows, relaxing, parts };
-    let taken = windows.advance(system, &prepared.flows.0, givens, word);
-    Some(taken.map(|(taken, word)| (taken, word.heat())))
+    let relaxing = driven.by_place(W::SPELLING.parts, degrees)?;
+    let Stages(list) = if givens.dw.is_empty() { &prepared.joined } else { &prepared.apart };
+    let taken = windows.advance(system, list, givens, |flows| WithBath { flows, relaxing });
+    Some(taken.map(|(taken, word)| (taken, word.relaxing.heat())))
 }
 
 /// The parts of a step.
-struct Spoken<'m, F: Field, K: Constant, S, W> {
+struct WithParts<'m, F: Field, K: Constant, S> {
     flows: FlowsOf<'m, F, K>,
     parts: Parts<'m, F, K, S>,
     heat: S,
-    /// Whether the O part and the drift behind it have been taken with the drift before it.
-    is_done: bool,
-    word: PhantomData<W>,
 }
 
-impl<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters> Spoken<'m, F, K, S, W> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(flows: FlowsOf<'m, F, K>, parts: Parts<'m, F, K, S>) -> Self {
-        Self { flows, parts, heat: S::from_f64(0.0), is_done: false, word: PhantomData }
-    }
-
-    /// The O part in front of flow number `index`, if there is one.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relax<C: Carry<S>, H: Shape>(
-        &mut self,
-        index: usize,
-        rooms: &mut Rooms<S, H>,
-    ) -> Result<(), StepFailure> {
-        if self.parts.are_still() {
-            return Ok(());
-        }
-        if let Some(part) = W::SPELLING.relaxes_before().iter().position(|&before| before == index) {
-            let Rooms { q, p, lost_p, .. } = rooms;
-            let heat = self.parts.apply::<C>(part, q.as_ref(), p.as_mut(), lost_p.as_mut())?;
-            self.heat = self.heat + heat;
-        }
-        Ok(())
-    }
-}
-
-impl<F, K, S, W> Take<S, F::Shape> for Spoken<'_, F, K, S, W>
-where
-    F: Flows + Damped,
-    K: Constant,
-    S: Over<K>,
-    W: Letters,
-{
+impl<F: Flows + Damped, K: Constant, S: Over<K>> Take<S, F::Shape, Act> for WithParts<'_, F, K, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
-        index: usize,
-        stage: &Stage,
+        stage: &Stage<Act>,
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut stages::Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
-        // Lists of masses say what a drift is, unless a noise drifts too: one pass instead of three.
-        if W::SPELLING.drifts_around == Some(index)
-            && !C::CARRIES
-            && memory.dw.is_empty()
-            && !self.parts.are_still()
-        {
-            let Rooms { q, p, .. } = rooms;
-            let time = self.flows.h * stage.weight;
-            if let Some(heat) = self.parts.apply_between_drifts(time, q.as_mut(), p.as_mut()) {
-                (self.heat, self.is_done) = (self.heat + heat, true);
-                return Ok(());
+        let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
+        let heat = match stage.act {
+            Act::Flow(half) => return self.flows.take::<C>(&stage.with((half, 0.0)), rooms, memory),
+            Act::Relax(part) => self.parts.apply::<C>(part, q, p, lost_p)?,
+            Act::RelaxBetween(part) => {
+                self.parts.apply_between_drifts(part, self.flows.h * stage.weight, q, p)?
             }
-        }
-        if self.is_done && W::SPELLING.drifts_around.is_some_and(|first| first + 1 == index) {
-            return Ok(());
-        }
-        self.relax::<C, _>(index, rooms)?;
-        self.flows.take::<C>(index, stage, rooms, memory)?;
-        if index + 1 == W::SPELLING.flows().len() { self.relax::<C, _>(index + 1, rooms) } else { Ok(()) }
+        };
+        self.heat = self.heat + heat;
+        Ok(())
     }
 }

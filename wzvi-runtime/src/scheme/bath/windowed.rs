@@ -3,57 +3,16 @@
 use std::ops::Range;
 
 use super::part::ByPlace;
-use super::splitting::Letters;
-use crate::scheme::compose::stages::Stage;
-use crate::scheme::compose::windowed::KicksAndDrifts;
-use crate::scheme::elements::{Letter, Word};
-
-/// What a part of a step is.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
-    /// A kick or a drift, by its number.
-    Flow(usize),
-    /// An O part, by its number.
-    Relax(usize),
-    /// An O part between two drifts, each over a fraction of the step.
-    RelaxBetween(usize, f64),
-}
-
-/// All parts of a step of a word; where `joins`, with an O part between two drifts as one.
-pub(super) fn parts<W: Letters>(stages: &[Stage], joins: bool) -> Vec<Part> {
-    let relaxes_before = |flow: usize| W::SPELLING.relaxes_before().iter().position(|&before| before == flow);
-    let (mut parts, mut flow) = (Vec::new(), 0);
-    while let Some(stage) = stages.get(flow) {
-        parts.extend(relaxes_before(flow).map(Part::Relax));
-        // Lists of masses say what a drift is, unless a noise drifts too.
-        match relaxes_before(flow + 1) {
-            Some(part) if joins && W::SPELLING.drifts_around == Some(flow) => {
-                parts.push(Part::RelaxBetween(part, stage.weight));
-                flow += 2;
-            }
-            _ => {
-                parts.push(Part::Flow(flow));
-                flow += 1;
-            }
-        }
-    }
-    parts.extend(relaxes_before(flow).map(Part::Relax));
-    parts
-}
+use super::word::Act;
+use crate::algebra::scalar::Number;
+use crate::scheme::compose::windowed::FlowList;
+use crate::scheme::elements::{Given, Move, Origin, Shared, Slopes, Sums, Word};
 
 /// A word of kicks, drifts and O parts.
 #[derive(Debug)]
 pub(super) struct WithBath<'m> {
-    pub(super) flows: KicksAndDrifts<'m>,
+    pub(super) flows: FlowList<'m, Act>,
     pub(super) relaxing: ByPlace<'m>,
-    pub(super) parts: &'m [Part],
-}
-
-impl WithBath<'_> {
-    /// The heat of the step.
-    pub(super) fn heat(&self) -> f64 {
-        self.relaxing.heat()
-    }
 }
 
 impl Word for WithBath<'_> {
@@ -65,40 +24,57 @@ impl Word for WithBath<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn share(&mut self) -> WithBath<'_> {
-        WithBath { relaxing: self.relaxing.lend(), ..*self }
+        WithBath { relaxing: self.relaxing.lend(), flows: self.flows }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, place: usize) -> [Self; 2] {
-        let Self { flows, relaxing, parts } = self;
-        relaxing.divide(place).map(|relaxing| Self { flows, relaxing, parts })
+        let Self { flows, relaxing } = self;
+        relaxing.divide(place).map(|relaxing| Self { flows, relaxing })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
-        self.parts.len()
+        self.flows.stages().len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn letter(&self, number: usize) -> Letter<'_> {
-        match self.parts[number] {
-            Part::Flow(flow) => self.flows.letter(flow),
-            Part::Relax(_) => Letter::Momenta,
-            Part::RelaxBetween(..) => Letter::State,
+    fn kind(&self, number: usize) -> Move {
+        match self.flows.stages()[number].act {
+            Act::Flow(half) => self.flows.kind(number, half),
+            Act::Relax(_) => Move::Momenta,
+            Act::RelaxBetween(_) => Move::State,
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        self.flows.origin(number)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        H: Shared,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        self.flows.add_slopes::<H, T, V, A>(system, number, state, wanted, into);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
-        if let Part::Relax(part) = self.parts[number] {
+        if let Act::Relax(part) = self.flows.stages()[number].act {
             self.relaxing.apply(part, places, None, p);
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
-        if let Part::RelaxBetween(part, weight) = self.parts[number] {
-            self.relaxing.apply(part, places, Some((weight * self.flows.step_size(), q)), p);
+        let stage = &self.flows.stages()[number];
+        if let Act::RelaxBetween(part) = stage.act {
+            self.relaxing.apply(part, places, Some((self.flows.time(stage), q)), p);
         }
     }
 }

@@ -7,6 +7,7 @@
 //! add to one half, as they do in a palindrome (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section III.5). With O parts order two is the highest.
 
 use super::splitting::Letters;
+use crate::scheme::compose::stages::Stage;
 use crate::scheme::compose::substeps::Half;
 
 /// The most letters of a word.
@@ -69,77 +70,85 @@ macro_rules! words {
 
 words!(L1 L2 L3 L4 L5 L6 L7 L8 L9 L10 L11 L12 L13 L14 L15 L16 L17 L18 L19 L20 L21 L22 L23 L24);
 
+/// A letter as steps take it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Act {
+    /// A kick or a drift.
+    Flow(Half),
+    /// An O part, by its number.
+    Relax(usize),
+    /// An O part between two drifts of the same weight.
+    RelaxBetween(usize),
+}
+
+impl Act {
+    /// Of a kick or a drift.
+    pub(super) fn half(&self) -> Option<Half> {
+        if let Self::Flow(half) = self { Some(*half) } else { None }
+    }
+}
+
 /// A word as steps take it.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {
-    flows: [(Half, f64, f64); MOST],
+    stages: [Stage<Act>; MOST],
     count: usize,
-    relaxes_before: [usize; MOST],
-    parts: usize,
-    /// The first of two drifts with an O part between, if these are alone with each other.
-    pub(super) drifts_around: Option<usize>,
+    /// The O parts.
+    pub(super) parts: usize,
     /// One or two.
     pub(super) order: u32,
 }
 
 impl Spelling {
-    /// The kicks and drifts: what fraction of the step, and how far the drifts before have come.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) const fn flows(&self) -> &[(Half, f64, f64)] {
-        self.flows.split_at(self.count).0
-    }
-
-    /// Before which of them there is an O part; one after all has the number of them.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) const fn relaxes_before(&self) -> &[usize] {
-        self.relaxes_before.split_at(self.parts).0
+    /// The letters.
+    pub(super) const fn stages(&self) -> &[Stage<Act>] {
+        self.stages.split_at(self.count).0
     }
 
     /// Of a word whose drifts add to one step, and whose kicks do, with one O part at least.
     pub(super) const fn of(letters: &[Part]) -> Self {
         let unit = common_denominator(letters);
-        let mut spelling = Self {
-            flows: [(Half::First, 0.0, 0.0); MOST],
-            count: 0,
-            relaxes_before: [0; MOST],
-            parts: 0,
-            drifts_around: None,
-            order: order(letters, unit),
-        };
-        let (mut drifted, mut around, mut i) = (0, 0, 0);
-        while i < letters.len() {
+        let nothing = Stage::new(Half::First, 0.0, 0.0).with(Act::Flow(Half::First));
+        let (order, count) = (order(letters, unit), letters.len());
+        let mut spelling = Self { stages: [nothing; MOST], count, parts: 0, order };
+        let (mut drifted, mut i) = (0, 0);
+        while i < count {
             let share = share(letters, i, unit);
-            match letters[i] {
+            let (weight, node) = (share as f64 / unit as f64, drifted as f64 / unit as f64);
+            let (half, act) = match letters[i] {
                 Part::O => {
-                    spelling.relaxes_before[spelling.parts] = spelling.count;
                     spelling.parts += 1;
-                    if is_drift(letters, i.wrapping_sub(1)) && is_drift(letters, i + 1) {
-                        spelling.drifts_around = Some(spelling.count - 1);
-                        around += 1;
-                    }
+                    (Half::First, Act::Relax(spelling.parts - 1))
                 }
-                part => {
-                    let half = if matches!(part, Part::A(..)) { Half::First } else { Half::Second };
-                    let (weight, node) = (share as f64 / unit as f64, drifted as f64 / unit as f64);
-                    spelling.flows[spelling.count] = (half, weight, node);
-                    spelling.count += 1;
-                    if matches!(half, Half::First) {
-                        drifted += share;
-                    }
+                Part::A(..) => {
+                    drifted += share;
+                    (Half::First, Act::Flow(Half::First))
                 }
-            }
+                Part::B(..) => (Half::Second, Act::Flow(Half::Second)),
+            };
+            spelling.stages[i] = Stage::new(half, weight, node).with(act);
             i += 1;
         }
         assert!(spelling.parts > 0, "a word has one O at least");
-        if around > 1 {
-            spelling.drifts_around = None;
-        }
         spelling
     }
 }
 
-const fn is_drift(letters: &[Part], i: usize) -> bool {
-    i < letters.len() && matches!(letters[i], Part::A(..))
+/// With an O part between two drifts of the same weight as one with them, if there is one such place.
+pub(super) fn joined(stages: &[Stage<Act>]) -> Vec<Stage<Act>> {
+    let between = |around: &[Stage<Act>]| match around {
+        [before, Stage { act: Act::Relax(part), .. }, after] => {
+            let are_drifts = [before, after].iter().all(|stage| stage.act == Act::Flow(Half::First));
+            (are_drifts && before.weight == after.weight).then(|| before.with(Act::RelaxBetween(*part)))
+        }
+        _ => None,
+    };
+    let mut places =
+        stages.windows(3).enumerate().filter_map(|(first, around)| Some((first, between(around)?)));
+    match (places.next(), places.next()) {
+        (Some((first, joined)), None) => [&stages[..first], &[joined], &stages[first + 3..]].concat(),
+        _ => stages.to_vec(),
+    }
 }
 
 /// Which kind of letter, 0 to 2.
@@ -324,13 +333,8 @@ impl Linear<'_> {
 
     /// All letters: flows with what they last, and O parts.
     fn each(&self, mut take: impl FnMut(Option<(Half, f64)>)) {
-        let Self { spelling, factor, .. } = self;
-        let relaxes =
-            |flow: usize| spelling.relaxes_before().iter().filter(|&&before| before == flow).count();
-        for (flow, &(half, weight, _)) in spelling.flows().iter().enumerate() {
-            (0..relaxes(flow)).for_each(|_| take(None));
-            take(Some((half, factor * weight)));
+        for stage in self.spelling.stages() {
+            take(stage.act.half().map(|half| (half, self.factor * stage.weight)));
         }
-        (0..relaxes(spelling.count)).for_each(|_| take(None));
     }
 }

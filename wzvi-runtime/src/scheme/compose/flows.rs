@@ -9,11 +9,11 @@
 //! kept with the node, and taken if node, step size, and the time if the force reads it, are the same to the last bit. Reuse is not to be
 //! seen in the numbers, and checkpoints need not know of it.
 //!
-//! What a flow reads of the system is [`Field::step_slopes`]. Another kind of part (a kick by a modified potential, say) is a variant
-//! of [`Half`], an arm of `take` and a method of [`Flows`].
+//! What a flow reads of the system is [`Field::step_slopes`].
 
 use std::marker::PhantomData;
 
+use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
 use super::stages::{Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
 use super::substeps::{Half, Substeps, kept_energy, plan};
@@ -27,7 +27,9 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Flow, Slopes, Taken, WindowPlan, Word, add_slopes, nothing};
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are};
+use crate::scheme::system::{
+    At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives,
+};
 
 /// A system with `F = T(p) + V(q, t)`; generated.
 pub trait Flows: Field {
@@ -50,15 +52,15 @@ pub trait Flows: Field {
     }
 }
 
-/// The drifts and kicks `W` in turn.
+/// The drifts and kicks `W` in turn; `SQUARES` where kicks are by potentials with the [square of the force](super::gradient).
 #[derive(Clone, Copy, Debug)]
-pub struct KickDrift<W>(PhantomData<W>);
+pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
-impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
+impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUARES> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties = Properties {
         kept_energy: kept_energy(KeptEnergy::KickDriftKick, W::ORDER),
-        fills_registers_from: least_alone::<F>(),
+        fills_registers_from: if SQUARES { usize::MAX } else { least_alone::<F>() },
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
     type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>>;
@@ -67,15 +69,25 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
     type Carry<S: Scalar> = Plain;
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        Memory::of_system(system)
+        let mut memory = Memory::of_system(system);
+        if SQUARES {
+            memory.directional.fit(system.degrees(), Hamiltonian::noises(system));
+        }
+        memory
     }
 
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
+        if SQUARES {
+            without_derivatives(h)?;
+        }
         check(system)?;
-        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: Stages::of(&W::list()) })
+        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<W>() })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
+        if SQUARES {
+            return None;
+        }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
         Some(Prepared { parameters, stages: prepared.first()?.stages.clone() })
     }
@@ -88,7 +100,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES }
+        if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES && !SQUARES }
             && takes_windows::<F>(q.len())
             && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
@@ -97,7 +109,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
             taken.copy(q, p);
             return Ok(Effort::fast(0));
         }
-        let mut flows = FlowsOf { system, parameters, t, h, count: stages.len() };
+        let mut flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h };
         advance(system, &mut flows, stages, [q, p], dw, memory, carry)
     }
 
@@ -111,7 +123,7 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
         memory: &mut Self::Memory<f64>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if takes_windows::<F>(q.components().len()) && !C::CARRIES {
+        if takes_windows::<F>(q.components().len()) && !C::CARRIES && !SQUARES {
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw };
             let (taken, _) = memory.windows.advance(system, &prepared.stages.0, givens, |flows| flows)?;
             taken.exchange(q, p);
@@ -122,76 +134,91 @@ impl<F: Flows, W: Substeps> Scheme<F> for KickDrift<W> {
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let Stages(stages) = Stages::of(&W::list());
+        let Stages(stages) = stages::<W>();
         let parameters = &system.parameters(&as_they_are);
-        let flows = FlowsOf { system, parameters, t: segment.t, h: segment.h, count: stages.len() };
-        lagrangian::value(segment, dw, Hamiltonian::noises(system), || {
-            flows.follow(&mut flows.clone(), &stages, segment, dw, |_, _, _| 0.0)
-        })
+        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t: segment.t, h: segment.h };
+        lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
     }
+}
+
+/// A drift or a kick, and the factor of the square of the force in it.
+pub(crate) type Act = (Half, f64);
+
+/// The parts of a step.
+fn stages<W: Substeps>() -> Stages<Act> {
+    Stages::of(&W::list()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
 }
 
 /// The parameters of a system, and the parts of a step.
 #[derive(Clone, Debug)]
 pub struct Prepared<P> {
-    pub(super) parameters: P,
-    pub(super) stages: Stages,
+    parameters: P,
+    stages: Stages<Act>,
 }
 
 /// The flows in a step.
-pub(crate) struct FlowsOf<'a, F: Field, K: Constant> {
+pub(crate) struct FlowsOf<'a, F: Field, K: Constant, const SQUARES: bool = false> {
     pub(crate) system: &'a F,
     pub(crate) parameters: &'a Of<F::Parameters, K>,
     pub(crate) t: K,
     pub(crate) h: K,
-    /// How many parts there are.
-    pub(crate) count: usize,
 }
 
-impl<F: Field, K: Constant> Clone for FlowsOf<'_, F, K> {
+impl<F: Field, K: Constant, const SQUARES: bool> Clone for FlowsOf<'_, F, K, SQUARES> {
     fn clone(&self) -> Self {
-        Self { ..*self }
+        *self
     }
 }
 
-impl<F: Flows, K: Constant, S: Over<K>> Take<S, F::Shape> for FlowsOf<'_, F, K> {
+impl<F: Field, K: Constant, const SQUARES: bool> Copy for FlowsOf<'_, F, K, SQUARES> {}
+
+impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Take<S, F::Shape, Act>
+    for FlowsOf<'_, F, K, SQUARES>
+{
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
-        index: usize,
-        stage: &Stage,
+        stage: &Stage<Act>,
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
-        let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
-        let (t, h) = (self.t + self.h * stage.node, self.h * stage.share());
-        match stage.half {
+        let (half, gradient) = stage.act;
+        let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
+        let (t, h) = (self.t + self.h * stage.node, self.h * stage.share);
+        match half {
             Half::First => {
                 self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut())
             }
+            Half::Second if SQUARES && gradient != 0.0 => {
+                let Memory { directional, dw, .. } = memory;
+                let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
+                directional.fit(q.len(), dw.len());
+                Kick { flows: &*self, stage, q, dw }.differentiate(directional, force, change);
+                let factor = 2.0 * gradient / stage.share.powi(3);
+                for (force, change) in force.iter_mut().zip(change) {
+                    *force = *force + *change * factor;
+                }
+                add::<S, C>(p.as_mut(), force, lost_p.as_mut());
+            }
             Half::Second => {
-                let is_end = index == 0 || index + 1 == self.count;
                 let (q, p, lost_p) = (q.as_ref(), p.as_mut(), lost_p.as_mut());
-                self.kick::<S, C>(Origin { t, h }, is_end, q, p, force.as_mut(), lost_p, memory);
+                self.kick::<S, C>(Origin { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
             }
         }
         Ok(())
     }
 }
 
-impl<F: Flows> FlowsOf<'_, F, f64> {
-    /// Where parts lead to, by a way to take them. A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick at `q` has
-    /// `-b V(q)` and what `also` says of it. Both sums of weights are 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum
-    /// up to values of `F`, less `F(q_0, p_0)`.
-    pub(crate) fn follow(
-        &self,
-        taken: &mut impl Take<f64, F::Shape>,
-        stages: &[Stage],
+impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
+    /// Where parts lead to. A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick at `q` has `-b V(q) + c |V'(q)|²`. Both sums of weights are 1, so that
+    /// `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum up to values of `F`, less `F(q_0, p_0)`.
+    fn follow(
+        self,
+        stages: &[Stage<Act>],
         segment: &Segment<F::Vector>,
         dw: &[f64],
-        also: impl Fn(usize, &Stage, &[f64]) -> f64,
     ) -> Option<Followed<F::Vector>> {
-        let &Self { system, t, h, .. } = self;
+        let Self { system, t, h, .. } = self;
         let (q0, p0) = (segment.q0.components(), segment.p.components());
         Hamiltonian::check(system, q0.len()).ok()?;
         let value = |q: &[f64], p: &[f64], t: f64| {
@@ -199,20 +226,22 @@ impl<F: Flows> FlowsOf<'_, F, f64> {
             h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
         };
         let mut followed =
-            follow(taken, stages, segment, dw, |index, stage, [before, _], [q, p]| match stage.half {
-                Half::First => {
+            follow(&mut self.clone(), stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
+                (Half::First, _) => {
                     let moved: f64 =
                         p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
                     moved - stage.weight * value(q0, p, t)
                 }
-                Half::Second => also(index, stage, q) - stage.weight * value(q, p0, t + stage.node * h),
+                (Half::Second, _) => {
+                    self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h)
+                }
             })?;
         followed.action += value(q0, p0, t);
         Some(followed)
     }
 }
 
-impl<F: Flows, K: Constant> FlowsOf<'_, F, K> {
+impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     /// Loops add to each place in turn, and need no room of their own.
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 

@@ -8,6 +8,7 @@
 //! conformally symplectic.
 
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use super::Verlet;
 use super::lagrangian::{self, Followed};
@@ -19,7 +20,7 @@ use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{ConfigError, StepFailure, StepPromise};
+use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Elements, Point, Slopes, slopes, value_of_part};
 use crate::scheme::gauss::Shape;
 use crate::scheme::plan::{KeptEnergy, Plan};
@@ -80,48 +81,59 @@ impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
     const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
 }
 
-/// The parts of a step, and the linear maps among them.
+/// The parts of a step.
 #[derive(Clone, Debug)]
-pub struct Prepared {
-    stages: Stages,
-    /// The number of the map of each stage that is one.
-    numbers: Vec<Option<usize>>,
-    maps: Vec<Linear>,
+pub struct Prepared(Stages<Act>);
+
+/// What a part does.
+#[derive(Clone, Debug)]
+enum Act {
+    /// `p ← p - a ∂H/∂q`
+    Kick(Half),
+    /// `q ← q + a ∂H/∂p`
+    Drift(Half),
+    /// A linear map.
+    Map(Arc<Linear>),
 }
 
-impl Prepared {
-    /// One map for all stages with the same weight.
-    fn new<F: Parts>(system: &F, degrees: usize, h: f64, substeps: &[Substep]) -> Result<Self, ConfigError> {
-        let stages = Stages::of(substeps);
-        let (mut numbers, mut maps, mut known) = (Vec::new(), Vec::new(), Vec::new());
-        for Stage { half, weight, .. } in &stages.0 {
-            if form::<F>(*half) != Form::Quadratic {
-                numbers.push(None);
-                continue;
-            }
-            let key = (*half, weight.to_bits());
-            let number = known.iter().position(|other| *other == key).unwrap_or(known.len());
-            if number == known.len() {
-                known.push(key);
-                maps.push(Linear::new(degrees, weight * h, |x, slopes| {
-                    let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
-                    system.slopes_of_part::<f64, true, true>(*half, 0.0, 1.0, q, p, by_q, by_p);
-                    if F::FACTS.kind.is_conformal {
-                        let rate = system.friction_rate();
-                        by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
-                    }
-                })?);
-            }
-            numbers.push(Some(number));
+/// With one map for all stages with the same weight.
+///
+/// # Errors
+/// [`ConfigError::Parameter`] where a coefficient is not finite.
+fn prepare<F: Parts>(
+    system: &F,
+    degrees: usize,
+    h: f64,
+    substeps: &[Substep],
+) -> Result<Prepared, ConfigError> {
+    let mut known: Vec<(Stage, Arc<Linear>)> = Vec::new();
+    let mut act = |stage: &Stage| {
+        let half = stage.act;
+        match form::<F>(half) {
+            Form::Coordinates => return Ok(Act::Kick(half)),
+            Form::Momenta => return Ok(Act::Drift(half)),
+            Form::Quadratic => {}
         }
-        Ok(Self { stages, numbers, maps })
-    }
-
-    /// The map of a stage.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn map(&self, index: usize) -> Option<&Linear> {
-        self.numbers.get(index).copied().flatten().and_then(|number| self.maps.get(number))
-    }
+        if let Some((_, map)) =
+            known.iter().find(|(other, _)| (other.act, other.weight) == (half, stage.weight))
+        {
+            return Ok(Act::Map(map.clone()));
+        }
+        let map = Linear::new(degrees, stage.weight * h, |x, slopes| {
+            let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
+            system.slopes_of_part::<f64, true, true>(half, 0.0, 1.0, q, p, by_q, by_p);
+            if F::FACTS.kind.is_conformal {
+                let rate = system.friction_rate();
+                by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
+            }
+        });
+        let map = Arc::new(map?);
+        known.push((*stage, map.clone()));
+        Ok(Act::Map(map))
+    };
+    let stages = Stages::of(substeps).0;
+    let stages = stages.iter().map(|stage| Ok(stage.with(act(stage)?)));
+    Ok(Prepared(Stages(stages.collect::<Result<_, _>>()?)))
 }
 
 fn form<F: Parts>(half: Half) -> Form {
@@ -145,7 +157,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
     fn prepare<K: Constant>(system: &F, _: Lift<'_, K>, h: K) -> Result<Prepared, ConfigError> {
         let h = without_derivatives(h)?;
         check(system)?;
-        Prepared::new(system, system.degrees(), h, &W::list())
+        prepare(system, system.degrees(), h, &W::list())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -157,8 +169,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let At { t, h, q, p, dw } = at.plain()?;
-        let mut flows = FlowsOf { system, prepared, t, h };
-        advance(system, &mut flows, &prepared.stages.0, [q, p], dw, memory, carry)
+        advance(system, &mut FlowsOf { system, t, h }, &prepared.0.0, [q, p], dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
@@ -174,63 +185,58 @@ impl<W: Substeps> PartFlows<W> {
     fn follow<F: Parts>(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> Option<Followed<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let prepared = Prepared::new(system, degrees, h, &W::list()).ok()?;
-        let mut flows = FlowsOf { system, prepared: &prepared, t, h };
-        let action = |index: usize, stage: &Stage, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
-            let value = || stage.weight * h * system.value_of_part(stage.half, t + stage.node * h, q, p);
-            match form::<F>(stage.half) {
-                Form::Coordinates => -value(),
-                Form::Momenta => {
+        let Prepared(Stages(stages)) = prepare(system, degrees, h, &W::list()).ok()?;
+        let action = |stage: &Stage<Act>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
+            let value = |half| stage.weight * h * system.value_of_part(half, t + stage.node * h, q, p);
+            match &stage.act {
+                Act::Kick(half) => -value(*half),
+                Act::Drift(half) => {
                     let moved =
                         p.iter().zip(q.iter().zip(before[0])).map(|(p, (q, before))| p * (q - before));
-                    moved.sum::<f64>() - value()
+                    moved.sum::<f64>() - value(*half)
                 }
-                Form::Quadratic => prepared.map(index).map_or(f64::NAN, |map| map.action(before, [q, p])),
+                Act::Map(map) => map.action(before, [q, p]),
             }
         };
-        follow(&mut flows, &prepared.stages.0, segment, dw, action)
+        follow(&mut FlowsOf { system, t, h }, &stages, segment, dw, action)
     }
 }
 
 /// The flows of the parts in a step.
 struct FlowsOf<'a, F> {
     system: &'a F,
-    prepared: &'a Prepared,
     t: f64,
     h: f64,
 }
 
-impl<F: Parts, S: Scalar> Take<S, F::Shape> for FlowsOf<'_, F> {
+impl<F: Parts, S: Scalar> Take<S, F::Shape, Act> for FlowsOf<'_, F> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
-        index: usize,
-        stage: &Stage,
+        stage: &Stage<Act>,
         rooms: &mut Rooms<S, F::Shape>,
         _: &mut Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
-        let &mut Self { system, prepared, t, h } = self;
-        let Rooms { q, p, lost_q, lost_p, force, velocity } = rooms;
-        let (q, p, force, velocity) = (q.as_mut(), p.as_mut(), force.as_mut(), velocity.as_mut());
+        let &mut Self { system, t, h } = self;
+        let [q, p, lost_q, lost_p, force, velocity] = rooms.0.each_mut().map(AsMut::as_mut);
         let (t, h) = (t + stage.node * h, stage.weight * h);
-        match form::<F>(stage.half) {
-            Form::Coordinates => {
-                system.slopes_of_part::<S, true, false>(stage.half, t, -h, q, p, force, &mut []);
+        match &stage.act {
+            Act::Kick(half) => {
+                system.slopes_of_part::<S, true, false>(*half, t, -h, q, p, force, &mut []);
                 if F::FACTS.kind.is_forced {
                     system.force(q, p, t, velocity);
                     force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
                 }
-                add::<S, C>(p, force, lost_p.as_mut());
+                add::<S, C>(p, force, lost_p);
             }
-            Form::Momenta => {
-                system.slopes_of_part::<S, false, true>(stage.half, t, h, q, p, &mut [], velocity);
-                add::<S, C>(q, velocity, lost_q.as_mut());
+            Act::Drift(half) => {
+                system.slopes_of_part::<S, false, true>(*half, t, h, q, p, &mut [], velocity);
+                add::<S, C>(q, velocity, lost_q);
             }
-            Form::Quadratic => {
-                let map = prepared.map(index).ok_or(StepFailure::Internal(StepPromise::LinearMaps))?;
+            Act::Map(map) => {
                 map.increments([q, p], [&mut *velocity, &mut *force]);
-                add::<S, C>(q, velocity, lost_q.as_mut());
-                add::<S, C>(p, force, lost_p.as_mut());
+                add::<S, C>(q, velocity, lost_q);
+                add::<S, C>(p, force, lost_p);
             }
         }
         Ok(())

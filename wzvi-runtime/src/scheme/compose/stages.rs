@@ -17,43 +17,47 @@ use crate::scheme::system::{Hamiltonian, Segment, fits};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
-pub(crate) struct Stages(pub(crate) Vec<Stage>);
+pub(crate) struct Stages<A = Half>(pub(crate) Vec<Stage<A>>);
 
 /// A part of a step: the fraction `weight` of that of a whole step, at the fraction `node` of its time: as far as those of the
 /// other kind have come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stage {
-    pub(crate) half: Half,
+pub(crate) struct Stage<A = Half> {
+    /// What it does.
+    pub(crate) act: A,
     pub(crate) weight: f64,
+    /// Of time and increments, for the flow of `T` or of `-V`.
+    pub(crate) share: f64,
     pub(crate) node: f64,
+    /// Whether it is a kick that a step begins or ends with.
+    pub(crate) is_end: bool,
 }
 
 impl Stage {
-    /// Of time and increments, for the flow of `T` or of `-V`.
+    pub(crate) const fn new(half: Half, weight: f64, node: f64) -> Self {
+        let share = if matches!(half, Half::First) { weight } else { -weight };
+        Self { act: half, weight, share, node, is_end: false }
+    }
+}
+
+impl<A> Stage<A> {
+    /// The same time and weight for something else.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn share(&self) -> f64 {
-        if self.half == Half::First { self.weight } else { -self.weight }
+    pub(crate) const fn with<B>(&self, act: B) -> Stage<B> {
+        let Self { weight, share, node, is_end, .. } = *self;
+        Stage { act, weight, share, node, is_end }
     }
 }
 
 impl Stages {
-    /// These, as they are: two neighbours of one kind, too.
-    pub(crate) fn listed(stages: impl IntoIterator<Item = (Half, f64, f64)>) -> Self {
-        Self(stages.into_iter().map(|(half, weight, node)| Stage { half, weight, node }).collect())
-    }
-
     /// With neighbours of one kind as one.
     pub(crate) fn of(substeps: &[Substep]) -> Self {
         let mut stages: Vec<Stage> = Vec::new();
         let [mut first, mut second] = [0.0; 2];
         for &(half, weight) in substeps.iter().filter(|(_, weight)| *weight != 0.0) {
             match stages.last_mut() {
-                Some(last) if last.half == half => last.weight += weight,
-                _ => stages.push(Stage {
-                    half,
-                    weight,
-                    node: if half == Half::First { second } else { first },
-                }),
+                Some(last) if last.act == half => *last = Stage::new(half, last.weight + weight, last.node),
+                _ => stages.push(Stage::new(half, weight, if half == Half::First { second } else { first })),
             }
             *if half == Half::First { &mut first } else { &mut second } += weight;
         }
@@ -61,7 +65,25 @@ impl Stages {
         if let Some(last) = stages.last_mut() {
             last.node = 1.0;
         }
-        Self(stages)
+        Self(stages).with_ends(|half| Some(*half))
+    }
+
+    /// The same with something else done in each.
+    pub(crate) fn map<B>(self, act: impl Fn(usize, Half) -> B) -> Stages<B> {
+        let stages = self.0.iter().enumerate().map(|(index, stage)| stage.with(act(index, stage.act)));
+        Stages(stages.collect())
+    }
+}
+
+impl<A> Stages<A> {
+    /// With the first and the last flow marked, where they are kicks.
+    pub(crate) fn with_ends(mut self, half_of: impl Fn(&A) -> Option<Half>) -> Self {
+        let flows = || (0..self.0.len()).filter(|&index| half_of(&self.0[index].act).is_some());
+        for end in [flows().next(), flows().next_back()].into_iter().flatten() {
+            let stage = &mut self.0[end];
+            stage.is_end = half_of(&stage.act) == Some(Half::Second);
+        }
+        self
     }
 }
 
@@ -105,50 +127,27 @@ const fn carry_derivatives<S: Scalar>() -> bool {
     !S::IS_BESIDE && size_of::<S>() != size_of::<f64>()
 }
 
-/// What a step computes.
+/// What a step computes: coordinates and momenta, what rounding took of them, and increments of momenta and of coordinates.
 #[derive(Debug)]
-pub(crate) struct Rooms<S: Scalar, H: Shape> {
-    pub(crate) q: List<S, H>,
-    pub(crate) p: List<S, H>,
-    /// What rounding took.
-    pub(crate) lost_q: List<S, H>,
-    pub(crate) lost_p: List<S, H>,
-    /// Increments of `p` and of `q`.
-    pub(crate) force: List<S, H>,
-    pub(crate) velocity: List<S, H>,
-}
+pub(crate) struct Rooms<S: Scalar, H: Shape>(pub(crate) [List<S, H>; 6]);
 
 impl<S: Scalar, H: Shape> Rooms<S, H> {
     pub(crate) fn of_length(length: usize) -> Self {
-        let list = || H::list(length, S::from_f64(0.0));
-        Self { q: list(), p: list(), lost_q: list(), lost_p: list(), force: list(), velocity: list() }
+        Self(std::array::from_fn(|_| H::list(length, S::from_f64(0.0))))
     }
 
     /// The rooms, for the duration of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(&mut self) -> Self {
-        let zero = S::from_f64(0.0);
-        let Self { q, p, lost_q, lost_p, force, velocity } = self;
-        Self {
-            q: H::take(q, zero),
-            p: H::take(p, zero),
-            lost_q: H::take(lost_q, zero),
-            lost_p: H::take(lost_p, zero),
-            force: H::take(force, zero),
-            velocity: H::take(velocity, zero),
-        }
+        Self(self.0.each_mut().map(|list| H::take(list, S::from_f64(0.0))))
     }
 
     /// Takes them back.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn give_back(&mut self, rooms: Self) {
-        let Self { q, p, lost_q, lost_p, force, velocity } = rooms;
-        H::give_back(&mut self.q, q);
-        H::give_back(&mut self.p, p);
-        H::give_back(&mut self.lost_q, lost_q);
-        H::give_back(&mut self.lost_p, lost_p);
-        H::give_back(&mut self.force, force);
-        H::give_back(&mut self.velocity, velocity);
+    fn give_back(&mut self, Self(rooms): Self) {
+        for (list, room) in self.0.iter_mut().zip(rooms) {
+            H::give_back(list, room);
+        }
     }
 }
 
@@ -275,15 +274,14 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
 }
 
 /// How a part of a step is taken.
-pub(crate) trait Take<S: Scalar, H: Shape> {
-    /// Moves the state in `rooms` by part `index` of a step, with `memory.dw` as its increments.
+pub(crate) trait Take<S: Scalar, H: Shape, A = Half> {
+    /// Moves the state in `rooms` by a part of a step, with `memory.dw` as its increments.
     ///
     /// # Errors
     /// Where the part has no end; `rooms` are then any.
     fn take<C: Carry<S>>(
         &mut self,
-        index: usize,
-        stage: &Stage,
+        stage: &Stage<A>,
         rooms: &mut Rooms<S, H>,
         memory: &mut Memory<S, H>,
     ) -> Result<(), StepFailure>;
@@ -294,10 +292,10 @@ pub(crate) trait Take<S: Scalar, H: Shape> {
 /// # Errors
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
+pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     system: &impl Hamiltonian,
-    taken: &mut impl Take<S, H>,
-    stages: &[Stage],
+    taken: &mut impl Take<S, H, A>,
+    stages: &[Stage<A>],
     [q, p]: [&mut [S]; 2],
     dw: &[S],
     memory: &mut Memory<S, H>,
@@ -315,25 +313,26 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
         return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
     }
     let mut rooms = memory.rooms.take();
-    rooms.q.as_mut().copy_from_slice(q);
-    rooms.p.as_mut().copy_from_slice(p);
+    let [next_q, next_p, lost_q, lost_p, ..] = &mut rooms.0;
+    next_q.as_mut().copy_from_slice(q);
+    next_p.as_mut().copy_from_slice(p);
     if C::CARRIES {
-        let lost = rooms.lost_q.as_mut().iter_mut().zip(rooms.lost_p.as_mut());
+        let lost = lost_q.as_mut().iter_mut().zip(lost_p.as_mut());
         for (i, (lost_q, lost_p)) in lost.enumerate() {
             (*lost_q, *lost_p) = (carry.of_coordinate(i), carry.of_momentum(i));
         }
     }
     let mut taken_all = Ok(());
-    for (index, stage) in stages.iter().enumerate() {
+    for stage in stages {
         for (scaled, dw) in memory.dw.iter_mut().zip(dw) {
-            *scaled = *dw * stage.share();
+            *scaled = *dw * stage.share;
         }
-        taken_all = taken.take::<C>(index, stage, &mut rooms, memory);
+        taken_all = taken.take::<C>(stage, &mut rooms, memory);
         if taken_all.is_err() {
             break;
         }
     }
-    let Rooms { q: next_q, p: next_p, lost_q, lost_p, .. } = &rooms;
+    let [next_q, next_p, lost_q, lost_p, ..] = &rooms.0;
     let is_good = taken_all.is_ok() && are_finite(next_q.as_ref()) && are_finite(next_p.as_ref());
     if is_good {
         q.copy_from_slice(next_q.as_ref());
@@ -349,31 +348,34 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape>(
 
 /// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians, of which `action` gives that
 /// of one part from the states before and after it; `None` where a part has no end.
-pub(crate) fn follow<V: Vector, H: Shape>(
-    taken: &mut impl Take<f64, H>,
-    stages: &[Stage],
+pub(crate) fn follow<V: Vector, H: Shape, A>(
+    taken: &mut impl Take<f64, H, A>,
+    stages: &[Stage<A>],
     segment: &Segment<V>,
     dw: &[f64],
-    action_of: impl Fn(usize, &Stage, [&[f64]; 2], [&[f64]; 2]) -> f64,
+    action_of: impl Fn(&Stage<A>, [&[f64]; 2], [&[f64]; 2]) -> f64,
 ) -> Option<Followed<V>> {
     let (q0, p0) = (segment.q0.components(), segment.p.components());
     let mut rooms = Rooms::<f64, H>::of_length(q0.len());
     let mut memory = Memory::of_length(q0.len());
-    rooms.q.as_mut().copy_from_slice(q0);
-    rooms.p.as_mut().copy_from_slice(p0);
+    let state = |rooms: &Rooms<f64, H>| [0, 1].map(|half| rooms.0[half].as_ref().to_vec());
+    rooms.0[0].as_mut().copy_from_slice(q0);
+    rooms.0[1].as_mut().copy_from_slice(p0);
     let mut action = 0.0;
-    for (index, stage) in stages.iter().enumerate() {
-        memory.dw = dw.iter().map(|dw| stage.share() * dw).collect();
-        let before = [rooms.q.as_ref(), rooms.p.as_ref()].map(<[f64]>::to_vec);
-        taken.take::<Plain>(index, stage, &mut rooms, &mut memory).ok()?;
-        action += action_of(index, stage, [&before[0], &before[1]], [rooms.q.as_ref(), rooms.p.as_ref()]);
+    for stage in stages {
+        memory.dw = dw.iter().map(|dw| stage.share * dw).collect();
+        let before = state(&rooms);
+        taken.take::<Plain>(stage, &mut rooms, &mut memory).ok()?;
+        let after = state(&rooms);
+        action +=
+            action_of(stage, before.each_ref().map(|list| &list[..]), after.each_ref().map(|list| &list[..]));
     }
-    let vector = |list: &[f64]| {
+    let [q, p] = state(&rooms).map(|list| {
         let mut vector = V::zeros(list.len());
-        vector.components_mut().copy_from_slice(list);
+        vector.components_mut().copy_from_slice(&list);
         vector
-    };
-    Some(Followed { q: vector(rooms.q.as_ref()), p: vector(rooms.p.as_ref()), action })
+    });
+    Some(Followed { q, p, action })
 }
 
 /// `into ← into + slopes`

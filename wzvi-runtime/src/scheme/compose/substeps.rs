@@ -21,6 +21,8 @@ pub type Substep = (Half, f64);
 pub trait Substeps {
     /// The order of the step.
     const ORDER: u32;
+    /// The factors of the squares of forces, one for each part, where there are some.
+    const GRADIENT: &'static [f64] = &[];
     /// All of them.
     fn list() -> Vec<Substep>;
 }
@@ -45,6 +47,7 @@ pub struct Many<E, K, W>(PhantomData<(E, K, W)>);
 
 impl<E, K: Structure<E>, W: Composes<E, K>> Substeps for Many<E, K, W> {
     const ORDER: u32 = W::ORDER;
+    const GRADIENT: &'static [f64] = W::GRADIENT;
 
     fn list() -> Vec<Substep> {
         W::substeps()

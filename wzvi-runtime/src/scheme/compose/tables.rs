@@ -3,7 +3,6 @@
 //! The decimals are those of the published tables, polished until the order conditions hold to many more digits than `f64` has, and
 //! rounded.
 
-use super::gradient::GradientTable;
 use super::{Partitioned, Weights};
 
 /// Order 4 in 3 steps: H. Yoshida, "Construction of higher order symplectic integrators", Phys. Lett. A 150, 1990.
@@ -280,9 +279,11 @@ impl Partitioned for Chin4 {
     const SEQUENCE: &'static [f64] = &[1.0 / 6.0, 0.5, 2.0 / 3.0, 0.5, 1.0 / 6.0];
 }
 
-impl GradientTable for Chin4 {
-    const GRADIENT: &'static [f64] = &[0.0, 0.0, 1.0 / 72.0, 0.0, 0.0];
-    const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
+impl Chin4 {
+    /// The factors of the squares of the force.
+    pub(super) const GRADIENT: &'static [f64] = &[0.0, 0.0, 1.0 / 72.0, 0.0, 0.0];
+    /// What `EQUATIONS` say of it.
+    pub(super) const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
 }
 
 /// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2, and of effective order 4, that is conjugate to a
@@ -298,7 +299,9 @@ impl Partitioned for TakahashiImada4 {
     const SEQUENCE: &'static [f64] = &[0.5, 1.0, 0.5];
 }
 
-impl GradientTable for TakahashiImada4 {
-    const GRADIENT: &'static [f64] = &[0.0, 1.0 / 24.0, 0.0];
-    const NOTE: &'static str = " (the kick by V - h²/24 V'·M⁻¹V')";
+impl TakahashiImada4 {
+    /// The factors of the squares of the force.
+    pub(super) const GRADIENT: &'static [f64] = &[0.0, 1.0 / 24.0, 0.0];
+    /// What `EQUATIONS` say of it.
+    pub(super) const NOTE: &'static str = " (the kick by V - h²/24 V'·M⁻¹V')";
 }

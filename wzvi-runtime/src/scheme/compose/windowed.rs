@@ -1,11 +1,15 @@
 //! Kicks and drifts of large systems of elements, window by window.
 
-use super::flows::Flows;
+use super::flows::{Act, Flows};
 use super::stages::Stage;
 use super::substeps::Half;
 use crate::algebra::memory::Threads;
+use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
-use crate::scheme::elements::{Flow, LEAST_IN_WINDOWS, Letter, Origin, Taken, WindowPlan, Word};
+use crate::scheme::elements::{
+    Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Shared, Slopes, Sums, Taken, WindowPlan, Word,
+    add_flow,
+};
 use crate::scheme::system::{Hamiltonian as _, fits};
 
 /// Degrees of freedom from which paths of an ensemble go one after the other, window by window. A step of a word in windows takes some 150 ns
@@ -64,12 +68,12 @@ impl Memory {
     /// # Errors
     /// Where sizes do not fit, or the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn advance<'m, F: Flows, W: Word>(
+    pub(crate) fn advance<'m, F: Flows, W: Word, A>(
         &'m mut self,
         system: &F,
-        stages: &'m [Stage],
+        stages: &'m [Stage<A>],
         givens: Givens<'_>,
-        word: impl FnOnce(KicksAndDrifts<'m>) -> W,
+        word: impl FnOnce(FlowList<'m, A>) -> W,
     ) -> Result<(Taken<'m>, W), StepFailure> {
         let Givens { t, h, q, p, dw } = givens;
         let degrees = q.len();
@@ -84,19 +88,19 @@ impl Memory {
         }
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
-        let mut word = word(KicksAndDrifts { t, h, stages, scaled, reads_time: F::FORCE_READS_TIME });
+        let mut word = word(FlowList { t, h, stages, scaled, reads_time: F::FORCE_READS_TIME });
         let missing = Err(StepFailure::Internal(StepPromise::Windows));
         let taken = system.take_windows(&mut word, q, p, plan).unwrap_or(missing)?;
         Ok((taken, word))
     }
 
-    fn scale(&mut self, stages: &[Stage], dw: &[f64]) {
+    fn scale<A>(&mut self, stages: &[Stage<A>], dw: &[f64]) {
         if dw.is_empty() {
             return;
         }
         for stage in stages {
-            if !self.scaled.iter().any(|scaled| scaled.share == stage.share()) {
-                self.scaled.push(Scaled { share: stage.share(), dw: Vec::new() });
+            if !self.scaled.iter().any(|scaled| scaled.share == stage.share) {
+                self.scaled.push(Scaled { share: stage.share, dw: Vec::new() });
             }
         }
         for Scaled { share, dw: scaled } in &mut self.scaled {
@@ -106,24 +110,81 @@ impl Memory {
     }
 }
 
-/// The kicks and drifts of a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct KicksAndDrifts<'a> {
+/// The parts of a step, of which some are kicks and drifts.
+#[derive(Debug)]
+pub(crate) struct FlowList<'a, A> {
     t: f64,
     h: f64,
-    stages: &'a [Stage],
+    stages: &'a [Stage<A>],
     scaled: &'a [Scaled],
     reads_time: bool,
 }
 
-impl KicksAndDrifts<'_> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn step_size(&self) -> f64 {
-        self.h
+impl<A> Clone for FlowList<'_, A> {
+    fn clone(&self) -> Self {
+        *self
     }
 }
 
-impl Word for KicksAndDrifts<'_> {
+impl<A> Copy for FlowList<'_, A> {}
+
+impl<'a, A> FlowList<'a, A> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn stages(&self) -> &'a [Stage<A>] {
+        self.stages
+    }
+
+    /// How long a part takes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn time(&self, stage: &Stage<A>) -> f64 {
+        stage.weight * self.h
+    }
+
+    /// What a kick or a drift does.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn kind(&self, number: usize, half: Half) -> Move {
+        match half {
+            Half::First => Move::Drift,
+            Half::Second if self.stages[number].is_end => Move::Kick(Kick::Plus),
+            Half::Second => Move::Kick(Kick::Terms),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn flow(&self, number: usize) -> Flow<'a, f64> {
+        let &Stage { share, node, .. } = &self.stages[number];
+        let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
+        Flow { t: self.t + node * self.h, h: share * self.h, dw }
+    }
+
+    /// [`Word::origin`]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn origin(&self, number: usize) -> Option<Origin> {
+        let Flow { t, h, dw } = self.flow(number);
+        let is_kept = self.stages[number].is_end && dw.is_empty();
+        is_kept.then(|| Origin { t: self.reads_time.then_some(t), h })
+    }
+
+    /// [`Word::add_slopes`]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn add_slopes<H, T, V, S>(
+        &self,
+        system: &H,
+        number: usize,
+        state: &V,
+        wanted: Slopes,
+        into: &mut S,
+    ) where
+        H: Shared,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        S: Sums<f64>,
+    {
+        add_flow::<H, f64, T, V, S>(system, self.flow(number), state, wanted, into);
+    }
+}
+
+impl Word for FlowList<'_, Act> {
     type Share<'s>
         = Self
     where
@@ -145,22 +206,23 @@ impl Word for KicksAndDrifts<'_> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn letter(&self, number: usize) -> Letter<'_> {
-        let stage = &self.stages[number];
-        let share = stage.share();
-        let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
-        let h = share * self.h;
-        match stage.half {
-            Half::First => Letter::Drift(Flow { t: self.t, h, dw }),
-            Half::Second => {
-                let t = self.t + stage.node * self.h;
-                let origin = Origin { t: self.reads_time.then_some(t), h };
-                let flow = Flow { t, h, dw };
-                match number == 0 || number + 1 == self.stages.len() {
-                    true => Letter::KickAtEnd(flow, dw.is_empty().then_some(origin)),
-                    false => Letter::Kick(flow),
-                }
-            }
-        }
+    fn kind(&self, number: usize) -> Move {
+        Self::kind(self, number, self.stages[number].act.0)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        Self::origin(self, number)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_slopes<H, T, V, S>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut S)
+    where
+        H: Shared,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        S: Sums<f64>,
+    {
+        Self::add_slopes::<H, T, V, S>(self, system, number, state, wanted, into);
     }
 }

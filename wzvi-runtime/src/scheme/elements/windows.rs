@@ -25,16 +25,15 @@ use std::ops::Range;
 
 pub(super) use explicit::takes_windows;
 pub(super) use sweep::Sweeps;
-pub use word::{Flow, Letter, Origin, Word, take_windows};
+pub use word::{Flow, Kick, Move, Origin, Word, take_windows};
 
 use layout::{Recorder, Windows};
 use order::{Turn, divided};
 use share::{Job, Room, Taking};
 
 use super::step::nothing;
-use super::sums::{Given, Sums};
+use super::{Shared, Slopes};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::algebra::scalar::Number;
 use crate::algebra::state::Vector;
 use crate::algebra::threads::Threads;
 use crate::error::StepFailure;
@@ -58,90 +57,6 @@ const MOST_KEPT: usize = 1 << 15;
 /// Degrees of freedom that are worth a thread of their own: a step of so many takes some 200 µs, and to begin a thread and to wait for it
 /// some 50 µs, up to 100 where the machine does something else besides (`cargo bench --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 17;
-
-/// How the sum of the slopes by the coordinates of a site, or its terms, come to its momentum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kick {
-    /// `p - sum`
-    Minus,
-    /// `p + (0 - sum)`
-    MinusFromZero,
-    /// `p + sum`, in a word
-    Plus,
-    /// `((p + term) + term) + ...`, in a word
-    Terms,
-}
-
-/// What is done to every site.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Move {
-    Kick(Kick),
-    /// Adds velocities to coordinates: their sum, or term by term in a word.
-    Drift,
-    /// Changes momenta, one by one.
-    Momenta,
-    /// Changes coordinates and momenta, one by one.
-    State,
-}
-
-/// The moves of a step.
-trait Moves {
-    /// The same for the time of a step, which threads may have.
-    type Share<'s>: Moves + Send
-    where
-        Self: 's;
-    /// What slopes are computed with, as [`Elements::Exact`](super::Elements::Exact).
-    type Exact: Number<f64>;
-    /// As [`Elements::Usual`](super::Elements::Usual).
-    type Usual: Number<f64>;
-    /// Whether each velocity has one term.
-    const HAVE_ONE_VELOCITY: bool;
-    /// Whether it is a [`Word`].
-    const IS_WORD: bool;
-    /// Whether there are [`Move::Momenta`] or [`Move::State`], and several drifts may be between two kicks.
-    const CHANGES: bool;
-
-    /// All places.
-    fn share(&mut self) -> Self::Share<'_>;
-
-    /// Those before a place, and those from it on.
-    fn divide(self, place: usize) -> [Self; 2]
-    where
-        Self: Sized;
-
-    fn degrees(&self) -> usize;
-
-    /// Tells where the elements of the system add what, each of them once.
-    fn record(&self, recorder: &Recorder);
-
-    /// How many moves there are.
-    fn count(&self) -> usize;
-
-    fn kind(&self, number: usize) -> Move;
-
-    /// What the force of a kick depends on besides the coordinates, if it is one at the end of a step, which the next begins with.
-    fn origin(&self, number: usize) -> Option<Origin>;
-
-    /// Adds slopes by the coordinates `q`.
-    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
-    where
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>;
-
-    /// Adds slopes by the momenta `p`.
-    fn add_velocities<T, V, A>(&self, number: usize, p: &V, into: &mut A)
-    where
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>;
-
-    /// [`Move::Momenta`] of some places. It may be done again.
-    fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]);
-
-    /// [`Move::State`] of some places. It may be done again.
-    fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]);
-}
 
 /// The windows of a system from the first step on, and on how many threads they are to be taken.
 #[derive(Debug, Default)]
@@ -224,10 +139,10 @@ impl Kernel for IsSame<'_> {
 }
 
 /// The moves of each round: a kick after a drift begins a new one.
-fn rounds(moves: &impl Moves) -> Vec<Range<usize>> {
+fn rounds(word: &impl Word) -> Vec<Range<usize>> {
     let (mut rounds, mut start, mut has_drifted) = (Vec::new(), 0, false);
-    for number in 0..moves.count() {
-        match moves.kind(number) {
+    for number in 0..word.count() {
+        match word.kind(number) {
             Move::Kick(_) if has_drifted => {
                 rounds.push(start..number);
                 (start, has_drifted) = (number, false);
@@ -236,23 +151,32 @@ fn rounds(moves: &impl Moves) -> Vec<Range<usize>> {
             Move::Kick(_) | Move::Momenta => {}
         }
     }
-    rounds.push(start..moves.count());
+    rounds.push(start..word.count());
     rounds
 }
 
 impl Plan {
-    /// Takes down where the elements of a system add what.
+    /// Takes down where the elements of a system add what, each of them once.
     #[cold]
     #[inline(never)]
-    fn new(moves: &impl Moves, threads: Threads) -> Self {
-        let degrees = moves.degrees();
-        let recorder = Recorder::default();
-        moves.record(&recorder);
+    fn new<H: Shared>(system: &H, word: &impl Word, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
+        let (degrees, recorder) = (q.len(), Recorder::default());
+        for (state, wanted) in [(q, Slopes::BY_COORDINATES), (p, Slopes::BY_MOMENTA)] {
+            let adds = |&number: &usize| match word.kind(number) {
+                Move::Kick(_) => wanted.by_q,
+                Move::Drift => wanted.by_p,
+                Move::Momenta | Move::State => false,
+            };
+            // The first kick of a scheme may add nothing.
+            if let Some(number) = (0..word.count()).rev().find(adds) {
+                word.add_slopes::<H, f64, _, _>(system, number, state, wanted, &mut &recorder);
+            }
+        }
         let windows = Windows::new(degrees, SIZE, recorder);
-        let rounds = rounds(moves);
+        let rounds = rounds(word);
         let (shares, rest) = Self::shares(&windows, rounds.len(), threads.number(degrees / LEAST_OF_THREAD));
         let list = |is_needed: bool| vec![0.0; if is_needed { degrees } else { 0 }];
-        let is_kept = degrees <= MOST_KEPT && (0..moves.count()).any(|number| moves.origin(number).is_some());
+        let is_kept = degrees <= MOST_KEPT && (0..word.count()).any(|number| word.origin(number).is_some());
         Self {
             coordinates: [list(true), list(rounds.len() > 2)],
             momenta: list(true),
@@ -283,24 +207,24 @@ impl Plan {
         self.momenta.len()
     }
 
-    /// Whether it is one for such moves.
-    fn fits(&self, moves: &impl Moves) -> bool {
-        self.degrees() == moves.degrees() && self.rounds.last().is_some_and(|last| last.end == moves.count())
+    /// Whether it is one for such parts of so many degrees of freedom.
+    fn fits(&self, word: &impl Word, degrees: usize) -> bool {
+        self.degrees() == degrees && self.rounds.last().is_some_and(|last| last.end == word.count())
     }
 
     /// The coordinates that the step has led to: no round but the last is without a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn last(&self, moves: &impl Moves) -> usize {
-        let drifts = |number| !matches!(moves.kind(number), Move::Kick(_) | Move::Momenta);
+    fn last(&self, word: &impl Word) -> usize {
+        let drifts = |number| !matches!(word.kind(number), Move::Kick(_) | Move::Momenta);
         let last_drifts = self.rounds.last().is_some_and(|last| last.clone().any(drifts));
         (self.rounds.len() + usize::from(last_drifts)) % 2
     }
 
     /// Whether the first force is the one that is kept.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reuses(&mut self, moves: &impl Moves, q: &[f64]) -> bool {
+    fn reuses(&mut self, word: &impl Word, q: &[f64]) -> bool {
         let Some(known) = self.kept.origin.take() else { return false };
-        let first = self.rounds[0].clone().find_map(|number| moves.origin(number));
+        let first = self.rounds[0].clone().find_map(|number| word.origin(number));
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
     }
 
@@ -318,23 +242,29 @@ impl Plan {
 
     /// All turns of a step; whether the new state is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<M: Moves>(&mut self, moves: &mut M, state: [&[f64]; 2], reuses: bool) -> bool {
+    fn take<H: Shared, W: Word>(
+        &mut self,
+        system: &H,
+        word: &mut W,
+        state: [&[f64]; 2],
+        reuses: bool,
+    ) -> bool {
         let instructions = self.instructions;
         let (step, shares, rest, mut room) = self.parts(state, reuses);
         let of_threads =
-            shares.is_empty() || step.on_threads::<M, M::Usual>(moves, shares, room.lend(), instructions);
-        of_threads && Job::<_, M::Usual, true>::new(step, moves.share(), rest, room).run_in(instructions)
+            shares.is_empty() || step.on_threads(system, word, shares, room.lend(), instructions);
+        of_threads
+            && Job::<_, _, H::Usual, true>::new(step, system, word.share(), rest, room).run_in(instructions)
     }
 
     /// The same on one thread where a function has an argument that is not usual, or to no avail.
     #[cold]
     #[inline(never)]
-    fn take_exactly<M: Moves>(&mut self, moves: &mut M, state: [&[f64]; 2]) -> bool {
+    fn take_exactly<H: Shared, W: Word>(&mut self, system: &H, word: &mut W, state: [&[f64]; 2]) -> bool {
         let (step, shares, rest, mut room) = self.parts(state, false);
-        shares
-            .iter_mut()
-            .chain([rest])
-            .all(|share| Job::<_, M::Exact, true>::new(step, moves.share(), share, room.lend()).run::<1, 1>())
+        shares.iter_mut().chain([rest]).all(|share| {
+            Job::<_, _, H::Exact, true>::new(step, system, word.share(), share, room.lend()).run::<1, 1>()
+        })
     }
 }
 
@@ -359,30 +289,30 @@ impl Taken<'_> {
     }
 }
 
-/// All moves of a step from `q` and `p`.
+/// All parts of a step from `q` and `p`.
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
 #[inline(never)]
-fn advance<'p, M: Moves>(
-    moves: &mut M,
-    q: &[f64],
-    p: &[f64],
+fn advance<'p, H: Shared, W: Word>(
+    system: &H,
+    word: &mut W,
+    state: [&[f64]; 2],
     WindowPlan { threads, plan }: &'p mut WindowPlan,
 ) -> Result<Taken<'p>, StepFailure> {
-    if plan.as_ref().is_none_or(|plan| !plan.fits(moves)) {
+    if plan.as_ref().is_none_or(|plan| !plan.fits(word, state[0].len())) {
         *plan = None;
     }
-    let plan = plan.get_or_insert_with(|| Box::new(Plan::new(moves, *threads)));
-    let reuses = plan.reuses(moves, q);
-    if !(plan.take(moves, [q, p], reuses) || plan.take_exactly(moves, [q, p])) {
+    let plan = plan.get_or_insert_with(|| Box::new(Plan::new(system, word, state, *threads)));
+    let reuses = plan.reuses(word, state[0]);
+    if !(plan.take(system, word, state, reuses) || plan.take_exactly(system, word, state)) {
         return Err(StepFailure::NonFinite);
     }
     if !plan.kept.q.is_empty()
         && let Some(last) = plan.rounds.last()
     {
-        plan.kept.origin = last.clone().find_map(|number| moves.origin(number));
+        plan.kept.origin = last.clone().find_map(|number| word.origin(number));
     }
-    let last = plan.last(moves);
+    let last = plan.last(word);
     Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta })
 }

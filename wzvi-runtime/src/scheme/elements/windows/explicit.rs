@@ -1,9 +1,6 @@
 //! The moves of a scheme with one quadrature point at a node.
 
-use std::ops::Range;
-
-use super::layout::Recorder;
-use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, advance};
+use super::{Kick, LEAST_IN_WINDOWS, Move, Taken, WindowPlan, Word, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
 use crate::scheme::elements::step::Step;
@@ -41,8 +38,8 @@ impl<H: Shared> Step<'_, H, f64> {
         mut self,
         plan: &'p mut WindowPlan,
     ) -> Result<Taken<'p>, StepFailure> {
-        let (q, p) = (self.q, self.p);
-        advance(&mut self, q, p, plan)
+        let (system, state) = (self.system, [self.q, self.p]);
+        advance(system, &mut self, state, plan)
     }
 
     /// Adds the slopes of the stages with a weight.
@@ -72,16 +69,13 @@ impl<H: Shared> Step<'_, H, f64> {
     }
 }
 
-impl<H: Shared> Moves for Step<'_, H, f64> {
+/// The system of a step is its own.
+impl<H: Shared> Word for Step<'_, H, f64> {
     type Share<'s>
         = Self
     where
         Self: 's;
-    type Exact = H::Exact;
-    type Usual = H::Usual;
-    const HAVE_ONE_VELOCITY: bool = H::FACTS.has_one_velocity;
-    const IS_WORD: bool = false;
-    const CHANGES: bool = false;
+    const ADDS_TERMS: bool = false;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn share(&mut self) -> Self {
@@ -91,16 +85,6 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(self, _: usize) -> [Self; 2] {
         [self; 2]
-    }
-
-    fn degrees(&self) -> usize {
-        self.q.len()
-    }
-
-    fn record(&self, mut recorder: &Recorder) {
-        let all = |_: &Stage| 1.0;
-        self.slopes_of::<f64, _, _>(all, self.q, Slopes::BY_COORDINATES, &mut recorder);
-        self.slopes_of::<f64, _, _>(all, self.p, Slopes::BY_MOMENTA, &mut recorder);
     }
 
     /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
@@ -119,34 +103,18 @@ impl<H: Shared> Moves for Step<'_, H, f64> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, _: usize) -> Option<Origin> {
-        None
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
+    fn add_slopes<G, T, V, A>(&self, _: &G, number: usize, state: &V, wanted: Slopes, into: &mut A)
     where
+        G: Shared,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
         A: Sums<f64>,
     {
-        let weight_of = |stage: &Stage| if number == 0 { stage.start } else { stage.end };
-        self.slopes_of::<T, V, A>(weight_of, q, Slopes::BY_COORDINATES, into);
+        let weight_of = |stage: &Stage| match number {
+            0 => stage.start,
+            1 => 1.0,
+            _ => stage.end,
+        };
+        self.slopes_of::<T, V, A>(weight_of, state, wanted, into);
     }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_velocities<T, V, A>(&self, _: usize, p: &V, into: &mut A)
-    where
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>,
-    {
-        self.slopes_of::<T, V, A>(|_| 1.0, p, Slopes::BY_MOMENTA, into);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&mut self, _: usize, _: Range<usize>, _: &mut [f64]) {}
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&mut self, _: usize, _: Range<usize>, _: &mut [f64], _: &mut [f64]) {}
 }

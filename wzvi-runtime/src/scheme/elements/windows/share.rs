@@ -12,7 +12,7 @@ use super::check::Check;
 use super::layout::{Strip, Windows};
 use super::order::Turn;
 use super::sums::{Moved, Stretch, Window};
-use super::{Kick, LINE, Move, Moves, Share};
+use super::{Kick, LINE, Move, Share, Shared, Slopes, Word};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
 use crate::algebra::threads::each;
@@ -63,21 +63,22 @@ pub(super) struct Taking<'a> {
 
 impl Taking<'_> {
     /// The turns of all shares, each on a thread; whether all numbers are finite.
-    pub(super) fn on_threads<M: Moves, T: Number<f64>>(
+    pub(super) fn on_threads<H: Shared, W: Word>(
         self,
-        moves: &mut M,
+        system: &H,
+        word: &mut W,
         shares: &mut [Share],
         room: Room<'_>,
         instructions: InstructionSet,
     ) -> bool {
-        let (is_finite, mut behind) = (AtomicBool::new(true), (moves.share(), room));
+        let (is_finite, mut behind) = (AtomicBool::new(true), (word.share(), room));
         let mut jobs = Vec::with_capacity(shares.len());
         for share in shares {
-            let (moves, room) = behind;
-            let [moves, moves_behind] = moves.divide(share.end);
+            let (word, room) = behind;
+            let [word, word_behind] = word.divide(share.end);
             let [room, room_behind] = room.divide(share.end);
-            behind = (moves_behind, room_behind);
-            jobs.push(Job::<_, T, false>::new(self, moves, share, room));
+            behind = (word_behind, room_behind);
+            jobs.push(Job::<_, _, H::Usual, false>::new(self, system, word, share, room));
         }
         each(jobs, |job| {
             if !job.run_in(instructions) {
@@ -89,20 +90,27 @@ impl Taking<'_> {
 }
 
 /// Turns of windows, with slopes in numbers `T`. Where the room is `WHOLE` is known when it is compiled: to find places in a part of it takes time.
-pub(super) struct Job<'a, M, T, const WHOLE: bool> {
+pub(super) struct Job<'a, H, W, T, const WHOLE: bool> {
     step: Taking<'a>,
-    moves: M,
+    system: &'a H,
+    word: W,
     turns: &'a [Turn],
     sums: &'a mut [f64],
     room: Room<'a>,
     numbers: PhantomData<fn() -> T>,
 }
 
-impl<'a, M: Moves, T: Number<f64>, const WHOLE: bool> Job<'a, M, T, WHOLE> {
-    pub(super) fn new(step: Taking<'a>, moves: M, share: &'a mut Share, room: Room<'a>) -> Self {
+impl<'a, H: Shared, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a, H, W, T, WHOLE> {
+    pub(super) fn new(
+        step: Taking<'a>,
+        system: &'a H,
+        word: W,
+        share: &'a mut Share,
+        room: Room<'a>,
+    ) -> Self {
         let Share { turns, sums, .. } = share;
         let first = sums[step.windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
-        Self { step, moves, turns, sums: &mut sums[first..], room, numbers: PhantomData }
+        Self { step, system, word, turns, sums: &mut sums[first..], room, numbers: PhantomData }
     }
 
     /// Whether all new numbers are finite. Compiled once, and called from wherever jobs are done.
@@ -113,18 +121,18 @@ impl<'a, M: Moves, T: Number<f64>, const WHOLE: bool> Job<'a, M, T, WHOLE> {
 }
 
 /// The output is whether all new numbers are finite.
-impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE> {
+impl<H: Shared, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, H, W, T, WHOLE> {
     type Output = bool;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> bool {
         let mut room = self.room;
-        let Self { step, mut moves, turns, sums, .. } = self;
+        let Self { step, system, mut word, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
         // Where lists are is read again for each move: what follows from it would else be computed for moves that are not to come.
         let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = &mut room;
         let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
-        let keeps = M::IS_WORD && !kept_q.is_empty() && last > 0;
+        let keeps = W::ADDS_TERMS && !kept_q.is_empty() && last > 0;
         let mut check = Check::default();
         for &Turn { round, window } in turns {
             let strip = windows.strip(window);
@@ -135,8 +143,9 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
                 round if round % 2 == 1 => (*even, &mut *odd),
                 _ => (*odd, &mut *even),
             };
-            let mut taken = OneTurn::<'_, M, WHOLE> {
-                moves: &mut moves,
+            let mut taken = OneTurn::<'_, H, W, WHOLE> {
+                system,
+                word: &mut word,
                 check: &mut check,
                 strip,
                 first,
@@ -152,12 +161,12 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
                 has_drifted: false,
             };
             for number in rounds[round].clone() {
-                let kind = taken.moves.kind(number);
+                let kind = taken.word.kind(number);
                 if !matches!(kind, Move::Kick(_)) {
                     taken.store_base();
                 }
                 match kind {
-                    Move::Kick(_) if M::IS_WORD && reuses && round == 0 => {
+                    Move::Kick(_) if W::ADDS_TERMS && reuses && round == 0 => {
                         taken.kick_again(&kept_force[own.clone()]);
                     }
                     Move::Kick(kick) => {
@@ -168,8 +177,8 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
                         }
                     }
                     Move::Drift => taken.drift::<T>(number),
-                    Move::Momenta if M::CHANGES => taken.change_momenta(number),
-                    Move::State if M::CHANGES => taken.change_state(number),
+                    Move::Momenta if W::CHANGES => taken.change_momenta(number),
+                    Move::State if W::CHANGES => taken.change_state(number),
                     Move::Momenta | Move::State => {}
                 }
             }
@@ -179,8 +188,9 @@ impl<M: Moves, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, M, T, WHOLE
 }
 
 /// A window in a round.
-struct OneTurn<'t, M, const WHOLE: bool> {
-    moves: &'t mut M,
+struct OneTurn<'t, H, W, const WHOLE: bool> {
+    system: &'t H,
+    word: &'t mut W,
     check: &'t mut Check,
     strip: Strip<'t>,
     /// Where the room begins.
@@ -195,7 +205,7 @@ struct OneTurn<'t, M, const WHOLE: bool> {
     has_drifted: bool,
 }
 
-impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
+impl<H: Shared, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
     /// Where its places are in the room.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn own(&self) -> Range<usize> {
@@ -225,18 +235,19 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
         let own = self.own();
         let p = &mut self.momenta[own];
         let mut into = match kick {
-            Kick::Terms if M::IS_WORD => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
+            Kick::Terms if W::ADDS_TERMS => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
             _ => Window::empty(self.strip, self.sums),
         };
+        let (system, wanted) = (self.system, Slopes::BY_COORDINATES);
         match WHOLE {
-            true => self.moves.add_forces::<T, _, _>(number, self.from.numbers, &mut into),
-            false => self.moves.add_forces::<T, _, _>(number, &self.from, &mut into),
+            true => self.word.add_slopes::<H, T, _, _>(system, number, self.from.numbers, wanted, &mut into),
+            false => self.word.add_slopes::<H, T, _, _>(system, number, &self.from, wanted, &mut into),
         }
         let (base, sums) = (self.base.take(), into.finish());
         match kick {
-            Kick::Minus if !M::IS_WORD => self.check.store(p, base, sums, |p, sum| p - sum),
-            Kick::Plus if M::IS_WORD => self.check.store(p, base, sums, |p, sum| p + sum),
-            Kick::Terms if M::IS_WORD => self.check.store(p, base, sums, |_, sum| sum),
+            Kick::Minus if !W::ADDS_TERMS => self.check.store(p, base, sums, |p, sum| p - sum),
+            Kick::Plus if W::ADDS_TERMS => self.check.store(p, base, sums, |p, sum| p + sum),
+            Kick::Terms if W::ADDS_TERMS => self.check.store(p, base, sums, |_, sum| sum),
             _ => self.check.store(p, base, sums, |p, sum| p + (0.0 - sum)),
         }
         sums
@@ -246,28 +257,29 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift<T: Number<f64>>(&mut self, number: usize) {
         let own = self.own();
-        let Self { strip, first, from, to, momenta, has_drifted, .. } = self;
+        let Self { system, word, strip, first, from, to, momenta, has_drifted, .. } = self;
+        let wanted = Slopes::BY_MOMENTA;
         let stretch = &Stretch { numbers: momenta, first: *first, degrees: from.degrees };
-        if M::HAVE_ONE_VELOCITY && !(M::CHANGES && *has_drifted) {
+        if H::FACTS.has_one_velocity && !(W::CHANGES && *has_drifted) {
             let mut moved = Moved { strip: *strip, base: *from, next: to, first: *first };
             match WHOLE {
-                true => self.moves.add_velocities::<T, _, _>(number, stretch.numbers, &mut moved),
-                false => self.moves.add_velocities::<T, _, _>(number, stretch, &mut moved),
+                true => word.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut moved),
+                false => word.add_slopes::<H, T, _, _>(system, number, stretch, wanted, &mut moved),
             }
             self.check.look(&to[own]);
         } else {
             let base = (!*has_drifted).then(|| &from[strip.start..strip.end]);
             let q = &mut to[own];
-            let mut into = match M::IS_WORD {
+            let mut into = match W::ADDS_TERMS {
                 true => Window::onto(*strip, self.sums, base.unwrap_or(q)),
                 false => Window::empty(*strip, self.sums),
             };
             match WHOLE {
-                true => self.moves.add_velocities::<T, _, _>(number, stretch.numbers, &mut into),
-                false => self.moves.add_velocities::<T, _, _>(number, stretch, &mut into),
+                true => word.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut into),
+                false => word.add_slopes::<H, T, _, _>(system, number, stretch, wanted, &mut into),
             }
             let sums = into.finish();
-            match M::IS_WORD {
+            match W::ADDS_TERMS {
                 true => self.check.store(q, base, sums, |_, sum| sum),
                 false => self.check.store(q, base, sums, |q, sum| q + sum),
             }
@@ -279,7 +291,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
     fn change_momenta(&mut self, number: usize) {
         let own = self.own();
         let p = &mut self.momenta[own];
-        self.moves.change_momenta(number, self.strip.start..self.strip.end, p);
+        self.word.change_momenta(number, self.strip.start..self.strip.end, p);
         self.check.look(p);
     }
 
@@ -291,7 +303,7 @@ impl<M: Moves, const WHOLE: bool> OneTurn<'_, M, WHOLE> {
         if !self.has_drifted {
             q.copy_from_slice(&self.from[places.clone()]);
         }
-        self.moves.change_state(number, places, q, p);
+        self.word.change_state(number, places, q, p);
         self.check.look(q);
         self.check.look(p);
         self.has_drifted = true;

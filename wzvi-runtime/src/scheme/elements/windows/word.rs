@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use super::layout::Recorder;
-use super::{Kick, Move, Moves, Taken, WindowPlan, advance};
+use super::{Taken, WindowPlan, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
-use crate::scheme::elements::{Given, Shared, Slopes, Sums, add_flow};
+use crate::scheme::elements::{Given, Shared, Slopes, Sums};
 
 /// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity that it adds.
 #[derive(Clone, Copy, Debug)]
@@ -35,15 +34,26 @@ impl PartialEq for Origin {
     }
 }
 
-/// A part of a step.
-#[derive(Clone, Copy, Debug)]
-pub enum Letter<'a> {
-    /// `p ← p - ∂V/∂q`, by terms.
-    Kick(Flow<'a, f64>),
-    /// The same at an end of the step, by sums, which may be kept for the next step if they are those of an origin.
-    KickAtEnd(Flow<'a, f64>, Option<Origin>),
-    /// `q ← q + ∂T/∂p`
-    Drift(Flow<'a, f64>),
+/// How the sum of the slopes by the coordinates of a site, or its terms, come to its momentum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kick {
+    /// `p - sum`
+    Minus,
+    /// `p + (0 - sum)`
+    MinusFromZero,
+    /// `p + sum`, where [`Word::ADDS_TERMS`]
+    Plus,
+    /// `((p + term) + term) + ...`, where [`Word::ADDS_TERMS`]
+    Terms,
+}
+
+/// What is done to every site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Move {
+    /// Adds forces to momenta.
+    Kick(Kick),
+    /// Adds velocities to coordinates: their sum, or term by term where [`Word::ADDS_TERMS`].
+    Drift,
     /// [`Word::change_momenta`]
     Momenta,
     /// [`Word::change_state`]
@@ -56,7 +66,8 @@ pub trait Word {
     type Share<'s>: Word + Send
     where
         Self: 's;
-
+    /// Whether slopes have the sign with which they are added.
+    const ADDS_TERMS: bool = true;
     /// Whether there are other parts than kicks and drifts, and several drifts may be between two kicks.
     const CHANGES: bool = false;
 
@@ -72,8 +83,23 @@ pub trait Word {
     /// How many parts there are.
     fn count(&self) -> usize;
 
-    /// A part by its number.
-    fn letter(&self, number: usize) -> Letter<'_>;
+    /// What a part is.
+    fn kind(&self, number: usize) -> Move;
+
+    /// What the force of a kick depends on besides the coordinates, if it is one at the end of a step, which the next begins with.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        let _ = number;
+        None
+    }
+
+    /// Adds the slopes of a kick by the coordinates, which are `state`, or those of a drift by the momenta, which are it.
+    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        H: Shared,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>;
 
     /// Changes the momenta of some places one by one, and may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -88,13 +114,6 @@ pub trait Word {
     }
 }
 
-/// A word of a system.
-struct Spoken<'a, H, W> {
-    system: &'a H,
-    word: W,
-    degrees: usize,
-}
-
 /// All parts of a step from `q` and `p`, if the system [has windows](crate::scheme::plan::Facts::has_windows).
 ///
 /// # Errors
@@ -107,112 +126,5 @@ pub fn take_windows<'p, H: Shared, W: Word>(
     p: &[f64],
     plan: &'p mut WindowPlan,
 ) -> Option<Result<Taken<'p>, StepFailure>> {
-    if H::FACTS.has_windows {
-        Some(advance(&mut Spoken { system, word: word.share(), degrees: q.len() }, q, p, plan))
-    } else {
-        None
-    }
-}
-
-impl<'a, H: Shared, W: Word> Moves for Spoken<'a, H, W> {
-    type Share<'s>
-        = Spoken<'a, H, W::Share<'s>>
-    where
-        Self: 's;
-    type Exact = H::Exact;
-    type Usual = H::Usual;
-    const HAVE_ONE_VELOCITY: bool = H::FACTS.has_one_velocity;
-    const IS_WORD: bool = true;
-    const CHANGES: bool = W::CHANGES;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn share(&mut self) -> Self::Share<'_> {
-        Spoken { system: self.system, word: self.word.share(), degrees: self.degrees }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn divide(self, place: usize) -> [Self; 2] {
-        let Self { system, word, degrees } = self;
-        word.divide(place).map(|word| Self { system, word, degrees })
-    }
-
-    fn degrees(&self) -> usize {
-        self.degrees
-    }
-
-    fn record(&self, mut recorder: &Recorder) {
-        let somewhere = vec![0.0; self.degrees];
-        let (mut has_kicked, mut has_drifted) = (false, false);
-        for number in 0..self.word.count() {
-            match self.word.letter(number) {
-                Letter::Kick(_) | Letter::KickAtEnd(..) if !has_kicked => {
-                    self.add_forces::<f64, _, _>(number, &somewhere[..], &mut recorder);
-                    has_kicked = true;
-                }
-                Letter::Drift(_) if !has_drifted => {
-                    self.add_velocities::<f64, _, _>(number, &somewhere[..], &mut recorder);
-                    has_drifted = true;
-                }
-                _ => {}
-            }
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        self.word.count()
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn kind(&self, number: usize) -> Move {
-        match self.word.letter(number) {
-            Letter::Kick(_) => Move::Kick(Kick::Terms),
-            Letter::KickAtEnd(..) => Move::Kick(Kick::Plus),
-            Letter::Drift(_) => Move::Drift,
-            Letter::Momenta => Move::Momenta,
-            Letter::State => Move::State,
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<Origin> {
-        match self.word.letter(number) {
-            Letter::KickAtEnd(_, origin) => origin,
-            _ => None,
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_forces<T, V, A>(&self, number: usize, q: &V, into: &mut A)
-    where
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>,
-    {
-        if let Letter::Kick(flow) | Letter::KickAtEnd(flow, _) = self.word.letter(number) {
-            add_flow::<H, f64, T, _, A>(self.system, flow, q, Slopes::BY_COORDINATES, into);
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_velocities<T, V, A>(&self, number: usize, p: &V, into: &mut A)
-    where
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>,
-    {
-        if let Letter::Drift(flow) = self.word.letter(number) {
-            add_flow::<H, f64, T, _, A>(self.system, flow, p, Slopes::BY_MOMENTA, into);
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
-        self.word.change_momenta(number, places, p);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
-        self.word.change_state(number, places, q, p);
-    }
+    H::FACTS.has_windows.then(|| advance(system, &mut word.share(), [q, p], plan))
 }
