@@ -45,17 +45,50 @@ pub struct LinearWork {
     pub products: u64,
 }
 
+/// What a memory is asked to do.
+#[derive(Clone, Debug)]
+pub enum Request {
+    /// Forget the steps before, and keep what was allocated.
+    Forget,
+    /// Keep of the steps before the last one alone, for the same step anew, a bit longer: it starts where that one ended.
+    Hold,
+    /// Solve by this iteration.
+    Pin(Iteration),
+    /// Take large steps on so many threads.
+    Share(Threads),
+    /// Solve some of the [blocks](Report::blocks) alone, and leave the others where they are.
+    Restrict(Range<usize>),
+}
+
+/// How steps are solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Report {
+    /// The iteration that was [asked for](Request::Pin).
+    pub pinned: Iteration,
+    /// How linear equations are solved, where a system of any size has some.
+    pub method: Option<Method>,
+    /// How many parts the equations have that have no unknown in common, as far as steps with care have found them.
+    pub blocks: usize,
+    /// What linear equations took.
+    pub linear_work: LinearWork,
+}
+
+impl Default for Report {
+    fn default() -> Self {
+        let (pinned, linear_work) = (Iteration::Automatic, LinearWork::default());
+        Self { pinned, method: None, blocks: 1, linear_work }
+    }
+}
+
 /// What one step leaves for the starting value of the next.
 pub trait StepMemory: Clone + Debug + Default + Numbers {
-    /// Forgets the steps before, and keeps what was allocated.
+    /// Does what is asked for, as far as it concerns this memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn forget(&mut self) {
-        *self = Self::default();
+    fn tell(&mut self, request: &Request) {
+        if let Request::Forget = request {
+            *self = Self::default();
+        }
     }
-
-    /// Keeps of the steps before the last one alone, for the same step anew, a bit longer: it starts where that one ended.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn hold(&mut self) {}
 
     /// Takes what a step left that was solved with another memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -63,65 +96,90 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         *self = left;
     }
 
-    /// Pins how implicit steps are iterated, where there is a choice.
-    fn pin(&mut self, _iteration: Iteration) {}
-
-    /// What was pinned.
+    /// Becomes a copy in the room that it has.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn pinned(&self) -> Iteration {
-        Iteration::Automatic
+    fn copy(&mut self, other: &Self) {
+        self.clone_from(other);
     }
 
-    /// On how many threads a step may run, where it is that of a large system; on the caller's unless this is called.
-    fn share(&mut self, _threads: Threads) {}
-
-    /// How many blocks of equations the last careful step found that have no unknown in common; 1 where it was not asked for.
-    fn blocks(&self) -> usize {
-        1
+    /// How steps are solved.
+    fn report(&self) -> Report {
+        Report::default()
     }
 
-    /// Careful steps solve these blocks only, and leave the degrees of freedom of others as they are.
-    fn restrict(&mut self, _blocks: Range<usize>) {}
-
-    /// How linear equations are solved, where that depends on the size of the system.
-    fn method(&self) -> Option<Method> {
-        None
-    }
-
-    /// What linear equations took, where that is counted: in steps of systems in loops.
+    /// What linear equations took.
     fn linear_work(&self) -> LinearWork {
-        LinearWork::default()
+        self.report().linear_work
     }
 }
 
 impl StepMemory for () {}
 impl<S> StepMemory for PhantomData<S> {}
 
-/// As for [`Numbers`].
+/// That of each part of a step.
+impl<M: StepMemory> StepMemory for Vec<M> {
+    fn tell(&mut self, request: &Request) {
+        self.iter_mut().for_each(|memory| memory.tell(request));
+    }
+
+    /// Memory by memory; as many as there are in `left` where none was in use yet.
+    fn adopt(&mut self, left: Self) {
+        if self.len() == left.len() {
+            self.iter_mut().zip(left).for_each(|(memory, left)| memory.adopt(left));
+        } else {
+            *self = left;
+        }
+    }
+
+    /// That of the first.
+    fn report(&self) -> Report {
+        self.first().map_or_else(Report::default, |memory| Report { blocks: 1, ..memory.report() })
+    }
+}
+
 macro_rules! tuples {
-    ($(($($part:ident)+))+) => {$(
+    ($(($($part:ident $place:tt)+))+) => {$(
         impl<$($part: StepMemory),+> StepMemory for ($($part,)+) {
             #[cfg_attr(not(debug_assertions), inline(always))]
-            #[allow(non_snake_case, reason = "a part is called as its type")]
-            fn hold(&mut self) {
-                let ($($part,)+) = self;
-                $($part.hold();)+
+            fn tell(&mut self, request: &Request) {
+                $(self.$place.tell(request);)+
+            }
+
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn adopt(&mut self, left: Self) {
+                $(self.$place.adopt(left.$place);)+
+            }
+
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn copy(&mut self, other: &Self) {
+                $(self.$place.copy(&other.$place);)+
+            }
+
+            /// The first that says something.
+            fn report(&self) -> Report {
+                let mut all = Report::default();
+                $(
+                    let Report { pinned, method, .. } = self.$place.report();
+                    all.pinned = if all.pinned == Iteration::Automatic { pinned } else { all.pinned };
+                    all.method = all.method.or(method);
+                )+
+                all
             }
         }
     )+};
 }
 
 tuples! {
-    (A)
-    (A B)
-    (A B C)
-    (A B C D)
-    (A B C D E)
-    (A B C D E F)
-    (A B C D E F G)
-    (A B C D E F G H)
-    (A B C D E F G H I)
-    (A B C D E F G H I J)
-    (A B C D E F G H I J K)
-    (A B C D E F G H I J K L)
+    (A 0)
+    (A 0 B 1)
+    (A 0 B 1 C 2)
+    (A 0 B 1 C 2 D 3)
+    (A 0 B 1 C 2 D 3 E 4)
+    (A 0 B 1 C 2 D 3 E 4 F 5)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10)
+    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10 L 11)
 }

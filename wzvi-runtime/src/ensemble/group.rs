@@ -14,7 +14,7 @@ use super::job::Job;
 use super::starts::Systems;
 use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::StepMemory;
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
@@ -143,7 +143,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         (self.failed, self.any_failed) = ([false; L], false);
         let was_over = std::mem::take(&mut self.is_over);
         (self.halved, self.anew) = ([NEVER; L], 0);
-        self.memory.forget();
+        self.memory.tell(&Request::Forget);
         self.apart.clear();
         self.increments.begin(path);
         if P::ARE_OWN {

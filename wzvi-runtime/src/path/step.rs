@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::few::List;
-use crate::algebra::memory::{Iteration, Method, StepMemory, Threads};
+use crate::algebra::memory::{Iteration, Method, Request, StepMemory, Threads};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
@@ -103,7 +103,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
         }
         let (d, prepared) = (system.degrees(), prepared(system, h)?);
         let mut memory: MemoryOf<H, E, f64> = SchemeOf::<H, E>::memory(system);
-        memory.share(Threads::Cores);
+        memory.tell(&Request::Share(Threads::Cores));
         Ok(Self {
             system,
             h,
@@ -177,7 +177,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// point does not contract is then an error ([`StepFailure::NotConverged`]), since nothing else is tried.
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {
-        self.memory.pin(iteration);
+        self.memory.tell(&Request::Pin(iteration));
         self
     }
 
@@ -193,13 +193,13 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
 
     /// [`Stepper::threads`]
     pub(crate) fn sharing(mut self, threads: Threads) -> Self {
-        self.memory.share(threads);
+        self.memory.tell(&Request::Share(threads));
         self
     }
 
     /// Sets how the linear equations of a step are solved in systems of elements, where the best way depends on the size.
     pub fn method(&self) -> Option<Method> {
-        self.memory.method()
+        self.memory.report().method
     }
 
     /// The system that it steps.
@@ -345,7 +345,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         // With the room that it has; a copy of what it remembers comes back if the step fails.
         let (clock, left, mut memory) =
             (Clock::started(state.t), self.memory.clone(), std::mem::take(&mut self.memory));
-        memory.forget();
+        memory.tell(&Request::Forget);
         if Self::IS_ITERATED {
             let taken = self.step_rarely(state, dw, clock, Cause::Moved(memory));
             if taken.is_err() {
@@ -382,8 +382,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     ) -> Result<StepInfo, StepError> {
         cold();
         let (is_moved, pinned) = match &cause {
-            Cause::Moved(memory) => (true, memory.pinned()),
-            Cause::Failed(_) => (false, self.memory.pinned()),
+            Cause::Moved(memory) => (true, memory.report().pinned),
+            Cause::Failed(_) => (false, self.memory.report().pinned),
         };
         let hard = Hard {
             system: self.system,

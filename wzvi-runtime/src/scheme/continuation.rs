@@ -21,7 +21,7 @@ use std::ops::Range;
 
 use crate::algebra::carry::Carry;
 use crate::algebra::few::{Few, List};
-use crate::algebra::memory::StepMemory;
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::StepFailure;
@@ -116,7 +116,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     fn solve_blocks(&self) -> Outcome<H, E, C> {
         let mut memory = self.memory();
         let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
-        match (found, self.blocks.clone().unwrap_or(0..memory.blocks())) {
+        match (found, self.blocks.clone().unwrap_or(0..memory.report().blocks)) {
             (Ok(found), _) if found.effort.is_certain() => Ok(found.leaving(memory)),
             (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
             (found, _) => match self.follow() {
@@ -155,7 +155,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     fn memory(&self) -> MemoryOf<H, E, f64> {
         let mut memory = MemoryOf::<H, E, f64>::default();
         if let Some(blocks) = &self.blocks {
-            memory.restrict(blocks.clone());
+            memory.tell(&Request::Restrict(blocks.clone()));
         }
         memory
     }
@@ -174,7 +174,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         if 2 * self.q.components().len() > MOST_CHECKED || !self.dw.is_empty() {
             return Ok(None);
         }
-        room.forget();
+        room.tell(&Request::Forget);
         let found = self.solve(&self.prepared, self.h, &self.dw, room);
         if found.is_ok_and(|found| found.effort.is_certain()) {
             return Ok(None);
@@ -239,11 +239,11 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     if fraction == 1.0 {
                         // Whoever takes it has no doubt. Parts of a step are no guide for the next, but the step itself may be.
                         step.effort = Effort { doubtful: false, is_far: false, iterations, ..step.effort };
-                        left.hold();
+                        left.tell(&Request::Hold);
                         return Ok(step.leaving(left));
                     }
                     (at, memory) = ([step.q, step.p], left);
-                    memory.hold();
+                    memory.tell(&Request::Hold);
                     (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
                     kink.forget();
                 }

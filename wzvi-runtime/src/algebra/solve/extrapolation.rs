@@ -1,6 +1,6 @@
 //! Where the iteration of a step starts: what the steps before lead to.
 
-use crate::algebra::memory::StepMemory;
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -100,9 +100,15 @@ fn mask<S: Scalar>(mut holds: impl FnMut(usize) -> bool) -> S::Mask {
 
 impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn hold(&mut self) {
-        self.past = [self.past[0]; 3];
-        (self.known[1], self.is_full) = (S::Mask::from_bool(false), false);
+    fn tell(&mut self, request: &Request) {
+        match request {
+            Request::Forget => *self = Self::default(),
+            Request::Hold => {
+                self.past = [self.past[0]; 3];
+                (self.known[1], self.is_full) = (S::Mask::from_bool(false), false);
+            }
+            _ => {}
+        }
     }
 }
 

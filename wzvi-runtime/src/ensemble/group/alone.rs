@@ -4,7 +4,7 @@ use super::{Group, Systems, advance};
 use crate::algebra::carry::Plain;
 use crate::algebra::few::List;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{StepMemory, Threads};
+use crate::algebra::memory::{Request, StepMemory, Threads};
 use crate::algebra::state::State;
 use crate::ensemble::job::Job;
 use crate::error::{ConfigError, FailedLanes, InternalError, StepError, StepFailure};
@@ -88,7 +88,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         match if is_tried { self.halve(lane, step, error) } else { Err(error.into()) } {
             Ok(state) => {
                 self.put(lane, &state.q, &state.p);
-                memory.forget();
+                memory.tell(&Request::Forget);
             }
             Err(Error::Step(error)) => self.fail(lane, error),
             // A step that is too short to be prepared: the path ends with what made it necessary.

@@ -16,7 +16,7 @@ use super::word::{A, Act, B, O, Spelling, Word, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{StepMemory, Threads};
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
@@ -112,12 +112,11 @@ impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
 }
 
 impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
-    fn forget(&mut self) {}
-    fn adopt(&mut self, _: Self) {}
-
-    fn share(&mut self, threads: Threads) {
-        self.flows.share(threads);
+    fn tell(&mut self, request: &Request) {
+        self.flows.tell(request);
     }
+
+    fn adopt(&mut self, _: Self) {}
 }
 
 impl<F, W> Scheme<F> for Splitting<W>

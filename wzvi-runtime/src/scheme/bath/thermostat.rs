@@ -10,7 +10,7 @@ use super::part::{self, Parts, Shares, normals};
 use super::{Damped, Relaxation, with_bath};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{Iteration, Method, StepMemory, Threads};
+use crate::algebra::memory::{Report, Request, StepMemory};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
@@ -40,26 +40,26 @@ pub struct Prepared<M, K> {
 #[derive(Debug)]
 pub struct Memory<S: Scalar, M> {
     /// That of the step between, and the state before it all.
-    kept: kept::Memory<S, M, ()>,
+    kept: kept::Memory<S, M>,
     /// What is carried for coordinates and momenta.
     lost: [Vec<S>; 2],
     bath: part::Memory<S>,
 }
 
 impl<S: Scalar, M> Memory<S, M> {
-    fn of(kept: kept::Memory<S, M, ()>) -> Self {
+    fn of(kept: kept::Memory<S, M>) -> Self {
         Self { kept, lost: [Vec::new(), Vec::new()], bath: Default::default() }
     }
 }
 
-impl<S: Scalar, M> Default for Memory<S, M> {
+impl<S: Scalar, M: Default> Default for Memory<S, M> {
     fn default() -> Self {
         Self::of(Default::default())
     }
 }
 
 /// What the steps before left; scratch is allocated anew where the copy is used.
-impl<S: Scalar, M: Clone> Clone for Memory<S, M> {
+impl<S: Scalar, M: Clone + Default> Clone for Memory<S, M> {
     fn clone(&self) -> Self {
         Self::of(self.kept.clone())
     }
@@ -72,12 +72,8 @@ impl<S: Scalar, M: Numbers + Default> Numbers for Memory<S, M> {
 }
 
 impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
-    fn forget(&mut self) {
-        self.kept.forget();
-    }
-
-    fn hold(&mut self) {
-        self.kept.hold();
+    fn tell(&mut self, request: &Request) {
+        self.kept.tell(request);
     }
 
     fn adopt(&mut self, left: Self) {
@@ -85,20 +81,8 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
         self.bath.heat = left.bath.heat;
     }
 
-    fn pin(&mut self, iteration: Iteration) {
-        self.kept.pin(iteration);
-    }
-
-    fn share(&mut self, threads: Threads) {
-        self.kept.share(threads);
-    }
-
-    fn pinned(&self) -> Iteration {
-        self.kept.pinned()
-    }
-
-    fn method(&self) -> Option<Method> {
-        self.kept.method()
+    fn report(&self) -> Report {
+        self.kept.report()
     }
 }
 
@@ -123,16 +107,14 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
 
     fn exchanged(system: &T, memory: &Self::Memory<f64>) -> Exchange {
         let mut exchange = Exchange { work: 0.0, heat: memory.bath.heat };
-        if let Some(step) = memory.kept.first.first() {
-            exchange += SchemeOf::<T, E>::exchanged(system, step);
-        }
+        exchange += SchemeOf::<T, E>::exchanged(system, &memory.kept.parts);
         exchange
     }
 
     fn memory(system: &T) -> Self::Memory<f64> {
         let (step, degrees) = (SchemeOf::<T, E>::memory(system), Elements::degrees(system));
         Memory {
-            kept: kept::Memory::of(vec![step], Vec::new()).with_room(degrees, Elements::noises(system)),
+            kept: kept::Memory::of(step).with_room(degrees, 0),
             lost: std::array::from_fn(|_| Vec::with_capacity(degrees)),
             bath: part::Memory::of_system(system),
         }
@@ -182,14 +164,14 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
 fn between<T: Damped, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
     parts: &mut Parts<'_, T, K, S>,
     [q, p]: [&mut [S]; 2],
-    (kept, lost): (&mut kept::Memory<S, M, ()>, &mut [Vec<S>; 2]),
+    (kept, lost): (&mut kept::Memory<S, M>, &mut [Vec<S>; 2]),
     carry: &mut C,
     step: impl FnOnce([&mut [S]; 2], &mut M, &mut C) -> Result<Effort, StepFailure>,
 ) -> Result<(Effort, S), StepFailure> {
-    kept.save([1, 0], q, p, &[], carry);
-    let all = |kept: &mut kept::Memory<S, M, ()>, carry: &mut C| {
+    kept.save(q, p, carry);
+    let all = |kept: &mut kept::Memory<S, M>, carry: &mut C| {
         let before = relax(parts, 0, q, p, lost, carry)?;
-        let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.first[0], carry) {
+        let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.parts, carry) {
             Ok(effort) => (effort, FailedLanes::default()),
             Err(StepFailure::Lanes(failed)) => (Effort::fast(0), failed),
             Err(failure) => return Err(failure),

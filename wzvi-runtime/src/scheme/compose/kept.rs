@@ -3,82 +3,53 @@
 use std::fmt::Debug;
 
 use crate::algebra::carry::Carry;
-use crate::algebra::memory::{Iteration, Method, StepMemory, Threads};
+use crate::algebra::memory::{Report, Request, StepMemory};
 use crate::algebra::scalar::Scalar;
 use crate::error::{FailedLanes, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 
-/// One memory for each part of a step, so that a part starts from what it was in the steps before; `A` for parts of the
-/// first kind, `B` for those of the second.
+/// What all parts of a step remember, so that each starts from what it was in the steps before.
 #[derive(Debug)]
-pub struct Memory<S, A, B> {
-    pub(crate) first: Vec<A>,
-    pub(crate) second: Vec<B>,
+pub struct Memory<S, M> {
+    pub(crate) parts: M,
     /// The same before the step.
-    saved: (Vec<A>, Vec<B>),
+    saved: M,
     /// The state before the step, and what was carried for it.
     start: [Vec<S>; 4],
     /// The increments of a part.
     pub(crate) dw: Vec<S>,
 }
 
-impl<S, A, B> Default for Memory<S, A, B> {
+impl<S, M: Default> Default for Memory<S, M> {
     fn default() -> Self {
-        Self::of(Vec::new(), Vec::new())
+        Self::of(M::default())
     }
 }
 
 /// What the steps before left; scratch is allocated anew where the copy is used.
-impl<S, A: Clone, B: Clone> Clone for Memory<S, A, B> {
+impl<S, M: Clone + Default> Clone for Memory<S, M> {
     fn clone(&self) -> Self {
-        Self::of(self.first.clone(), self.second.clone())
+        Self::of(self.parts.clone())
     }
 }
 
-impl<S, A: Numbers + Default, B: Numbers + Default> Numbers for Memory<S, A, B> {
+impl<S, M: Numbers> Numbers for Memory<S, M> {
     fn pass(&mut self, tape: &mut Tape) {
-        self.first.pass(tape);
-        self.second.pass(tape);
+        self.parts.pass(tape);
     }
 }
 
-impl<S: Scalar, A: StepMemory, B: StepMemory> StepMemory for Memory<S, A, B> {
-    fn forget(&mut self) {
-        self.first.iter_mut().for_each(A::forget);
-        self.second.iter_mut().for_each(B::forget);
-    }
-
-    fn hold(&mut self) {
-        self.first.iter_mut().for_each(A::hold);
-        self.second.iter_mut().for_each(B::hold);
+impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
+    fn tell(&mut self, request: &Request) {
+        self.parts.tell(request);
     }
 
     fn adopt(&mut self, left: Self) {
-        adopt(&mut self.first, left.first);
-        adopt(&mut self.second, left.second);
+        self.parts.adopt(left.parts);
     }
 
-    fn pin(&mut self, iteration: Iteration) {
-        self.first.iter_mut().for_each(|memory| memory.pin(iteration));
-        self.second.iter_mut().for_each(|memory| memory.pin(iteration));
-    }
-
-    fn share(&mut self, threads: Threads) {
-        self.first.iter_mut().for_each(|memory| memory.share(threads));
-        self.second.iter_mut().for_each(|memory| memory.share(threads));
-    }
-
-    fn pinned(&self) -> Iteration {
-        let first = self.first.first().map_or(Iteration::Automatic, A::pinned);
-        if first == Iteration::Automatic {
-            self.second.first().map_or(Iteration::Automatic, B::pinned)
-        } else {
-            first
-        }
-    }
-
-    fn method(&self) -> Option<Method> {
-        self.first.first().and_then(A::method).or_else(|| self.second.first().and_then(B::method))
+    fn report(&self) -> Report {
+        Report { blocks: 1, ..self.parts.report() }
     }
 }
 
@@ -95,64 +66,28 @@ pub(crate) fn list_carried<S: Scalar, C: Carry<S>>(
     }
 }
 
-/// Memory by memory; as many as there are in `left` where none was in use yet.
-fn adopt<M: StepMemory>(memories: &mut Vec<M>, left: Vec<M>) {
-    if memories.len() == left.len() {
-        memories.iter_mut().zip(left).for_each(|(memory, left)| memory.adopt(left));
-    } else {
-        *memories = left;
+impl<S, M: Default> Memory<S, M> {
+    pub(crate) fn of(parts: M) -> Self {
+        Self { parts, saved: M::default(), start: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
     }
 }
 
-/// One lane of each memory as it was saved; `None` where they differ in what is no matter of lanes.
-fn restore_lane<M: StepMemory>(memories: &mut [M], saved: &mut [M], lane: usize) -> Option<()> {
-    if size_of::<M>() == 0 {
-        return Some(());
-    }
-    memories.iter_mut().zip(saved).try_for_each(|(memory, saved)| {
-        let words = Tape::split(lane, |tape| saved.pass(tape));
-        Tape::place(lane, words, |tape| memory.pass(tape))
-    })
-}
-
-impl<S, A, B> Memory<S, A, B> {
-    pub(crate) fn of(first: Vec<A>, second: Vec<B>) -> Self {
-        Self {
-            first,
-            second,
-            saved: (Vec::new(), Vec::new()),
-            start: std::array::from_fn(|_| Vec::new()),
-            dw: Vec::new(),
-        }
-    }
-}
-
-impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
+impl<S: Scalar, M: StepMemory> Memory<S, M> {
     /// With room for what the first step saves.
     pub(crate) fn with_room(mut self, degrees: usize, noises: usize) -> Self {
-        self.saved = (self.first.clone(), self.second.clone());
+        self.saved = self.parts.clone();
         self.start.iter_mut().for_each(|list| list.reserve(degrees));
         self.dw.reserve(noises);
         self
     }
 
-    /// Room for the parts of a step, and a copy of everything that they will change. Allocates in the first step only, and only
+    /// A copy of everything that the parts of a step will change. Allocates in the first step only, and only
     /// where the system does not know its size.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn save<C: Carry<S>>(&mut self, parts: [usize; 2], q: &[S], p: &[S], dw: &[S], carry: &C) {
-        if self.first.len() != parts[0] || self.second.len() != parts[1] {
-            self.first.resize_with(parts[0], A::default);
-            self.second.resize_with(parts[1], B::default);
-        }
-        // A part without memory has nothing to lose.
-        if size_of::<A>() != 0 {
-            self.saved.0.clone_from(&self.first);
-        }
-        if size_of::<B>() != 0 {
-            self.saved.1.clone_from(&self.second);
-        }
+    pub(crate) fn save<C: Carry<S>>(&mut self, q: &[S], p: &[S], carry: &C) {
+        self.saved.copy(&self.parts);
         let [start_q, start_p, lost_q, lost_p] = &mut self.start;
-        for (saved, numbers) in [(start_q, q), (start_p, p), (&mut self.dw, dw)] {
+        for (saved, numbers) in [(start_q, q), (start_p, p)] {
             saved.clear();
             saved.extend_from_slice(numbers);
         }
@@ -188,10 +123,10 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
         StepFailure::Lanes(failed)
     }
 
-    /// What one lane remembered before the step.
+    /// What one lane remembered before the step; `None` where that differs from what the others remember in what is no matter of lanes.
     fn restore_lane(&mut self, lane: usize) -> Option<()> {
-        restore_lane(&mut self.first, &mut self.saved.0, lane)?;
-        restore_lane(&mut self.second, &mut self.saved.1, lane)
+        let words = Tape::split(lane, |tape| self.saved.pass(tape));
+        Tape::place(lane, words, |tape| self.parts.pass(tape))
     }
 
     /// Gives back what [`Memory::save`] has seen.
@@ -203,11 +138,6 @@ impl<S: Scalar, A: StepMemory, B: StepMemory> Memory<S, A, B> {
         if C::CARRIES {
             carry.keep(lost_q, lost_p);
         }
-        if size_of::<A>() != 0 {
-            std::mem::swap(&mut self.first, &mut self.saved.0);
-        }
-        if size_of::<B>() != 0 {
-            std::mem::swap(&mut self.second, &mut self.saved.1);
-        }
+        std::mem::swap(&mut self.parts, &mut self.saved);
     }
 }

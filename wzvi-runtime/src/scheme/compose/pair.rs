@@ -75,19 +75,23 @@ impl<A, B> Prepared<A, B> {
     fn advance<K: Constant, S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
         &self,
         At { t, h, q, p, dw }: At<'_, S, K>,
-        memory: &mut Memory<S, M, N>,
+        memory: &mut Memory<S, (Vec<M>, Vec<N>)>,
         carry: &mut C,
         take_first: impl Fn(&A, At<'_, S, K>, &mut M, &mut C) -> Result<Effort, StepFailure>,
         take_second: impl Fn(&B, At<'_, S, K>, &mut N, &mut C) -> Result<Effort, StepFailure>,
     ) -> Result<Effort, StepFailure> {
-        memory.save(self.counts, q, p, dw, carry);
+        let (firsts, seconds) = &mut memory.parts;
+        if [firsts.len(), seconds.len()] != self.counts {
+            firsts.resize_with(self.counts[0], M::default);
+            seconds.resize_with(self.counts[1], N::default);
+        }
+        memory.save(q, p, carry);
         let mut effort = Effort::fast(0);
         let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
         for part in &self.parts {
-            let Memory { first: firsts, second: seconds, dw: scaled, .. } = &mut *memory;
-            for (scaled, dw) in scaled.iter_mut().zip(dw) {
-                *scaled = *dw * part.weight;
-            }
+            let Memory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
+            scaled.clear();
+            scaled.extend(dw.iter().map(|dw| *dw * part.weight));
             let (t, h) = (t + h * part.start, h * part.weight);
             let at = At { t, h, q: &mut *q, p: &mut *p, dw: scaled };
             let taken = match &part.kind {
@@ -135,17 +139,15 @@ where
         }
     };
     type Prepared<K: Constant> = Prepared<PreparedOf<H, A, K>, PreparedOf<H, B, K>>;
-    type Memory<S: Scalar> = Memory<S, MemoryOf<H, A, S>, MemoryOf<H, B, S>>;
+    type Memory<S: Scalar> = Memory<S, (Vec<MemoryOf<H, A, S>>, Vec<MemoryOf<H, B, S>>)>;
     type Compensated<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Compensated<S>;
     type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
 
     fn memory(system: &H) -> Self::Memory<f64> {
         let [first, second] = counts(&W::list());
-        Memory::of(
-            (0..first).map(|_| SchemeOf::<H, A>::memory(system)).collect(),
-            (0..second).map(|_| SchemeOf::<H, B>::memory(system)).collect(),
-        )
-        .with_room(system.degrees(), system.noises())
+        let first = (0..first).map(|_| SchemeOf::<H, A>::memory(system)).collect();
+        let second = (0..second).map(|_| SchemeOf::<H, B>::memory(system)).collect();
+        Memory::of((first, second)).with_room(system.degrees(), system.noises())
     }
 
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {

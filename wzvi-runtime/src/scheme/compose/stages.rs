@@ -5,7 +5,7 @@ use super::lagrangian::Followed;
 use super::substeps::{Half, Substep};
 use super::windowed;
 use crate::algebra::carry::{Carry, Plain};
-use crate::algebra::memory::{StepMemory, Threads};
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
@@ -170,12 +170,13 @@ impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
 }
 
 impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
-    fn forget(&mut self) {}
-    fn adopt(&mut self, _: Self) {}
-
-    fn share(&mut self, threads: Threads) {
-        self.windows.share(threads);
+    fn tell(&mut self, request: &Request) {
+        if let Request::Share(threads) = request {
+            self.windows.share(*threads);
+        }
     }
+
+    fn adopt(&mut self, _: Self) {}
 }
 
 impl<S: Scalar, H: Shape> Memory<S, H> {

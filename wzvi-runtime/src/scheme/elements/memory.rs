@@ -1,7 +1,5 @@
 //! What a stepper of a system of elements allocates, once.
 
-use std::ops::Range;
-
 use super::blocks::Blocks;
 use super::kept::Kept;
 use super::linear::Linear;
@@ -10,7 +8,7 @@ use super::rounding::Rounding;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Quadrature, Unknowns};
 use crate::algebra::carry::{Carry, Compensation};
-use crate::algebra::memory::{Iteration, LinearWork, Method, StepMemory, Threads};
+use crate::algebra::memory::{Iteration, Method, Report, Request, StepMemory, Threads};
 use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
@@ -346,27 +344,21 @@ impl<S: Scalar> Numbers for Memory<S> {
 }
 
 impl<S: Scalar> StepMemory for Memory<S> {
-    fn pin(&mut self, iteration: Iteration) {
-        self.iteration = iteration;
-    }
-
-    fn pinned(&self) -> Iteration {
-        self.iteration
-    }
-
-    fn share(&mut self, threads: Threads) {
-        self.plan.share(threads);
-        self.sweeps = None;
-    }
-
-    fn forget(&mut self) {
-        self.known = 0;
-        self.preference = Preference::default();
-        self.kept.forget();
-    }
-
-    fn hold(&mut self) {
-        self.known = self.known.min(1);
+    fn tell(&mut self, request: &Request) {
+        match request {
+            Request::Forget => {
+                self.known = 0;
+                self.preference = Preference::default();
+                self.kept.forget();
+            }
+            Request::Hold => self.known = self.known.min(1),
+            Request::Pin(iteration) => self.iteration = *iteration,
+            Request::Share(threads) => {
+                self.plan.share(*threads);
+                self.sweeps = None;
+            }
+            Request::Restrict(blocks) => self.blocks.restrict(blocks.clone()),
+        }
     }
 
     fn adopt(&mut self, left: Self) {
@@ -386,24 +378,14 @@ impl<S: Scalar> StepMemory for Memory<S> {
         }
     }
 
-    fn blocks(&self) -> usize {
-        self.blocks.count()
-    }
-
-    fn restrict(&mut self, blocks: Range<usize>) {
-        self.blocks.restrict(blocks);
-    }
-
-    fn method(&self) -> Option<Method> {
-        Some(match &self.linear {
+    fn report(&self) -> Report {
+        let method = match &self.linear {
             _ if self.degrees == 0 => Method::Undecided,
             None => Method::Explicit,
             Some(linear) => linear.method(),
-        })
-    }
-
-    fn linear_work(&self) -> LinearWork {
-        self.kept.work
+        };
+        let (blocks, linear_work) = (self.blocks.count(), self.kept.work);
+        Report { pinned: self.iteration, method: Some(method), blocks, linear_work }
     }
 }
 

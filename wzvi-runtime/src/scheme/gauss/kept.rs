@@ -6,7 +6,7 @@ use super::newton::Newton;
 use super::shape::Shape;
 use super::stages::{Part, Scratch, Stages};
 use super::stiff::Modal;
-use crate::algebra::memory::{Iteration, StepMemory};
+use crate::algebra::memory::{Iteration, Report, Request, StepMemory};
 use crate::algebra::scalar::{Mask, Rounded, Scalar};
 use crate::algebra::stages::plus;
 use crate::ground::numbers::{Numbers, Tape};
@@ -289,13 +289,17 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, W, N> {
-    fn forget(&mut self) {
-        (self.left.is_known, self.left.is_held) = (false, false);
-        self.left.prefers_newton = S::Mask::from_bool(false);
-    }
-
-    fn hold(&mut self) {
-        self.left.is_held = true;
+    fn tell(&mut self, request: &Request) {
+        let left = &mut self.left;
+        match request {
+            Request::Forget => {
+                (left.is_known, left.is_held) = (false, false);
+                left.prefers_newton = S::Mask::from_bool(false);
+            }
+            Request::Hold => left.is_held = true,
+            Request::Pin(iteration) => left.iteration = *iteration,
+            Request::Share(_) | Request::Restrict(_) => {}
+        }
     }
 
     fn adopt(&mut self, other: Self) {
@@ -303,11 +307,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, 
         (self.left.is_known, self.left.prefers_newton) = (other.left.is_known, other.left.prefers_newton);
     }
 
-    fn pin(&mut self, iteration: Iteration) {
-        self.left.iteration = iteration;
-    }
-
-    fn pinned(&self) -> Iteration {
-        self.left.iteration
+    fn report(&self) -> Report {
+        Report { pinned: self.left.iteration, ..Report::default() }
     }
 }

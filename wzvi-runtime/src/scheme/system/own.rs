@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::{At, Hamiltonian as _, Lift, Listed, Properties, Scheme, fits, without_derivatives};
 use crate::algebra::carry::{Carry, Plain};
-use crate::algebra::memory::StepMemory;
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
@@ -133,7 +133,7 @@ impl<S: Scalar> Numbers for Scratch<S> {
 }
 
 impl<S: Scalar> StepMemory for Scratch<S> {
-    fn forget(&mut self) {}
+    fn tell(&mut self, _: &Request) {}
     fn adopt(&mut self, _: Self) {}
 }
 
