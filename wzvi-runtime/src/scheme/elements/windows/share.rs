@@ -5,6 +5,7 @@
 //! which turns a window waits for changes no term and no order of a sum.
 
 use std::marker::PhantomData;
+use std::mem::take;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -38,16 +39,21 @@ impl<'a> Room<'a> {
     /// What is before a place, and what is from it on.
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { first, even, odd, momenta, kept: [q, force] } = self;
-        let halves = |list: &'a mut [f64]| list.split_at_mut((place - first).min(list.len()));
-        let ((even, even_behind), (odd, odd_behind)) = (halves(even), halves(odd));
-        let ((momenta, momenta_behind), (q, q_behind)) = (halves(momenta), halves(q));
-        let (force, force_behind) = halves(force);
-        let kept = [q_behind, force_behind];
-        [
-            Self { first, even, odd, momenta, kept: [q, force] },
-            Self { first: place, even: even_behind, odd: odd_behind, momenta: momenta_behind, kept },
-        ]
+        let [before, behind] = halves([even, odd, momenta, q, force], place - first);
+        [(first, before), (place, behind)].map(|(first, [even, odd, momenta, q, force])| Self {
+            first,
+            even,
+            odd,
+            momenta,
+            kept: [q, force],
+        })
     }
+}
+
+/// Lists before a place, and from it on, as far as they reach.
+pub(super) fn halves<const N: usize>(lists: [&mut [f64]; N], place: usize) -> [[&mut [f64]; N]; 2] {
+    let mut halves = lists.map(|list| list.split_at_mut(place.min(list.len())));
+    [halves.each_mut().map(|half| take(&mut half.0)), halves.map(|half| half.1)]
 }
 
 /// A step as all threads see it.

@@ -23,7 +23,7 @@ use parts::{Found, Part, Portion, on_threads};
 
 use super::LEAST_IN_WINDOWS;
 use super::layout::{Recorder, Strip, Windows};
-use super::sums::Window;
+use super::sums::{Stretch, Window};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Number, Scalar};
 use crate::algebra::threads::Threads;
@@ -211,10 +211,10 @@ impl<H: Shared> Step<'_, H, f64> {
 impl Lists<'_, f64> {
     /// What an iteration writes; the coordinates at which it takes forces; `u` of the one before.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn parted(&mut self) -> (Part<'_>, &[f64], &[f64]) {
+    fn parted(&mut self) -> ([&mut [f64]; 5], &[f64], &[f64]) {
         let Self { x, correction, u, by_p: before, momentum, stages, .. } = self;
         let (now, next) = stages.at_mut(0);
-        (Part { first: 0, x, correction, momentum, u, next }, now, before)
+        ([x, correction, momentum, u, next], now, before)
     }
 }
 
@@ -259,9 +259,9 @@ impl<S: Scalar> Scratch<'_, S> {
         self.past.rotate_right(usize::from(scheme.remembers));
         let past = S::plain_mut(&mut self.past[0]).unwrap_or_default();
         let Sweeps { portions, instructions, .. } = sweeps;
-        let store = Store { first: 0, q, p, u: lists.u, x: lists.x, past, factor };
-        on_threads(portions, store, |_, store| {
-            instructions.run(store);
+        on_threads(portions, [q, p, lists.u, lists.x, past], |_, part| {
+            let [q, p, u, x, past] = part.lists;
+            instructions.run(Store { q, p, u, x, past, factor });
             Found::NOTHING
         });
     }
@@ -272,7 +272,7 @@ struct Start<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
     portion: &'a mut Portion,
-    part: Part<'a>,
+    part: Part<'a, 5>,
     past: [&'a [f64]; 3],
     known: u8,
 }
@@ -290,19 +290,20 @@ impl<H: Shared> Kernel for Start<'_, '_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
-        let Self { step, windows, portion, part, past, known } = self;
+        let Self { step, windows, portion, mut part, past, known } = self;
         let [point, _] = step.weights();
         for number in portion.windows.clone() {
             let strip = windows.strip(number);
             let (places, own) = (strip.start..strip.end, part.own(strip));
+            let [all_x, _, momenta, all_u, all_next] = &mut part.lists;
             let p = &step.p[places.clone()];
             let past = past.map(|past| past.get(places.clone()).unwrap_or(&[]));
-            let (x, momentum) = (&mut part.x[own.clone()], &mut part.momentum[own.clone()]);
+            let (x, momentum) = (&mut all_x[own.clone()], &mut momenta[own.clone()]);
             in_blocks::<L>(p.len(), &mut Guess { past, known, p, x, momentum });
-            let momenta = part.momenta(step.degrees());
+            let momenta = Stretch { numbers: momenta, first: part.first, degrees: step.degrees() };
             let velocities =
                 step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
-            let (u, next) = (&mut part.u[own.clone()], &mut part.next[own]);
+            let (u, next) = (&mut all_u[own.clone()], &mut all_next[own]);
             in_blocks::<L>(places.len(), &mut Follow::new(&step, &places, velocities, point, u, next));
         }
     }
@@ -313,7 +314,7 @@ struct Sweep<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
     portion: &'a mut Portion,
-    part: Part<'a>,
+    part: Part<'a, 5>,
     /// Coordinates at which forces are taken, of all places.
     now: &'a [f64],
     /// `u` of the iteration before.
@@ -334,7 +335,7 @@ impl<H: Shared> Kernel for Sweep<'_, '_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Found {
-        let Self { step, windows, portion, part, now, before, inverses } = self;
+        let Self { step, windows, portion, mut part, now, before, inverses } = self;
         let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
         let factor = match step.scheme.update {
             MomentumUpdate::Multiple(factor) => factor,
@@ -345,20 +346,21 @@ impl<H: Shared> Kernel for Sweep<'_, '_, H> {
         for number in portion.windows.clone() {
             let strip = windows.strip(number);
             let (places, own) = (strip.start..strip.end, part.own(strip));
+            let [all_x, corrections, momenta, all_u, all_next] = &mut part.lists;
             let p = &step.p[places.clone()];
             let forces = step.window::<H::Usual, _>(strip, now, Slopes::BY_COORDINATES, &mut portion.sums);
-            let (x, correction) = (&mut part.x[own.clone()], &mut part.correction[own.clone()]);
-            let momentum = &mut part.momentum[own.clone()];
+            let (x, correction) = (&mut all_x[own.clone()], &mut corrections[own.clone()]);
+            let momentum = &mut momenta[own.clone()];
             let inverses = inverses.get(places.clone()).unwrap_or_default();
             let mut kick = Kick { forces, weight, inverses, p, x, correction, momentum, size, corrected };
             in_blocks::<HALF>(places.len(), &mut kick);
             (size, corrected) = (kick.size, kick.corrected);
-            let momenta = part.momenta(step.degrees());
+            let momenta = Stretch { numbers: momenta, first: part.first, degrees: step.degrees() };
             let velocities =
                 step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
-            let (u, next) = (&mut part.u[own.clone()], &mut part.next[own.clone()]);
+            let (u, next) = (&mut all_u[own.clone()], &mut all_next[own.clone()]);
             let follow = Follow::new(&step, &places, velocities, point, u, next);
-            let (x, before) = (&part.x[own], &before[places.clone()]);
+            let (x, before) = (&all_x[own], &before[places.clone()]);
             let compared = &mut Compared { p, x, factor, zeros, follow, before, seen: &mut seen };
             in_blocks::<HALF>(places.len(), compared);
             zeros = compared.zeros;

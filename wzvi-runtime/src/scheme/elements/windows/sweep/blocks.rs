@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::parts::Parted;
 use crate::algebra::lanes::instructions::Kernel;
 use crate::scheme::elements::Shared;
 use crate::scheme::elements::change::{Moved, Seen};
@@ -11,36 +10,12 @@ use crate::scheme::elements::step::Step;
 
 /// `q += u`, `p += factor v`, and a copy of `v` if there is room for one.
 pub(super) struct Store<'a> {
-    /// The place of the first number.
-    pub(super) first: usize,
     pub(super) q: &'a mut [f64],
     pub(super) p: &'a mut [f64],
     pub(super) u: &'a [f64],
     pub(super) x: &'a [f64],
     pub(super) past: &'a mut [f64],
     pub(super) factor: f64,
-}
-
-impl Parted for Store<'_> {
-    fn divide(self, place: usize) -> [Self; 2] {
-        let Self { first, q, p, u, x, past, factor } = self;
-        let at = place - first;
-        let ((q, q_behind), (p, p_behind)) = (q.split_at_mut(at), p.split_at_mut(at));
-        let ((u, u_behind), (x, x_behind)) = (u.split_at(at), x.split_at(at));
-        let (past, past_behind) = past.split_at_mut(at.min(past.len()));
-        [
-            Self { first, q, p, u, x, past, factor },
-            Self {
-                first: place,
-                q: q_behind,
-                p: p_behind,
-                u: u_behind,
-                x: x_behind,
-                past: past_behind,
-                factor,
-            },
-        ]
-    }
 }
 
 impl Kernel for Store<'_> {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::super::layout::{Strip, Windows};
-use super::super::sums::Stretch;
+use super::super::share::halves;
 use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
 use crate::scheme::elements::step::nothing;
@@ -29,56 +29,24 @@ impl Portion {
     }
 }
 
-/// Lists that are written, each at the places of a portion.
-pub(super) trait Parted: Send + Sized {
-    /// What is before a place, and what is from it on.
-    fn divide(self, place: usize) -> [Self; 2];
-}
-
-/// What an iteration writes, from the place `first` on.
-pub(super) struct Part<'a> {
+/// What a portion has of lists, from the place `first` on.
+pub(super) struct Part<'a, const N: usize> {
     pub(super) first: usize,
-    pub(super) x: &'a mut [f64],
-    pub(super) correction: &'a mut [f64],
-    pub(super) momentum: &'a mut [f64],
-    pub(super) u: &'a mut [f64],
-    /// The coordinates at which the next forces are taken.
-    pub(super) next: &'a mut [f64],
+    pub(super) lists: [&'a mut [f64]; N],
 }
 
-impl Part<'_> {
-    /// The places of a window in it.
+impl<const N: usize> Part<'_, N> {
+    /// Where the places of a window are.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn own(&self, strip: Strip<'_>) -> Range<usize> {
         strip.start - self.first..strip.end - self.first
     }
 
-    /// `P`, of a system of so many degrees of freedom.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn momenta(&self, degrees: usize) -> Stretch<'_> {
-        Stretch { numbers: self.momentum, first: self.first, degrees }
-    }
-}
-
-impl Parted for Part<'_> {
+    /// What is before a place, and what is from it on.
     fn divide(self, place: usize) -> [Self; 2] {
-        let Self { first, x, correction, momentum, u, next } = self;
-        let at = place - first;
-        let ((x, x_behind), (correction, correction_behind)) =
-            (x.split_at_mut(at), correction.split_at_mut(at));
-        let ((momentum, momentum_behind), (u, u_behind)) = (momentum.split_at_mut(at), u.split_at_mut(at));
-        let (next, next_behind) = next.split_at_mut(at);
-        [
-            Self { first, x, correction, momentum, u, next },
-            Self {
-                first: place,
-                x: x_behind,
-                correction: correction_behind,
-                momentum: momentum_behind,
-                u: u_behind,
-                next: next_behind,
-            },
-        ]
+        let Self { first, lists } = self;
+        let [before, behind] = halves(lists, place - first);
+        [Self { first, lists: before }, Self { first: place, lists: behind }]
     }
 }
 
@@ -111,11 +79,12 @@ impl Found {
 
 /// Does the work on the part of each portion, on a thread each if there are several; what all found.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn on_threads<P: Parted>(
+pub(super) fn on_threads<const N: usize>(
     portions: &mut [Portion],
-    part: P,
-    work: impl Fn(&mut Portion, P) -> Found + Sync,
+    lists: [&mut [f64]; N],
+    work: impl Fn(&mut Portion, Part<'_, N>) -> Found + Sync,
 ) -> Found {
+    let part = Part { first: 0, lists };
     if let [all] = portions {
         return work(all, part);
     }
