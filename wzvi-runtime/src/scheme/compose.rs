@@ -99,14 +99,7 @@ pub struct Table<W>(PhantomData<W>);
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
     note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
 )]
-pub trait Symmetric {}
-
-impl Symmetric for Midpoint {}
-impl Symmetric for Verlet {}
-impl<const S: usize> Symmetric for Gauss<S> {}
-
-/// The schemes that a composition of `Self` is made of.
-pub trait Base {
+pub trait Symmetric {
     /// The scheme itself, or the first half of it.
     type First;
     /// The scheme itself, or the second half of it.
@@ -115,7 +108,7 @@ pub trait Base {
     fn substeps(weight: f64, into: &mut Vec<Substep>);
 }
 
-impl Base for Midpoint {
+impl Symmetric for Midpoint {
     type First = Self;
     type Second = Self;
     fn substeps(weight: f64, into: &mut Vec<Substep>) {
@@ -123,7 +116,7 @@ impl Base for Midpoint {
     }
 }
 
-impl<const S: usize> Base for Gauss<S> {
+impl<const S: usize> Symmetric for Gauss<S> {
     type First = Self;
     type Second = Self;
     fn substeps(weight: f64, into: &mut Vec<Substep>) {
@@ -131,7 +124,7 @@ impl<const S: usize> Base for Gauss<S> {
     }
 }
 
-impl Base for Verlet {
+impl Symmetric for Verlet {
     type First = Uncorrected<DeltaPlus>;
     type Second = Uncorrected<DeltaMinus>;
     fn substeps(weight: f64, into: &mut Vec<Substep>) {

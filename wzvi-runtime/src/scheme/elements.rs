@@ -241,11 +241,6 @@ pub trait Elements: Sized {
     }
 }
 
-/// A system with steps in loops: threads share it where they are large.
-pub trait Shared: Elements + Sync {}
-
-impl<H: Elements + Sync> Shared for H {}
-
 impl<S: Scalar> Point<'_, S> {
     /// The same, if numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]

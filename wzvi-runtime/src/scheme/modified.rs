@@ -26,7 +26,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use crate::algebra::state::State;
-use crate::scheme::compose::{Base, Composed, Composes, Half, Verlet};
+use crate::scheme::compose::{Composed, Composes, Half, Symmetric, Verlet};
 use crate::scheme::embedding::{Corrected, DeltaMinus, DeltaPlus, Lambda, Midpoint, Mixed, Uncorrected};
 use crate::scheme::gauss::Gauss;
 use crate::scheme::system::{Discretized, Hamiltonian};
@@ -107,7 +107,7 @@ impl ModifiedBy for Verlet {
     }
 }
 
-impl<E: Base, W: Composes<E>> ModifiedBy for Composed<E, W>
+impl<E: Symmetric, W: Composes<E>> ModifiedBy for Composed<E, W>
 where
     E::First: QuadraturePoint,
     E::Second: QuadraturePoint,

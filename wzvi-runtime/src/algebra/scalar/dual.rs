@@ -6,11 +6,60 @@
 //! The parts of a dual number may be dual numbers themselves: `Dual<1, Dual<1>>` carries a second derivative, in the
 //! direction of each.
 
-use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Number, Scalar};
 use crate::ground::numbers::{Numbers, Tape};
+
+/// Functions whose slopes are all that numbers need which carry something along: `$with` takes value and slope.
+macro_rules! functions_by_slope {
+    ($with:ident) => {
+        fn exp(self) -> Self {
+            let value = self.value.exp();
+            self.$with(value, value)
+        }
+        fn exp2(self) -> Self {
+            let value = self.value.exp2();
+            self.$with(value, value * std::f64::consts::LN_2)
+        }
+        fn exp_m1(self) -> Self {
+            self.$with(self.value.exp_m1(), self.value.exp())
+        }
+        fn ln(self) -> Self {
+            self.$with(self.value.ln(), self.value.recip())
+        }
+        fn ln_1p(self) -> Self {
+            self.$with(self.value.ln_1p(), (self.value + 1.0).recip())
+        }
+        fn log2(self) -> Self {
+            self.$with(self.value.log2(), (self.value * std::f64::consts::LN_2).recip())
+        }
+        fn log10(self) -> Self {
+            self.$with(self.value.log10(), (self.value * std::f64::consts::LN_10).recip())
+        }
+        fn tan(self) -> Self {
+            let value = self.value.tan();
+            self.$with(value, value * value + 1.0)
+        }
+        fn atan(self) -> Self {
+            self.$with(self.value.atan(), (self.value * self.value + 1.0).recip())
+        }
+        fn sinh(self) -> Self {
+            self.$with(self.value.sinh(), self.value.cosh())
+        }
+        fn tanh(self) -> Self {
+            // 1/cosh² keeps its digits where 1 - tanh² cancels.
+            let secant = self.value.cosh().recip();
+            self.$with(self.value.tanh(), secant * secant)
+        }
+        fn atanh(self) -> Self {
+            let x = self.value;
+            self.$with(x.atanh(), one_minus_square(x).recip())
+        }
+    };
+}
+
+pub(super) use functions_by_slope;
 
 /// A number with its partial derivatives in `N` directions.
 ///
@@ -213,6 +262,8 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
         }
     }
 
+    functions_by_slope!(chain);
+
     fn recip(self) -> Self {
         let value = self.value.recip();
         self.chain(value, -value * value)
@@ -247,29 +298,6 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
         let value = self.value.hypot(other.value);
         self.chain2(other, value, [self.value / value, other.value / value])
     }
-    fn exp(self) -> Self {
-        let value = self.value.exp();
-        self.chain(value, value)
-    }
-    fn exp2(self) -> Self {
-        let value = self.value.exp2();
-        self.chain(value, value * LN_2)
-    }
-    fn exp_m1(self) -> Self {
-        self.chain(self.value.exp_m1(), self.value.exp())
-    }
-    fn ln(self) -> Self {
-        self.chain(self.value.ln(), self.value.recip())
-    }
-    fn ln_1p(self) -> Self {
-        self.chain(self.value.ln_1p(), (self.value + 1.0).recip())
-    }
-    fn log2(self) -> Self {
-        self.chain(self.value.log2(), (self.value * LN_2).recip())
-    }
-    fn log10(self) -> Self {
-        self.chain(self.value.log10(), (self.value * LN_10).recip())
-    }
     fn sin(self) -> Self {
         let (sin, cos) = self.value.sin_cos();
         self.chain(sin, cos)
@@ -282,34 +310,19 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
         let (sin, cos) = self.value.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
-    fn tan(self) -> Self {
-        let value = self.value.tan();
-        self.chain(value, value * value + 1.0)
-    }
     fn asin(self) -> Self {
         self.chain(self.value.asin(), arc_slope(self.value))
     }
     fn acos(self) -> Self {
         self.chain(self.value.acos(), -arc_slope(self.value))
     }
-    fn atan(self) -> Self {
-        self.chain(self.value.atan(), (self.value * self.value + 1.0).recip())
-    }
     fn atan2(self, other: Self) -> Self {
         let (y, x) = (self.value, other.value);
         let radius = y.hypot(x);
         self.chain2(other, y.atan2(x), [x / radius / radius, -y / radius / radius])
     }
-    fn sinh(self) -> Self {
-        self.chain(self.value.sinh(), self.value.cosh())
-    }
     fn cosh(self) -> Self {
         self.chain(self.value.cosh(), self.value.sinh())
-    }
-    fn tanh(self) -> Self {
-        // 1/cosh² keeps its digits where 1 - tanh² cancels.
-        let secant = self.value.cosh().recip();
-        self.chain(self.value.tanh(), secant * secant)
     }
     fn asinh(self) -> Self {
         self.chain(self.value.asinh(), self.value.hypot(S::from_f64(1.0)).recip())
@@ -317,10 +330,6 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn acosh(self) -> Self {
         let x = self.value;
         self.chain(x.acosh(), ((x - 1.0).sqrt() * (x + 1.0).sqrt()).recip())
-    }
-    fn atanh(self) -> Self {
-        let x = self.value;
-        self.chain(x.atanh(), one_minus_square(x).recip())
     }
     fn abs(self) -> Self {
         self.chain(self.value.abs(), self.value.signum())
@@ -341,7 +350,7 @@ fn is_nan<S: Scalar>(x: S) -> S::Mask {
 }
 
 /// `1 - x²`, factored so that the difference from ±1 keeps its digits.
-fn one_minus_square<S: Scalar>(x: S) -> S {
+pub(super) fn one_minus_square<S: Scalar>(x: S) -> S {
     (-x + 1.0) * (x + 1.0)
 }
 

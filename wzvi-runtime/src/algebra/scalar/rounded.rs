@@ -8,6 +8,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::dual::{functions_by_slope, one_minus_square};
 use super::{Number, Scalar, Together};
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -132,6 +133,8 @@ impl Scalar for Rounded {
     type Solver = Together;
     type OfElements<T: Number<f64>> = Self;
 
+    functions_by_slope!(function);
+
     fn from_f64(value: f64) -> Self {
         Self::exact(value)
     }
@@ -201,29 +204,6 @@ impl Scalar for Rounded {
     fn hypot(self, other: Self) -> Self {
         Self::computed(self.value.hypot(other.value), self.error + other.error, FUNCTION)
     }
-    fn exp(self) -> Self {
-        let value = self.value.exp();
-        self.function(value, value)
-    }
-    fn exp2(self) -> Self {
-        let value = self.value.exp2();
-        self.function(value, value)
-    }
-    fn exp_m1(self) -> Self {
-        self.function(self.value.exp_m1(), self.value.exp())
-    }
-    fn ln(self) -> Self {
-        self.function(self.value.ln(), self.value.recip())
-    }
-    fn ln_1p(self) -> Self {
-        self.function(self.value.ln_1p(), (1.0 + self.value).recip())
-    }
-    fn log2(self) -> Self {
-        self.function(self.value.log2(), (std::f64::consts::LN_2 * self.value).recip())
-    }
-    fn log10(self) -> Self {
-        self.function(self.value.log10(), (std::f64::consts::LN_10 * self.value).recip())
-    }
     fn sin(self) -> Self {
         self.sin_cos().0
     }
@@ -239,18 +219,11 @@ impl Scalar for Rounded {
         pair.1.error += square;
         pair
     }
-    fn tan(self) -> Self {
-        let value = self.value.tan();
-        self.function(value, 1.0 + value * value)
-    }
     fn asin(self) -> Self {
         self.function(self.value.asin(), arc_slope(self.value, self.error))
     }
     fn acos(self) -> Self {
         self.function(self.value.acos(), arc_slope(self.value, self.error))
-    }
-    fn atan(self) -> Self {
-        self.function(self.value.atan(), (1.0 + self.value * self.value).recip())
     }
     fn atan2(self, other: Self) -> Self {
         let (y, x) = (self.value, other.value);
@@ -258,17 +231,10 @@ impl Scalar for Rounded {
         let inherited = spread(self.error, x / radius / radius) + spread(other.error, y / radius / radius);
         Self::computed(y.atan2(x), inherited, FUNCTION)
     }
-    fn sinh(self) -> Self {
-        self.function(self.value.sinh(), self.value.cosh())
-    }
     fn cosh(self) -> Self {
         let mut cosh = self.function(self.value.cosh(), self.value.sinh());
         cosh.error += 0.5 * self.error * self.error;
         cosh
-    }
-    fn tanh(self) -> Self {
-        let value = self.value.tanh();
-        self.function(value, 1.0 - value * value)
     }
     fn asinh(self) -> Self {
         self.function(self.value.asinh(), 1.0_f64.hypot(self.value).recip())
@@ -276,9 +242,6 @@ impl Scalar for Rounded {
     fn acosh(self) -> Self {
         let below = (self.value - 1.0).max(self.error).sqrt();
         self.function(self.value.acosh(), (below * (self.value + 1.0).sqrt()).recip())
-    }
-    fn atanh(self) -> Self {
-        self.function(self.value.atanh(), ((1.0 - self.value) * (1.0 + self.value)).recip())
     }
     fn abs(self) -> Self {
         Self { value: self.value.abs(), ..self }

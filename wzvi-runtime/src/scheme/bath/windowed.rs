@@ -6,7 +6,7 @@ use super::part::ByPlace;
 use super::word::Act;
 use crate::algebra::scalar::Number;
 use crate::scheme::compose::windowed::FlowList;
-use crate::scheme::elements::{Given, Move, Origin, Shared, Slopes, Sums, Word};
+use crate::scheme::elements::{Elements, Given, Move, Origin, Slopes, Sums, Word};
 
 /// A word of kicks, drifts and O parts.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl Word for WithBath<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
     where
-        H: Shared,
+        H: Elements + Sync,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
         A: Sums<f64>,

@@ -6,7 +6,7 @@ use super::flows::KickDrift;
 use super::pair::Pair;
 use super::substeps::{Half, Substep};
 use super::text::DRIFT_KICK;
-use super::{Base, Verlet};
+use super::{Symmetric, Verlet};
 
 /// The structure of a system, as far as steps of `E` take advantage of it.
 pub trait Structure<E> {
@@ -57,7 +57,7 @@ impl TwoFlows for Nystrom {
     type Flows<W> = KickDrift<W>;
 }
 
-impl<E: Base> Structure<E> for General {
+impl<E: Symmetric> Structure<E> for General {
     type Steps<W> = Pair<E::First, E::Second, W>;
     const NOTE: &'static str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is \
                                 a coefficient less the one before";

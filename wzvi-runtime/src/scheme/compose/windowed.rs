@@ -7,7 +7,7 @@ use crate::algebra::memory::Threads;
 use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::{
-    Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Shared, Slopes, Sums, Taken, WindowPlan, Word,
+    Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Slopes, Sums, Taken, WindowPlan, Word,
     add_flow,
 };
 use crate::scheme::system::{Hamiltonian as _, fits};
@@ -175,7 +175,7 @@ impl<'a, A> FlowList<'a, A> {
         wanted: Slopes,
         into: &mut S,
     ) where
-        H: Shared,
+        H: Elements + Sync,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
         S: Sums<f64>,
@@ -218,7 +218,7 @@ impl Word for FlowList<'_, Act> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_slopes<H, T, V, S>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut S)
     where
-        H: Shared,
+        H: Elements + Sync,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
         S: Sums<f64>,

@@ -5,7 +5,7 @@ use super::passes::{add, are_finite};
 use super::step::{Step, nothing};
 use super::sums::Onto;
 use super::windows::takes_windows;
-use super::{Memory, MomentumUpdate, Quadrature, Shared, Slopes};
+use super::{Elements, Memory, MomentumUpdate, Quadrature, Slopes};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
@@ -22,7 +22,7 @@ use crate::scheme::system::At;
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance_explicit<H: Shared, S: Scalar, C: Carry<S>>(
+pub(super) fn advance_explicit<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     system: &H,
     scheme: &Quadrature,
     At { t, h, q, p, dw }: At<'_, S>,
@@ -47,7 +47,7 @@ struct Givens<'a, H, S> {
 }
 
 #[inline(never)]
-fn advance_apart<H: Shared, S: Scalar, C: Carry<S>>(
+fn advance_apart<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     givens: Givens<'_, H, S>,
     q: &mut [S],
     p: &mut [S],
@@ -57,7 +57,7 @@ fn advance_apart<H: Shared, S: Scalar, C: Carry<S>>(
     givens.advance(q, p, memory, carry)
 }
 
-impl<H: Shared, S: Scalar> Givens<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> Givens<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<C: Carry<S>>(
         self,
@@ -108,7 +108,7 @@ impl<H: Shared, S: Scalar> Givens<'_, H, S> {
 /// # Errors
 /// Those of [`advance_explicit`].
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
+pub(super) fn advance_explicit_vectors<H: Elements + Sync, C: Carry<f64>>(
     system: &H,
     scheme: &Quadrature,
     [t, h]: [f64; 2],
@@ -125,7 +125,7 @@ pub(super) fn advance_explicit_vectors<H: Shared, C: Carry<f64>>(
     advance_explicit(system, scheme, at, memory, carry)
 }
 
-impl<H: Shared> Givens<'_, H, f64> {
+impl<H: Elements + Sync> Givens<'_, H, f64> {
     /// The same, window by window.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn exchange(
@@ -149,7 +149,7 @@ impl<H: Shared> Givens<'_, H, f64> {
     }
 }
 
-impl<H: Shared, S: Scalar> Step<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {

@@ -4,8 +4,8 @@ use std::marker::PhantomData;
 
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::{
-    CompensationVec, Memory, Quadrature, Shared, Unknowns, discrete_lagrangian, discrete_lagrangian_gradient,
-    iterate, prepare, step_momentum,
+    CompensationVec, Elements, Memory, Quadrature, Unknowns, discrete_lagrangian,
+    discrete_lagrangian_gradient, iterate, prepare, step_momentum,
 };
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
@@ -16,7 +16,7 @@ use crate::scheme::plan::Plan;
 use crate::scheme::system::{At, LagrangianGradient, Lift, Properties, Scheme, Segment, without_derivatives};
 
 /// A system whose steps by `E` are solved in loops; generated.
-pub trait InLoops<E>: Shared + Sized {
+pub trait InLoops<E>: Elements + Sync {
     /// The order in `h` without noise.
     const ORDER: u32;
     /// Whether the scheme converges to the Stratonovich system.

@@ -7,7 +7,7 @@ use super::passes::{Corrected, largest, subtract};
 use super::preference::Solution;
 use super::rounding::variation;
 use super::step::Step;
-use super::{CONTRACTS, Iteration, Memory, Quadrature, Shared, Unknowns};
+use super::{CONTRACTS, Elements, Iteration, Memory, Quadrature, Unknowns};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Effort, astray};
@@ -28,7 +28,7 @@ const MOST_ITERATIONS: u32 = 100;
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+pub(super) fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Quadrature,
     at: At<'_, S>,
@@ -44,7 +44,7 @@ pub(super) fn advance<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 /// The same where a memory may be of another size, or the step takes care: rare, and compiled once for all schemes.
 #[cold]
 #[inline(never)]
-fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Quadrature,
     at: At<'_, S>,
@@ -73,7 +73,7 @@ fn advance_anyhow<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
 
 /// The step in a memory of the size of the state.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn advance_fitting<H: Shared, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
+fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
     scheme: &Quadrature,
     At { t, h, q, p, dw }: At<'_, S>,
@@ -197,7 +197,7 @@ struct Taken {
     is_kept: bool,
 }
 
-impl<H: Shared, S: Scalar> Step<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the short way.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {

@@ -32,7 +32,7 @@ use order::{Turn, divided};
 use share::{Job, Room, Taking};
 
 use super::step::nothing;
-use super::{Shared, Slopes};
+use super::{Elements, Slopes};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::state::Vector;
 use crate::algebra::threads::Threads;
@@ -159,7 +159,7 @@ impl Plan {
     /// Takes down where the elements of a system add what, each of them once.
     #[cold]
     #[inline(never)]
-    fn new<H: Shared>(system: &H, word: &impl Word, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
+    fn new<H: Elements + Sync>(system: &H, word: &impl Word, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
         let (degrees, recorder) = (q.len(), Recorder::default());
         for (state, wanted) in [(q, Slopes::BY_COORDINATES), (p, Slopes::BY_MOMENTA)] {
             let adds = |&number: &usize| match word.kind(number) {
@@ -242,7 +242,7 @@ impl Plan {
 
     /// All turns of a step; whether the new state is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<H: Shared, W: Word>(
+    fn take<H: Elements + Sync, W: Word>(
         &mut self,
         system: &H,
         word: &mut W,
@@ -260,7 +260,12 @@ impl Plan {
     /// The same on one thread where a function has an argument that is not usual, or to no avail.
     #[cold]
     #[inline(never)]
-    fn take_exactly<H: Shared, W: Word>(&mut self, system: &H, word: &mut W, state: [&[f64]; 2]) -> bool {
+    fn take_exactly<H: Elements + Sync, W: Word>(
+        &mut self,
+        system: &H,
+        word: &mut W,
+        state: [&[f64]; 2],
+    ) -> bool {
         let (step, shares, rest, mut room) = self.parts(state, false);
         shares.iter_mut().chain([rest]).all(|share| {
             Job::<_, _, H::Exact, true>::new(step, system, word.share(), share, room.lend()).run::<1, 1>()
@@ -294,7 +299,7 @@ impl Taken<'_> {
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
 #[inline(never)]
-fn advance<'p, H: Shared, W: Word>(
+fn advance<'p, H: Elements + Sync, W: Word>(
     system: &H,
     word: &mut W,
     state: [&[f64]; 2],

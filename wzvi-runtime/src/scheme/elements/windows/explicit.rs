@@ -4,7 +4,7 @@ use super::{Kick, LEAST_IN_WINDOWS, Move, Taken, WindowPlan, Word, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
 use crate::scheme::elements::step::Step;
-use crate::scheme::elements::{Given, MomentumUpdate, Quadrature, Shared, Slopes, Stage, Sums, Unknowns};
+use crate::scheme::elements::{Elements, Given, MomentumUpdate, Quadrature, Slopes, Stage, Sums, Unknowns};
 
 /// Whether steps of so many degrees of freedom go window by window.
 ///
@@ -28,7 +28,7 @@ fn kicks_last(scheme: &Quadrature) -> bool {
     scheme.update == MomentumUpdate::Slopes && scheme.stages.iter().all(is_last)
 }
 
-impl<H: Shared> Step<'_, H, f64> {
+impl<H: Elements + Sync> Step<'_, H, f64> {
     /// The step, window by window.
     ///
     /// # Errors
@@ -70,7 +70,7 @@ impl<H: Shared> Step<'_, H, f64> {
 }
 
 /// The system of a step is its own.
-impl<H: Shared> Word for Step<'_, H, f64> {
+impl<H: Elements + Sync> Word for Step<'_, H, f64> {
     type Share<'s>
         = Self
     where
@@ -105,7 +105,7 @@ impl<H: Shared> Word for Step<'_, H, f64> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_slopes<G, T, V, A>(&self, _: &G, number: usize, state: &V, wanted: Slopes, into: &mut A)
     where
-        G: Shared,
+        G: Elements + Sync,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
         A: Sums<f64>,

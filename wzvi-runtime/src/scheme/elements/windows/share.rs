@@ -13,7 +13,7 @@ use super::check::Check;
 use super::layout::{Strip, Windows};
 use super::order::Turn;
 use super::sums::{Moved, Stretch, Window};
-use super::{Kick, LINE, Move, Share, Shared, Slopes, Word};
+use super::{Elements, Kick, LINE, Move, Share, Slopes, Word};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
 use crate::algebra::threads::each;
@@ -69,7 +69,7 @@ pub(super) struct Taking<'a> {
 
 impl Taking<'_> {
     /// The turns of all shares, each on a thread; whether all numbers are finite.
-    pub(super) fn on_threads<H: Shared, W: Word>(
+    pub(super) fn on_threads<H: Elements + Sync, W: Word>(
         self,
         system: &H,
         word: &mut W,
@@ -106,7 +106,7 @@ pub(super) struct Job<'a, H, W, T, const WHOLE: bool> {
     numbers: PhantomData<fn() -> T>,
 }
 
-impl<'a, H: Shared, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a, H, W, T, WHOLE> {
+impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a, H, W, T, WHOLE> {
     pub(super) fn new(
         step: Taking<'a>,
         system: &'a H,
@@ -127,7 +127,7 @@ impl<'a, H: Shared, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a, H, W, T,
 }
 
 /// The output is whether all new numbers are finite.
-impl<H: Shared, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, H, W, T, WHOLE> {
+impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for Job<'_, H, W, T, WHOLE> {
     type Output = bool;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -211,7 +211,7 @@ struct OneTurn<'t, H, W, const WHOLE: bool> {
     has_drifted: bool,
 }
 
-impl<H: Shared, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
+impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
     /// Where its places are in the room.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn own(&self) -> Range<usize> {

@@ -33,7 +33,7 @@ use crate::scheme::elements::memory::{Lists, Scratch};
 use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
 use crate::scheme::elements::step::Step;
 use crate::scheme::elements::sums::Given;
-use crate::scheme::elements::{MomentumUpdate, Quadrature, Shared, Slopes, Unknowns};
+use crate::scheme::elements::{Elements, MomentumUpdate, Quadrature, Slopes, Unknowns};
 use crate::scheme::system::Hamiltonian as _;
 
 /// Places of a window. Ten stretches of it are used at one time.
@@ -67,7 +67,7 @@ impl Sweeps {
     /// Takes down where the elements of a system add what.
     #[cold]
     #[inline(never)]
-    fn new<H: Shared>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
+    fn new<H: Elements + Sync>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
         let recorder = Recorder::default();
         for (state, wanted) in [(step.q, Slopes::BY_COORDINATES), (step.p, Slopes::BY_MOMENTA)] {
             step.slopes_of::<f64, _, _>(|_| 1.0, state, wanted, &mut &recorder);
@@ -79,7 +79,7 @@ impl Sweeps {
     }
 }
 
-impl<H: Shared, S: Scalar> Step<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// The guess of so many steps before, with its `u` and `P`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
@@ -186,7 +186,7 @@ impl<H: Shared, S: Scalar> Step<'_, H, S> {
     }
 }
 
-impl<H: Shared> Step<'_, H, f64> {
+impl<H: Elements + Sync> Step<'_, H, f64> {
     /// The sums of a window, of slopes at coordinates or momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn window<'w, T: Number<f64>, V: Given<f64> + ?Sized>(
@@ -218,7 +218,7 @@ impl Lists<'_, f64> {
     }
 }
 
-impl<H: Shared, S: Scalar> Step<'_, H, S> {
+impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Whether the last iteration went in windows and leads to a state that is finite: then [`Scratch::store_windows`] ends the step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
@@ -277,7 +277,7 @@ struct Start<'a, 's, H> {
     known: u8,
 }
 
-impl<H: Shared> Start<'_, '_, H> {
+impl<H: Elements + Sync> Start<'_, '_, H> {
     #[inline(never)]
     fn run_in(self, instructions: InstructionSet) -> Found {
         instructions.run(self);
@@ -285,7 +285,7 @@ impl<H: Shared> Start<'_, '_, H> {
     }
 }
 
-impl<H: Shared> Kernel for Start<'_, '_, H> {
+impl<H: Elements + Sync> Kernel for Start<'_, '_, H> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -323,14 +323,14 @@ struct Sweep<'a, 's, H> {
     inverses: &'a [f64],
 }
 
-impl<H: Shared> Sweep<'_, '_, H> {
+impl<H: Elements + Sync> Sweep<'_, '_, H> {
     #[inline(never)]
     fn run_in(self, instructions: InstructionSet) -> Found {
         instructions.run(self)
     }
 }
 
-impl<H: Shared> Kernel for Sweep<'_, '_, H> {
+impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
     type Output = Found;
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{Taken, WindowPlan, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
-use crate::scheme::elements::{Given, Shared, Slopes, Sums};
+use crate::scheme::elements::{Elements, Given, Slopes, Sums};
 
 /// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity that it adds.
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +96,7 @@ pub trait Word {
     /// Adds the slopes of a kick by the coordinates, which are `state`, or those of a drift by the momenta, which are it.
     fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
     where
-        H: Shared,
+        H: Elements + Sync,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
         A: Sums<f64>;
@@ -119,7 +119,7 @@ pub trait Word {
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn take_windows<'p, H: Shared, W: Word>(
+pub fn take_windows<'p, H: Elements + Sync, W: Word>(
     system: &H,
     word: &mut W,
     q: &[f64],

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::algebra::lanes::instructions::Kernel;
-use crate::scheme::elements::Shared;
+use crate::scheme::elements::Elements;
 use crate::scheme::elements::change::{Moved, Seen};
 use crate::scheme::elements::passes::{Block, Largest, in_blocks, load, store, widened};
 use crate::scheme::elements::step::Step;
@@ -144,7 +144,7 @@ pub(super) struct Follow<'a> {
 
 impl<'a> Follow<'a> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn new<H: Shared>(
+    pub(super) fn new<H: Elements + Sync>(
         step: &Step<'a, H, f64>,
         places: &Range<usize>,
         velocities: &'a [f64],
