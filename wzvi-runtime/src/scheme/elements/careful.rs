@@ -2,12 +2,12 @@
 
 use super::blocks::Blocks;
 use super::linear::Linear;
-use super::memory::{Lists, Scratch};
+use super::memory::{Lists, Scratch, Solver};
 use super::rounding::Rounding;
 use super::step::Step;
 use super::{Elements, Memory};
 use crate::algebra::scalar::Scalar;
-use crate::algebra::solve::{Effort, Problem, Room, astray, damped};
+use crate::algebra::solve::{Effort, Problem, astray, damped};
 use crate::error::StepFailure;
 
 /// Residual of linear equations that are solved by iteration: below what a convergence that is nearly quadratic shows.
@@ -17,7 +17,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns with care, if there are any; leaves `u` and `P`.
     #[inline(never)]
     pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
-        memory.kept.lose();
+        memory.solver.kept.lose();
         let mut blocks = std::mem::take(&mut memory.blocks);
         blocks.find(self.system, self.scheme, self.degrees());
         let effort = self.careful_of(memory, &blocks);
@@ -30,13 +30,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let known = memory.known;
         let mut scratch = memory.scratch(self.scheme, self.degrees());
         scratch.guess(known);
-        let Scratch { mut lists, diagonal, linear, rounding, .. } = scratch;
+        let Scratch { mut lists, solver, .. } = scratch;
+        let Solver { diagonal, linear, rounding, care: (start, room), .. } = solver;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
-        let start = lists.x.to_vec();
+        start.clear();
+        start.extend_from_slice(lists.x);
         let lists = &mut lists;
-        let mut room = Room::of(&start);
         let mut sweep = Sweep { step: self, blocks, lists, diagonal, linear, rounding };
-        let effort = damped(&mut sweep, &mut room, &start)?;
+        let effort = damped(&mut sweep, room, start)?;
         lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
         Ok(effort)

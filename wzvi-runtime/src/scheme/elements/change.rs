@@ -318,7 +318,7 @@ mod tests {
                 }
                 assert!(sweeps > 1);
                 let x = scratch.lists.x.to_vec();
-                for (k, residual) in step.round(&x, scratch.rounding).iter().enumerate() {
+                for (k, residual) in step.round(&x, &mut scratch.solver.rounding).iter().enumerate() {
                     assert!(residual.is_below(1.0), "unknown {k} of {n} sites: {residual:?}");
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::change::Change;
 use super::linear::Linear;
-use super::memory::{Lists, Scratch};
+use super::memory::{Lists, Scratch, Solver};
 use super::passes::{Corrected, largest, subtract};
 use super::preference::Solution;
 use super::rounding::variation;
@@ -110,11 +110,11 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
         }
         (Effort::fast(solved.iterations), solved.solution)
     };
-    memory.preference.learn(solution);
-    if memory.preference.is_newton()
-        && let Some(linear) = &memory.linear
+    memory.solver.preference.learn(solution);
+    if memory.solver.preference.is_newton()
+        && let Some(linear) = &memory.solver.linear
     {
-        memory.kept.succeed(linear.cost());
+        memory.solver.kept.succeed(linear.cost());
     }
     Ok(effort)
 }
@@ -127,7 +127,7 @@ impl<S: Scalar> Scratch<'_, S> {
         if known == 0 {
             return x.fill(S::from_f64(0.0));
         }
-        let [a, b, c] = self.past.each_ref().map(|past| &past[..x.len()]);
+        let [a, b, c] = self.solver.past.each_ref().map(|past| &past[..x.len()]);
         match known {
             1 => x.copy_from_slice(a),
             2 => {
@@ -149,11 +149,11 @@ impl<S: Scalar> Memory<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn record(&mut self, scheme: &Quadrature, degrees: usize) {
         let Lists { x, .. } = self.work.lists(scheme, degrees);
-        if self.past[0].len() != x.len() {
-            self.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));
+        if self.solver.past[0].len() != x.len() {
+            self.solver.past.iter_mut().for_each(|past| past.resize(x.len(), S::from_f64(0.0)));
         }
-        self.past.rotate_right(1);
-        self.past[0].copy_from_slice(x);
+        self.solver.past.rotate_right(1);
+        self.solver.past[0].copy_from_slice(x);
         self.known = (self.known + 1).min(3);
     }
 }
@@ -201,8 +201,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the short way.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        let (pinned, known) = (scratch.iteration, scratch.known);
-        scratch.kept.begin();
+        let (pinned, known) = (scratch.solver.iteration, scratch.known);
+        scratch.solver.kept.begin();
         let takes_one = self.takes_one_correction(scratch);
         let attempt = |scratch: &mut Scratch<'_, S>| match takes_one {
             true => self.correct_once(scratch),
@@ -229,7 +229,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Whether the equations are linear and none has an unknown of another: one correction leaves nothing but rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn takes_one_correction(self, scratch: &Scratch<'_, S>) -> bool {
-        let is_linear = self.scheme.is_linear && scratch.iteration == Iteration::Automatic;
+        let is_linear = self.scheme.is_linear && scratch.solver.iteration == Iteration::Automatic;
         is_linear && scratch.inverses().is_some()
     }
 
@@ -238,7 +238,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         self.start(scratch, 0);
         if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
-            let Scratch { lists, diagonal, linear: Some(linear), kept, .. } = scratch.lend() else {
+            let Scratch { lists, solver: Solver { diagonal, linear: Some(linear), kept, .. }, .. } =
+                scratch.lend()
+            else {
                 return Err(StepFailure::NonFinite);
             };
             self.renew(&lists, diagonal, linear, kept, Iteration::Automatic)?;
@@ -253,7 +255,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[cold]
     #[inline(never)]
     fn iterate_again(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        let (asked, is_tried) = (scratch.iteration, !self.starts_with_newton(&scratch, scratch.iteration));
+        let (asked, is_tried) =
+            (scratch.solver.iteration, !self.starts_with_newton(&scratch, scratch.solver.iteration));
         let pinned = if asked == Iteration::Automatic { Iteration::Newton } else { asked };
         let mut solved = self.iterate(&mut scratch, 0, pinned)?;
         if is_tried && asked == Iteration::Automatic {
@@ -308,10 +311,11 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn starts_with_newton(self, scratch: &Scratch<'_, S>, pinned: Iteration) -> bool {
-        let has_constant_band = self.scheme.is_linear && matches!(scratch.linear, Some(Linear::Band(_)));
+        let has_constant_band =
+            self.scheme.is_linear && matches!(scratch.solver.linear, Some(Linear::Band(_)));
         match pinned {
             Iteration::Newton => true,
-            Iteration::Automatic => scratch.preference.is_newton() || has_constant_band,
+            Iteration::Automatic => scratch.solver.preference.is_newton() || has_constant_band,
             Iteration::FixedPoint => false,
         }
     }
@@ -330,7 +334,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let relative = if iteration.is_newton {
             scratch.leave_windows();
             self.residual_as::<S::OfElements<H::Exact>>(&mut scratch.lists);
-            let is_krylov = match &scratch.linear {
+            let is_krylov = match &scratch.solver.linear {
                 Some(linear) => matches!(linear, Linear::Krylov(_)),
                 None => return Err(astray(iteration.iterations, iteration.last)),
             };
@@ -367,7 +371,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         is_stale: bool,
         pinned: Iteration,
     ) -> Result<f64, StepFailure> {
-        let Scratch { mut lists, diagonal, linear: Some(linear), kept, .. } = scratch else {
+        let Scratch { mut lists, solver: Solver { diagonal, linear: Some(linear), kept, .. }, .. } = scratch
+        else {
             return Err(StepFailure::NonFinite);
         };
         if is_stale {
@@ -423,7 +428,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
         if stagnates && is_final && !is_misled {
-            let beyond = self.beyond_rounding(scratch.lists.lend(), scratch.rounding);
+            let beyond = self.beyond_rounding(scratch.lists.lend(), &mut scratch.solver.rounding);
             if beyond == 0.0 && !varies(scratch, iteration) {
                 return Ok(true);
             }
@@ -451,7 +456,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let is_worth = stagnates || relative > NEARLY_SOLVED;
         if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
             // Old factors, or none, do not contract.
-            iteration.is_stale = !is_newton || !matches!(scratch.linear, Some(Linear::Krylov(_)));
+            iteration.is_stale = !is_newton || !matches!(scratch.solver.linear, Some(Linear::Krylov(_)));
             if !is_newton && stagnates {
                 iteration.is_stale = !self.starts_with_factors(scratch.lend(), pinned);
                 self.start(scratch, known);

@@ -9,7 +9,7 @@
 
 use super::Elements;
 use super::linear::Linear;
-use super::memory::{Lists, Scratch};
+use super::memory::{Lists, Scratch, Solver};
 use super::step::Step;
 use crate::algebra::memory::{Iteration, LinearWork};
 use crate::algebra::scalar::Scalar;
@@ -206,7 +206,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// on would keep its loops from being compiled for vectors.)
     #[inline(never)]
     pub(super) fn starts_with_factors(&self, mut scratch: Scratch<'_, S>, pinned: Iteration) -> bool {
-        let Scratch { lists, kept, linear: Some(linear), .. } = &scratch else { return false };
+        let Scratch { lists, solver: Solver { kept, linear: Some(linear), .. }, .. } = &scratch else {
+            return false;
+        };
         if !self.leaves_factors(linear, pinned) {
             return false;
         }
@@ -221,14 +223,15 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             return false;
         }
         let is_there = kept.made == Made::AtAnchor || self.restore(&mut scratch).is_ok();
-        scratch.kept.has_started = is_there;
+        scratch.solver.kept.has_started = is_there;
         is_there
     }
 
     /// The factors of the anchor, once more.
     #[cold]
     fn restore(&self, scratch: &mut Scratch<'_, S>) -> Result<(), StepFailure> {
-        let Scratch { lists, diagonal, kept, linear: Some(linear), .. } = scratch else {
+        let Scratch { lists, solver: Solver { diagonal, kept, linear: Some(linear), .. }, .. } = scratch
+        else {
             return Err(StepFailure::NonFinite);
         };
         let anchor = std::mem::take(&mut kept.anchor);

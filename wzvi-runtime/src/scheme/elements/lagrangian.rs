@@ -180,7 +180,7 @@ fn momentum_increment<H: Elements>(
         ends.are_joined_by(&v).then_some(v)
     };
     let from = |memory: &mut Memory<f64>, v: Vec<f64>| {
-        memory.past.iter_mut().for_each(|past| past.clone_from(&v));
+        memory.solver.past.iter_mut().for_each(|past| past.clone_from(&v));
         memory.known = 1;
         solved(memory)
     };

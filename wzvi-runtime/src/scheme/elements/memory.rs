@@ -10,6 +10,7 @@ use super::{Elements, Quadrature, Unknowns};
 use crate::algebra::carry::{Carry, Compensation};
 use crate::algebra::memory::{Iteration, Method, Report, Request, StepMemory, Threads};
 use crate::algebra::scalar::Scalar;
+use crate::algebra::solve::Room;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -18,23 +19,46 @@ pub struct Memory<S> {
     pub(super) degrees: usize,
     /// How many unknowns are remembered of each step.
     remembered: usize,
-    pub(super) iteration: Iteration,
     pub(super) work: Work<S>,
-    /// `∂u/∂v` where that is diagonal.
-    pub(super) diagonal: Vec<S>,
-    /// Unknowns of past steps, the latest first.
-    pub(super) past: [Vec<S>; 3],
     pub(super) known: u8,
-    pub(super) preference: Preference,
-    pub(super) linear: Option<Linear<S>>,
-    pub(super) kept: Kept<S>,
-    pub(super) rounding: Option<Box<Rounding>>,
+    pub(super) solver: Solver<S>,
     /// What a careful step solves.
     pub(super) blocks: Blocks,
     /// How a large system is stepped that solves nothing.
     pub(super) plan: WindowPlan,
+}
+
+/// What the iteration of a step keeps.
+pub(super) struct Solver<S> {
+    pub(super) iteration: Iteration,
+    /// `∂u/∂v` where that is diagonal.
+    pub(super) diagonal: Vec<S>,
+    /// Unknowns of past steps, the latest first.
+    pub(super) past: [Vec<S>; 3],
+    pub(super) preference: Preference,
+    pub(super) linear: Option<Linear<S>>,
+    pub(super) kept: Kept<S>,
+    pub(super) rounding: Option<Box<Rounding>>,
     /// How the fixed point of a large system goes.
     pub(super) sweeps: Option<Box<Sweeps>>,
+    /// Where a step with care starts, and what it computes with.
+    pub(super) care: (Vec<S>, Room<Vec<S>>),
+}
+
+impl<S> Default for Solver<S> {
+    fn default() -> Self {
+        Self {
+            iteration: Iteration::default(),
+            diagonal: Vec::new(),
+            past: [Vec::new(), Vec::new(), Vec::new()],
+            preference: Preference::default(),
+            linear: None,
+            kept: Kept::default(),
+            rounding: None,
+            sweeps: None,
+            care: (Vec::new(), Room::default()),
+        }
+    }
 }
 
 /// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
@@ -189,16 +213,9 @@ impl<S> Stages<'_, S> {
 /// What the solution of a step reads and writes of its [`Memory`].
 pub(super) struct Scratch<'a, S> {
     pub(super) lists: Lists<'a, S>,
-    pub(super) diagonal: &'a mut [S],
-    pub(super) past: &'a mut [Vec<S>; 3],
+    pub(super) solver: &'a mut Solver<S>,
     pub(super) known: u8,
-    pub(super) iteration: Iteration,
-    pub(super) preference: Preference,
-    pub(super) linear: &'a mut Option<Linear<S>>,
-    pub(super) kept: &'a mut Kept<S>,
-    pub(super) rounding: &'a mut Option<Box<Rounding>>,
-    pub(super) sweeps: &'a mut Option<Box<Sweeps>>,
-    /// On how many these go.
+    /// On how many windows go.
     pub(super) threads: Threads,
     /// Whether nothing is to be done in vector instructions.
     pub(super) is_exact: bool,
@@ -208,19 +225,12 @@ impl<S: Scalar> Memory<S> {
     /// For the scheme and the degrees of freedom that it was made for; with past steps where they start the iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
-        let Self { iteration, work, diagonal, past, known, .. } = self;
-        let Self { preference, linear, kept, rounding, plan, sweeps, .. } = self;
+        let Self { work, solver, plan, known, .. } = self;
+        let known = if scheme.remembers { *known } else { 0 };
         Scratch {
             lists: work.lists(scheme, degrees),
-            diagonal,
-            past,
-            known: if scheme.remembers { *known } else { 0 },
-            iteration: *iteration,
-            preference: *preference,
-            linear,
-            kept,
-            rounding,
-            sweeps,
+            solver,
+            known,
             threads: plan.threads(),
             is_exact: false,
         }
@@ -231,7 +241,7 @@ impl<S: Scalar> Scratch<'_, S> {
     /// The inverse of the Jacobian, if that is a diagonal matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn inverses(&self) -> Option<&[S]> {
-        if let Some(Linear::Band(band)) = &*self.linear { band.inverses() } else { None }
+        if let Some(Linear::Band(band)) = &self.solver.linear { band.inverses() } else { None }
     }
 }
 
@@ -239,22 +249,7 @@ impl<S> Scratch<'_, S> {
     /// As [`Lists::lend`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
-        let Self { lists, diagonal, past, known, iteration, preference, linear, kept, .. } = self;
-        let Self { rounding, sweeps, threads, is_exact, .. } = self;
-        Scratch {
-            lists: lists.lend(),
-            diagonal,
-            past,
-            known: *known,
-            iteration: *iteration,
-            preference: *preference,
-            linear,
-            kept,
-            rounding,
-            sweeps,
-            threads: *threads,
-            is_exact: *is_exact,
-        }
+        Scratch { lists: self.lists.lend(), solver: self.solver, ..*self }
     }
 }
 
@@ -263,18 +258,11 @@ impl<S> Default for Memory<S> {
         Self {
             degrees: 0,
             remembered: 0,
-            iteration: Iteration::default(),
             work: Work::default(),
-            diagonal: Vec::new(),
-            past: [Vec::new(), Vec::new(), Vec::new()],
             known: 0,
-            preference: Preference::default(),
-            linear: None,
-            kept: Kept::default(),
-            rounding: None,
+            solver: Solver::default(),
             blocks: Blocks::default(),
             plan: WindowPlan::default(),
-            sweeps: None,
         }
     }
 }
@@ -282,22 +270,7 @@ impl<S> Default for Memory<S> {
 /// What the steps before left: scratch says nothing to anyone but the step that fills it.
 impl<S: Scalar> std::fmt::Debug for Memory<S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self {
-            degrees,
-            iteration,
-            past,
-            known,
-            preference,
-            remembered: _,
-            work: _,
-            diagonal: _,
-            linear: _,
-            kept: _,
-            rounding: _,
-            blocks: _,
-            plan: _,
-            sweeps: _,
-        } = self;
+        let Self { degrees, known, solver: Solver { iteration, past, preference, .. }, .. } = self;
         formatter
             .debug_struct("Memory")
             .field("degrees", degrees)
@@ -312,34 +285,34 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
 /// What the steps before left; scratch is allocated anew where the copy is used.
 impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
-        let past = if self.known == 0 { Default::default() } else { self.past.clone() };
-        let (iteration, known, preference) = (self.iteration, self.known, self.preference);
-        let (kept, plan, blocks) = (self.kept.clone(), self.plan.alike(), self.blocks.alike());
-        Self { iteration, past, known, preference, kept, plan, blocks, ..Self::default() }
+        let mut copy = Self { plan: self.plan.alike(), blocks: self.blocks.alike(), ..Self::default() };
+        copy.clone_from(self);
+        copy
     }
 
-    /// Keeps what is allocated.
+    /// Takes what the steps before left, and keeps the room that it has.
     fn clone_from(&mut self, other: &Self) {
         if other.known > 0 {
-            self.past.clone_from(&other.past);
+            self.solver.past.clone_from(&other.solver.past);
         }
-        (self.iteration, self.known, self.preference) = (other.iteration, other.known, other.preference);
-        self.kept.clone_from(&other.kept);
+        self.known = other.known;
+        (self.solver.iteration, self.solver.preference) = (other.solver.iteration, other.solver.preference);
+        self.solver.kept.clone_from(&other.solver.kept);
     }
 }
 
 impl<S: Scalar> Numbers for Memory<S> {
     fn pass(&mut self, tape: &mut Tape) {
-        let unknowns = tape.length(if self.known == 0 { 0 } else { self.past[0].len() });
+        let unknowns = tape.length(if self.known == 0 { 0 } else { self.solver.past[0].len() });
         tape.count(&mut self.known);
-        self.preference.pass(tape);
+        self.solver.preference.pass(tape);
         if unknowns != 0 {
-            for past in &mut self.past {
+            for past in &mut self.solver.past {
                 past.resize(unknowns, S::from_f64(0.0));
                 past.iter_mut().for_each(|number| number.pass(tape));
             }
         }
-        self.kept.pass(tape);
+        self.solver.kept.pass(tape);
     }
 }
 
@@ -348,44 +321,45 @@ impl<S: Scalar> StepMemory for Memory<S> {
         match request {
             Request::Forget => {
                 self.known = 0;
-                self.preference = Preference::default();
-                self.kept.forget();
+                self.solver.preference = Preference::default();
+                self.solver.kept.forget();
             }
             Request::Hold => self.known = self.known.min(1),
-            Request::Pin(iteration) => self.iteration = *iteration,
+            Request::Pin(iteration) => self.solver.iteration = *iteration,
             Request::Share(threads) => {
                 self.plan.share(*threads);
-                self.sweeps = None;
+                self.solver.sweeps = None;
             }
             Request::Restrict(blocks) => self.blocks.restrict(blocks.clone()),
         }
     }
 
     fn adopt(&mut self, left: Self) {
-        (self.past, self.known, self.preference) = (left.past, left.known, left.preference);
+        (self.solver.past, self.known, self.solver.preference) =
+            (left.solver.past, left.known, left.solver.preference);
         if self.degrees == 0 {
             (self.degrees, self.remembered) = (left.degrees, left.remembered);
-            (self.work, self.linear) = (left.work, left.linear);
-            (self.diagonal, self.kept) = (left.diagonal, left.kept);
+            (self.work, self.solver.linear) = (left.work, left.solver.linear);
+            (self.solver.diagonal, self.solver.kept) = (left.solver.diagonal, left.solver.kept);
         } else {
-            self.kept.clone_from(&left.kept);
+            self.solver.kept.clone_from(&left.solver.kept);
         }
         if self.remembered == 0 {
             self.known = 0;
         }
-        if self.known == 0 && self.past[0].len() != self.remembered {
-            self.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
+        if self.known == 0 && self.solver.past[0].len() != self.remembered {
+            self.solver.past.iter_mut().for_each(|past| past.resize(self.remembered, S::from_f64(0.0)));
         }
     }
 
     fn report(&self) -> Report {
-        let method = match &self.linear {
+        let method = match &self.solver.linear {
             _ if self.degrees == 0 => Method::Undecided,
             None => Method::Explicit,
             Some(linear) => linear.method(),
         };
-        let (blocks, linear_work) = (self.blocks.count(), self.kept.work);
-        Report { pinned: self.iteration, method: Some(method), blocks, linear_work }
+        let (blocks, linear_work) = (self.blocks.count(), self.solver.kept.work);
+        Report { pinned: self.solver.iteration, method: Some(method), blocks, linear_work }
     }
 }
 
@@ -436,22 +410,22 @@ impl<S: Scalar> Memory<S> {
         let has_room_in_windows =
             H::FACTS.has_windows && S::plain(&[]).is_some() && takes_windows(scheme, degrees);
         self.work = if has_room_in_windows { Work::default() } else { Work::new(scheme, degrees) };
-        self.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
-        (self.rounding, self.plan, self.sweeps) = (None, self.plan.alike(), None);
+        self.solver.diagonal = vec![S::from_f64(0.0); scheme.unknowns.diagonals(degrees)];
+        (self.solver.rounding, self.plan, self.solver.sweeps) = (None, self.plan.alike(), None);
         self.blocks = self.blocks.alike();
         let unknowns = scheme.unknowns.count(degrees);
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };
         self.remembered = remembered;
         // A copy comes with its past.
-        if self.known == 0 || self.past[0].len() != unknowns {
+        if self.known == 0 || self.solver.past[0].len() != unknowns {
             let past = || vec![S::from_f64(0.0); remembered];
-            self.past = [past(), past(), past()];
+            self.solver.past = [past(), past(), past()];
             self.known = 0;
         }
         self.degrees = degrees;
-        self.kept.lose();
-        self.linear = is_implicit.then(|| Linear::new(system, scheme, degrees));
+        self.solver.kept.lose();
+        self.solver.linear = is_implicit.then(|| Linear::new(system, scheme, degrees));
     }
 }
 

@@ -29,7 +29,7 @@ use crate::algebra::scalar::{Number, Scalar};
 use crate::algebra::threads::Threads;
 use crate::scheme::elements::change::{Change, Seen};
 use crate::scheme::elements::linear::Linear;
-use crate::scheme::elements::memory::{Lists, Scratch};
+use crate::scheme::elements::memory::{Lists, Scratch, Solver};
 use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
 use crate::scheme::elements::step::Step;
 use crate::scheme::elements::sums::Given;
@@ -102,7 +102,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         {
             return swept;
         }
-        let Scratch { lists, linear, .. } = scratch;
+        let Scratch { lists, solver: Solver { linear, .. }, .. } = scratch;
         self.residual_as::<S::OfElements<H::Exact>>(lists);
         if is_newton && let Some(Linear::Band(band)) = linear {
             band.solve(lists.correction);
@@ -144,8 +144,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     fn start_in_vectors(&self, scratch: &mut Scratch<'_, S>, known: u8) -> bool {
         let Some(step) = self.plain() else { return false };
         let threads = scratch.threads;
-        let sweeps = scratch.sweeps.get_or_insert_with(|| Box::new(Sweeps::new(&step, threads)));
-        let [Some(a), Some(b), Some(c)] = scratch.past.each_ref().map(|past| S::plain(past)) else {
+        let sweeps = scratch.solver.sweeps.get_or_insert_with(|| Box::new(Sweeps::new(&step, threads)));
+        let [Some(a), Some(b), Some(c)] = scratch.solver.past.each_ref().map(|past| S::plain(past)) else {
             return false;
         };
         let Some(mut lists) = scratch.lists.plain() else { return false };
@@ -160,11 +160,11 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// [`Step::sweep`]; `None` if it is not for these.
     #[inline(never)]
     fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Option<Swept> {
-        let (step, sweeps) = (self.plain()?, scratch.sweeps.as_deref_mut()?);
+        let (step, sweeps) = (self.plain()?, scratch.solver.sweeps.as_deref_mut()?);
         if !std::mem::replace(&mut sweeps.is_ready, false) {
             return None;
         }
-        let Scratch { lists, linear, .. } = scratch;
+        let Scratch { lists, solver: Solver { linear, .. }, .. } = scratch;
         let inverses = match linear {
             Some(Linear::Band(band)) if is_newton => S::plain(band.inverses()?)?,
             _ => &[],
@@ -228,7 +228,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         H::FACTS.has_windows
             && !H::KIND.is_conformal
             && is_a_multiple
-            && scratch.sweeps.as_mut().is_some_and(is_known)
+            && scratch.solver.sweeps.as_mut().is_some_and(is_known)
     }
 }
 
@@ -236,7 +236,7 @@ impl<S: Scalar> Scratch<'_, S> {
     /// The unknowns change in another way than in windows.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn leave_windows(&mut self) {
-        if let Some(sweeps) = self.sweeps.as_deref_mut() {
+        if let Some(sweeps) = self.solver.sweeps.as_deref_mut() {
             sweeps.is_ready = false;
         }
     }
@@ -249,15 +249,16 @@ impl<S: Scalar> Scratch<'_, S> {
         q: &mut [S],
         p: &mut [S],
     ) {
-        let (Some(sweeps), MomentumUpdate::Multiple(factor)) = (self.sweeps.as_deref_mut(), scheme.update)
+        let (Some(sweeps), MomentumUpdate::Multiple(factor)) =
+            (self.solver.sweeps.as_deref_mut(), scheme.update)
         else {
             return;
         };
         let (Some(q), Some(p), Some(lists)) = (S::plain_mut(q), S::plain_mut(p), self.lists.plain()) else {
             return;
         };
-        self.past.rotate_right(usize::from(scheme.remembers));
-        let past = S::plain_mut(&mut self.past[0]).unwrap_or_default();
+        self.solver.past.rotate_right(usize::from(scheme.remembers));
+        let past = S::plain_mut(&mut self.solver.past[0]).unwrap_or_default();
         let Sweeps { portions, instructions, .. } = sweeps;
         on_threads(portions, [q, p, lists.u, lists.x, past], |_, part| {
             let [q, p, u, x, past] = part.lists;
