@@ -16,7 +16,7 @@ pub(super) fn sines() -> u32 {
     SINES.take()
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counted(pub(super) f64);
 
 impl Neg for Counted {

@@ -110,6 +110,13 @@ const fn spread(truth: bool) -> u64 {
     if truth { u64::MAX } else { 0 }
 }
 
+/// Zeros.
+impl<const L: usize> Default for Lanes<L> {
+    fn default() -> Self {
+        Self([0.0; L])
+    }
+}
+
 impl<const L: usize> Index<usize> for Lanes<L> {
     type Output = f64;
 

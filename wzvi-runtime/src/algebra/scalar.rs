@@ -63,7 +63,7 @@ impl Mask for bool {
 /// Functions have the meaning and the domain of the methods of `f64` with the same name.
 #[rustfmt::skip]
 pub trait Scalar:
-    Copy + Debug + Numbers + 'static + Neg<Output = Self>
+    Copy + Debug + Default + Numbers + 'static + Neg<Output = Self>
     + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
     + Add<f64, Output = Self> + Sub<f64, Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
 {

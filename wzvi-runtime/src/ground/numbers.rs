@@ -74,32 +74,39 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
 }
 
 /// As long as those for which the standard library has `Default` and `Debug`, which a memory needs as well.
+/// For all tuples that generated code has, by names and places of their parts.
+macro_rules! for_tuples {
+    ($implement:ident) => {
+        $implement! {
+            (A 0)
+            (A 0 B 1)
+            (A 0 B 1 C 2)
+            (A 0 B 1 C 2 D 3)
+            (A 0 B 1 C 2 D 3 E 4)
+            (A 0 B 1 C 2 D 3 E 4 F 5)
+            (A 0 B 1 C 2 D 3 E 4 F 5 G 6)
+            (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7)
+            (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8)
+            (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9)
+            (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10)
+            (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10 L 11)
+        }
+    };
+}
+
+pub(crate) use for_tuples;
+
 macro_rules! tuples {
-    ($(($($part:ident)+))+) => {$(
+    ($(($($part:ident $place:tt)+))+) => {$(
         impl<$($part: Numbers),+> Numbers for ($($part,)+) {
             fn pass(&mut self, tape: &mut Tape) {
-                #[allow(non_snake_case, reason = "each part is named like its type")]
-                let ($($part,)+) = self;
-                $($part.pass(tape);)+
+                $(self.$place.pass(tape);)+
             }
         }
     )+};
 }
 
-tuples! {
-    (A)
-    (A B)
-    (A B C)
-    (A B C D)
-    (A B C D E)
-    (A B C D E F)
-    (A B C D E F G)
-    (A B C D E F G H)
-    (A B C D E F G H I)
-    (A B C D E F G H I J)
-    (A B C D E F G H I J K)
-    (A B C D E F G H I J K L)
-}
+for_tuples!(tuples);
 
 /// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
 #[derive(Debug)]

@@ -282,6 +282,22 @@ impl AddAssign for Exchange {
     }
 }
 
+/// Whether there are as many momenta as coordinates, and an increment for each noise.
+///
+/// # Errors
+/// [`StepFailure::Dimension`], [`StepFailure::Increments`]
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn check_lengths(
+    system: &impl Hamiltonian,
+    [degrees, momenta, increments]: [usize; 3],
+) -> Result<(), StepFailure> {
+    if momenta != degrees {
+        return Err(StepFailure::Dimension { expected: degrees, got: momenta });
+    }
+    let expected = system.noises();
+    if increments == expected { Ok(()) } else { Err(StepFailure::Increments { expected, got: increments }) }
+}
+
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
 pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {

@@ -13,7 +13,7 @@ use crate::algebra::solve::Together;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// A number; unless it `STANDS_ALONE`, NaN where it takes more than the usual arithmetic.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Single<const STANDS_ALONE: bool>(f64);
 
 /// A number by itself.

@@ -8,6 +8,7 @@ use super::{Dual, Mask, Scalar};
 use crate::algebra::lanes::{LaneMask, Lanes};
 use crate::algebra::solve::{Factor, FactorsByLane};
 use crate::error::StepFailure;
+use crate::ground::numbers::for_tuples;
 
 /// What is prepared of a system: `f64` where all lanes of a step are of one system, [`Lanes`] where each is of its own, [`Dual`] where derivatives by
 /// its parameters and the step size are taken.
@@ -197,17 +198,4 @@ macro_rules! tuples {
     )+};
 }
 
-tuples! {
-    (A 0)
-    (A 0 B 1)
-    (A 0 B 1 C 2)
-    (A 0 B 1 C 2 D 3)
-    (A 0 B 1 C 2 D 3 E 4)
-    (A 0 B 1 C 2 D 3 E 4 F 5)
-    (A 0 B 1 C 2 D 3 E 4 F 5 G 6)
-    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7)
-    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8)
-    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9)
-    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10)
-    (A 0 B 1 C 2 D 3 E 4 F 5 G 6 H 7 I 8 J 9 K 10 L 11)
-}
+for_tuples!(tuples);

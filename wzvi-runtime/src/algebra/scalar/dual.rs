@@ -112,6 +112,13 @@ fn weigh<S: Scalar>(derivative: S, slope: S) -> S {
     S::select(derivative.vanishes(), S::from_f64(0.0), derivative * slope)
 }
 
+/// Zero.
+impl<const N: usize, S: Scalar> Default for Dual<N, S> {
+    fn default() -> Self {
+        Self::from_f64(0.0)
+    }
+}
+
 impl<const N: usize, S: Scalar> Neg for Dual<N, S> {
     type Output = Self;
     #[inline]

@@ -21,7 +21,7 @@ const FUNCTION: f64 = 4.0 * f64::EPSILON;
 const SMALLEST: f64 = f64::MIN_POSITIVE * f64::EPSILON;
 
 /// A number and how far rounding may have taken it from its exact value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounded {
     /// The number as `f64` has it.
     pub value: f64,

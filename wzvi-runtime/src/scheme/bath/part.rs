@@ -73,7 +73,7 @@ impl Own {
 }
 
 /// What O parts need besides, and what they leave.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Memory<S> {
     own: Option<Own>,
     room: Vec<S>,
@@ -81,12 +81,6 @@ pub(super) struct Memory<S> {
     blocks: Vec<f64>,
     /// The heat of the last step.
     pub(super) heat: S,
-}
-
-impl<S: Scalar> Default for Memory<S> {
-    fn default() -> Self {
-        Self { own: None, room: Vec::new(), blocks: Vec::new(), heat: S::from_f64(0.0) }
-    }
 }
 
 impl<S: Scalar> Memory<S> {

@@ -23,7 +23,7 @@ use crate::algebra::state::Vector;
 use crate::error::{BathError, ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::flows::{Flows, FlowsOf};
-use crate::scheme::compose::stages::{self, Rooms, Stage, Stages, Take};
+use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
 use crate::scheme::elements::Taken;
@@ -88,16 +88,10 @@ pub struct Prepared<P, K> {
 }
 
 /// What a step leaves.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Memory<S: Scalar, H: Shape> {
     flows: stages::Memory<S, H>,
     bath: part::Memory<S>,
-}
-
-impl<S: Scalar, H: Shape> Default for Memory<S, H> {
-    fn default() -> Self {
-        Self { flows: Default::default(), bath: Default::default() }
-    }
 }
 
 /// The copy allocates its own room, as that of the flows.
@@ -221,7 +215,12 @@ where
         };
         let flows = FlowsOf { system, parameters: &prepared.parameters, t, h };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
-        let effort = stages::advance(system, &mut word, list, [q, p], &dw[..noises], memory, carry)?;
+        let effort = {
+            let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut stages::Memory<_, _>| {
+                word.take::<C>(stage, rooms, memory)
+            };
+            stages::advance(system, take, list, [q, p], &dw[..noises], memory, carry)?
+        };
         bath.heat = word.heat;
         Ok(effort)
     }
@@ -306,7 +305,11 @@ struct WithParts<'m, F: Field, K: Constant, S> {
     heat: S,
 }
 
-impl<F: Flows + Damped, K: Constant, S: Over<K>> Take<S, F::Shape, Act> for WithParts<'_, F, K, S> {
+impl<F: Flows + Damped, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
+    /// Moves the state by a part of a step.
+    ///
+    /// # Errors
+    /// [`StepFailure::Bath`] where friction is negative.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<C: Carry<S>>(
         &mut self,
@@ -316,7 +319,10 @@ impl<F: Flows + Damped, K: Constant, S: Over<K>> Take<S, F::Shape, Act> for With
     ) -> Result<(), StepFailure> {
         let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
         let heat = match stage.act {
-            Act::Flow(half) => return self.flows.take::<C>(&stage.with((half, 0.0)), rooms, memory),
+            Act::Flow(half) => {
+                self.flows.take::<S, C>(&stage.with((half, 0.0)), rooms, memory);
+                return Ok(());
+            }
             Act::Relax(part) => self.parts.apply::<C>(part, q, p, lost_p)?,
             Act::RelaxBetween(part) => {
                 self.parts.apply_between_drifts(part, self.flows.h * stage.weight, q, p)?

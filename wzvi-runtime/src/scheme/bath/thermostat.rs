@@ -37,7 +37,7 @@ pub struct Prepared<M, K> {
 }
 
 /// What a step leaves.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Memory<S: Scalar, M> {
     /// That of the step between, and the state before it all.
     kept: kept::Memory<S, M>,
@@ -49,12 +49,6 @@ pub struct Memory<S: Scalar, M> {
 impl<S: Scalar, M> Memory<S, M> {
     fn of(kept: kept::Memory<S, M>) -> Self {
         Self { kept, lost: [Vec::new(), Vec::new()], bath: Default::default() }
-    }
-}
-
-impl<S: Scalar, M: Default> Default for Memory<S, M> {
-    fn default() -> Self {
-        Self::of(Default::default())
     }
 }
 

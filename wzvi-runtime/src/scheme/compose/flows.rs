@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 
 use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
-use super::stages::{Memory, Origin, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, check, follow};
 use super::substeps::{Half, Substeps, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
 use crate::algebra::carry::{Carry, Plain};
@@ -109,8 +109,12 @@ impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUA
             taken.copy(q, p);
             return Ok(Effort::fast(0));
         }
-        let mut flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h };
-        advance(system, &mut flows, stages, [q, p], dw, memory, carry)
+        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h };
+        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut Memory<_, _>| {
+            flows.take::<S, C>(stage, rooms, memory);
+            Ok(())
+        };
+        advance(system, take, stages, [q, p], dw, memory, carry)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -172,16 +176,15 @@ impl<F: Field, K: Constant, const SQUARES: bool> Clone for FlowsOf<'_, F, K, SQU
 
 impl<F: Field, K: Constant, const SQUARES: bool> Copy for FlowsOf<'_, F, K, SQUARES> {}
 
-impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Take<S, F::Shape, Act>
-    for FlowsOf<'_, F, K, SQUARES>
-{
+impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
+    /// Moves the state by a part of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<C: Carry<S>>(
-        &mut self,
+    pub(crate) fn take<S: Over<K>, C: Carry<S>>(
+        &self,
         stage: &Stage<Act>,
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut Memory<S, F::Shape>,
-    ) -> Result<(), StepFailure> {
+    ) {
         let (half, gradient) = stage.act;
         let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
         let (t, h) = (self.t + self.h * stage.node, self.h * stage.share);
@@ -193,7 +196,7 @@ impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Take<S, F::Shape, A
                 let Memory { directional, dw, .. } = memory;
                 let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
                 directional.fit(q.len(), dw.len());
-                Kick { flows: &*self, stage, q, dw }.differentiate(directional, force, change);
+                Kick { flows: self, stage, q, dw }.differentiate(directional, force, change);
                 let factor = 2.0 * gradient / stage.share.powi(3);
                 for (force, change) in force.iter_mut().zip(change) {
                     *force = *force + *change * factor;
@@ -205,7 +208,6 @@ impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Take<S, F::Shape, A
                 self.kick::<S, C>(Origin { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
             }
         }
-        Ok(())
     }
 }
 
@@ -225,17 +227,20 @@ impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
             let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
             h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
         };
-        let mut followed =
-            follow(&mut self.clone(), stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
-                (Half::First, _) => {
-                    let moved: f64 =
-                        p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
-                    moved - stage.weight * value(q0, p, t)
-                }
-                (Half::Second, _) => {
-                    self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h)
-                }
-            })?;
+        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut Memory<_, _>| {
+            self.take::<f64, Plain>(stage, rooms, memory);
+            Ok(())
+        };
+        let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
+            (Half::First, _) => {
+                let moved: f64 =
+                    p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
+                moved - stage.weight * value(q0, p, t)
+            }
+            (Half::Second, _) => {
+                self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h)
+            }
+        })?;
         followed.action += value(q0, p0, t);
         Some(followed)
     }

@@ -105,19 +105,12 @@ impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, 
 }
 
 /// Room for slopes with their derivative in one direction.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Directional<S> {
     q: Vec<Dual<1, S>>,
     p: Vec<Dual<1, S>>,
     slopes: Vec<Dual<1, S>>,
     dw: Vec<Dual<1, S>>,
-}
-
-/// None.
-impl<S> Default for Directional<S> {
-    fn default() -> Self {
-        Self { q: Vec::new(), p: Vec::new(), slopes: Vec::new(), dw: Vec::new() }
-    }
 }
 
 impl<S: Scalar> Directional<S> {

@@ -9,7 +9,7 @@ use crate::error::{FailedLanes, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// What all parts of a step remember, so that each starts from what it was in the steps before.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Memory<S, M> {
     pub(crate) parts: M,
     /// The same before the step.
@@ -18,12 +18,6 @@ pub struct Memory<S, M> {
     start: [Vec<S>; 4],
     /// The increments of a part.
     pub(crate) dw: Vec<S>,
-}
-
-impl<S, M: Default> Default for Memory<S, M> {
-    fn default() -> Self {
-        Self::of(M::default())
-    }
 }
 
 /// What the steps before left; scratch is allocated anew where the copy is used.

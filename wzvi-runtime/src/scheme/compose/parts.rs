@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::Verlet;
 use super::lagrangian::{self, Followed};
 use super::linear::Linear;
-use super::stages::{Memory, Rooms, Stage, Stages, Take, add, advance, check, follow};
+use super::stages::{Memory, Rooms, Stage, Stages, add, advance, check, follow};
 use super::structure::{Parted, Structure, TwoFlows};
 use super::substeps::{Half, Substep, Substeps, plan};
 use crate::algebra::carry::{Carry, Plain};
@@ -169,7 +169,12 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let At { t, h, q, p, dw } = at.plain()?;
-        advance(system, &mut FlowsOf { system, t, h }, &prepared.0.0, [q, p], dw, memory, carry)
+        let flows = FlowsOf { system, t, h };
+        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, _: &mut Memory<_, _>| {
+            flows.take::<S, C>(stage, rooms);
+            Ok(())
+        };
+        advance(system, take, &prepared.0.0, [q, p], dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
@@ -198,7 +203,12 @@ impl<W: Substeps> PartFlows<W> {
                 Act::Map(map) => map.action(before, [q, p]),
             }
         };
-        follow(&mut FlowsOf { system, t, h }, &stages, segment, dw, action)
+        let flows = FlowsOf { system, t, h };
+        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, _: &mut Memory<_, _>| {
+            flows.take::<f64, Plain>(stage, rooms);
+            Ok(())
+        };
+        follow(take, &stages, segment, dw, action)
     }
 }
 
@@ -209,15 +219,11 @@ struct FlowsOf<'a, F> {
     h: f64,
 }
 
-impl<F: Parts, S: Scalar> Take<S, F::Shape, Act> for FlowsOf<'_, F> {
+impl<F: Parts> FlowsOf<'_, F> {
+    /// Moves the state by a part of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<C: Carry<S>>(
-        &mut self,
-        stage: &Stage<Act>,
-        rooms: &mut Rooms<S, F::Shape>,
-        _: &mut Memory<S, F::Shape>,
-    ) -> Result<(), StepFailure> {
-        let &mut Self { system, t, h } = self;
+    fn take<S: Scalar, C: Carry<S>>(&self, stage: &Stage<Act>, rooms: &mut Rooms<S, F::Shape>) {
+        let &Self { system, t, h } = self;
         let [q, p, lost_q, lost_p, force, velocity] = rooms.0.each_mut().map(AsMut::as_mut);
         let (t, h) = (t + stage.node * h, stage.weight * h);
         match &stage.act {
@@ -239,6 +245,5 @@ impl<F: Parts, S: Scalar> Take<S, F::Shape, Act> for FlowsOf<'_, F> {
                 add::<S, C>(p, force, lost_p);
             }
         }
-        Ok(())
     }
 }

@@ -4,7 +4,7 @@ use super::gradient::Directional;
 use super::lagrangian::Followed;
 use super::substeps::{Half, Substep};
 use super::windowed;
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::Carry;
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
@@ -13,7 +13,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::are_finite;
 use crate::scheme::gauss::Shape;
-use crate::scheme::system::{Hamiltonian, Segment, fits};
+use crate::scheme::system::{Hamiltonian, Segment, check_lengths, fits};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
@@ -274,28 +274,14 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     }
 }
 
-/// How a part of a step is taken.
-pub(crate) trait Take<S: Scalar, H: Shape, A = Half> {
-    /// Moves the state in `rooms` by a part of a step, with `memory.dw` as its increments.
-    ///
-    /// # Errors
-    /// Where the part has no end; `rooms` are then any.
-    fn take<C: Carry<S>>(
-        &mut self,
-        stage: &Stage<A>,
-        rooms: &mut Rooms<S, H>,
-        memory: &mut Memory<S, H>,
-    ) -> Result<(), StepFailure>;
-}
-
-/// All parts of a step. On `Err`, `q`, `p` and `carry` are as they were.
+/// All parts of a step: `take` moves the state in the rooms by one of them, with the increments of that part in the memory. On `Err`, `q`, `p` and `carry` are as they were.
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     system: &impl Hamiltonian,
-    taken: &mut impl Take<S, H, A>,
+    mut take: impl FnMut(&Stage<A>, &mut Rooms<S, H>, &mut Memory<S, H>) -> Result<(), StepFailure>,
     stages: &[Stage<A>],
     [q, p]: [&mut [S]; 2],
     dw: &[S],
@@ -307,12 +293,7 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
         system.check(degrees)?;
         memory.fit(degrees, dw.len());
     }
-    if p.len() != degrees {
-        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
-    }
-    if dw.len() != system.noises() {
-        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-    }
+    check_lengths(system, [degrees, p.len(), dw.len()])?;
     let mut rooms = memory.rooms.take();
     let [next_q, next_p, lost_q, lost_p, ..] = &mut rooms.0;
     next_q.as_mut().copy_from_slice(q);
@@ -328,7 +309,7 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
         for (scaled, dw) in memory.dw.iter_mut().zip(dw) {
             *scaled = *dw * stage.share;
         }
-        taken_all = taken.take::<C>(stage, &mut rooms, memory);
+        taken_all = take(stage, &mut rooms, memory);
         if taken_all.is_err() {
             break;
         }
@@ -350,7 +331,7 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
 /// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians, of which `action` gives that
 /// of one part from the states before and after it; `None` where a part has no end.
 pub(crate) fn follow<V: Vector, H: Shape, A>(
-    taken: &mut impl Take<f64, H, A>,
+    mut take: impl FnMut(&Stage<A>, &mut Rooms<f64, H>, &mut Memory<f64, H>) -> Result<(), StepFailure>,
     stages: &[Stage<A>],
     segment: &Segment<V>,
     dw: &[f64],
@@ -366,7 +347,7 @@ pub(crate) fn follow<V: Vector, H: Shape, A>(
     for stage in stages {
         memory.dw = dw.iter().map(|dw| stage.share * dw).collect();
         let before = state(&rooms);
-        taken.take::<Plain>(stage, &mut rooms, &mut memory).ok()?;
+        take(stage, &mut rooms, &mut memory).ok()?;
         let after = state(&rooms);
         action +=
             action_of(stage, before.each_ref().map(|list| &list[..]), after.each_ref().map(|list| &list[..]));

@@ -10,7 +10,7 @@ use crate::scheme::elements::{
     Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Slopes, Sums, Taken, WindowPlan, Word,
     add_flow,
 };
-use crate::scheme::system::{Hamiltonian as _, fits};
+use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
 
 /// Degrees of freedom from which paths of an ensemble go one after the other, window by window. A step of a word in windows takes some 150 ns
 /// besides what each site takes, and 16 paths beside each other leave the first cache (each of some ten lists has 128 bytes for a degree of
@@ -80,12 +80,7 @@ impl Memory {
         if self.plan.degrees() != Some(degrees) || !fits(system, degrees) {
             system.check(degrees)?;
         }
-        if p.len() != degrees {
-            return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
-        }
-        if dw.len() != system.noises() {
-            return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-        }
+        check_lengths(system, [degrees, p.len(), dw.len()])?;
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
         let mut word = word(FlowList { t, h, stages, scaled, reads_time: F::FORCE_READS_TIME });

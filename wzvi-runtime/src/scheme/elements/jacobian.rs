@@ -7,54 +7,13 @@ use super::passes::largest;
 use super::step::Step;
 use super::{Curvature, Elements, Quadrature, Slopes, Stage, Unknowns};
 use crate::algebra::scalar::Scalar;
-use crate::algebra::solve::{Banded, Krylov, Operator, Sparse, power_of_two};
+use crate::algebra::solve::{Krylov, Operator, Sparse, power_of_two};
 use crate::error::StepFailure;
 
-/// Takes the entries of a matrix; several for one place add up.
-pub(super) trait Entries<S> {
-    fn add(&mut self, row: usize, column: usize, value: S);
-}
-
-impl<S: Scalar> Entries<S> for Banded<S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(&mut self, row: usize, column: usize, value: S) {
-        Banded::add(self, row, column, value);
-    }
-}
-
-impl<S: Scalar> Entries<S> for Sparse<S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(&mut self, row: usize, column: usize, value: S) {
-        Sparse::add(self, row, column, value);
-    }
-}
-
-/// Rows of a matrix; others stay those of the identity.
-struct Rows<'a, M, F> {
-    matrix: &'a mut M,
-    are_held: F,
-}
-
-impl<S, M: Entries<S>, F: Fn(usize) -> bool> Entries<S> for Rows<'_, M, F> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(&mut self, row: usize, column: usize, value: S) {
-        if !(self.are_held)(row) {
-            self.matrix.add(row, column, value);
-        }
-    }
-}
-
-/// `y += A x`
-struct Product<'a, S> {
-    x: &'a [S],
-    y: &'a mut [S],
-}
-
-impl<S: Scalar> Entries<S> for Product<'_, S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(&mut self, row: usize, column: usize, value: S) {
-        self.y[row] = self.y[row] + value * self.x[column];
-    }
+/// Adds the products of entries with `x` to `y`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
+    |row, column, value| y[row] = y[row] + value * x[column]
 }
 
 /// The Jacobian at the current stages, and factors of one: of unknowns that are counted in these units, by kind, so that a norm may add up both.
@@ -72,13 +31,13 @@ impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
     fn product(&mut self, x: &[S], y: &mut [S]) {
         let Some(units) = self.units else {
             y.copy_from_slice(x);
-            return self.step.entries(self.lists, self.diagonal, &mut Product { x, y });
+            return self.step.entries(self.lists, self.diagonal, &mut product(x, y));
         };
         self.room.clear();
         self.room.extend_from_slice(x);
         multiply(self.room, units);
         y.copy_from_slice(self.room);
-        self.step.entries(self.lists, self.diagonal, &mut Product { x: self.room, y });
+        self.step.entries(self.lists, self.diagonal, &mut product(self.room, y));
         multiply(y, units.map(f64::recip));
     }
 
@@ -141,13 +100,21 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         match linear {
             Linear::Band(band) => {
                 band.reset();
-                self.entries(lists, diagonal, &mut Rows { matrix: band, are_held });
+                self.entries(lists, diagonal, &mut |row, column, value| {
+                    if !are_held(row) {
+                        band.add(row, column, value);
+                    }
+                });
                 band.factor()
             }
             Linear::Krylov(wide) => {
                 let factors = wide.room(self.system, self.scheme, self.degrees(), all);
                 factors.reset();
-                self.entries(lists, diagonal, &mut Rows { matrix: &mut *factors, are_held });
+                self.entries(lists, diagonal, &mut |row, column, value| {
+                    if !are_held(row) {
+                        factors.add(row, column, value);
+                    }
+                });
                 factors.factor();
                 Ok(())
             }
@@ -199,16 +166,16 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 
     /// `-φ'` at the current stages.
-    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], into: &mut impl Entries<S>) {
+    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], into: &mut impl FnMut(usize, usize, S)) {
         let Lists { stages, momentum, .. } = lists;
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, _) = stages.at(s);
             match self.scheme.unknowns {
                 Unknowns::Both => {
-                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { matrix: into, stage });
+                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { add: into, stage });
                 }
                 _ => {
-                    let reduced = &mut Reduced { matrix: into, diagonal, stage };
+                    let reduced = &mut Reduced { add: into, diagonal, stage };
                     self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, reduced);
                 }
             }
@@ -221,21 +188,16 @@ pub(super) fn pattern<H: Elements>(
     system: &H,
     scheme: &Quadrature,
     degrees: usize,
-    visit: impl FnMut(usize, usize),
+    mut visit: impl FnMut(usize, usize),
 ) {
-    struct Places<F>(F);
-    impl<F: FnMut(usize, usize)> Entries<f64> for Places<F> {
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn add(&mut self, row: usize, column: usize, _: f64) {
-            if row != column {
-                (self.0)(row, column);
-            }
-        }
-    }
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
     let (mut work, diagonal) = (Work::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
-    step.entries(&work.lists(scheme, degrees), &diagonal, &mut Places(visit));
+    step.entries(&work.lists(scheme, degrees), &diagonal, &mut |row, column, _: f64| {
+        if row != column {
+            visit(row, column);
+        }
+    });
 }
 
 /// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.
@@ -260,69 +222,69 @@ impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
 
 /// `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`: `I + Σ start (c F_qq D + F_qp)`.
 struct Reduced<'a, S, M> {
-    matrix: &'a mut M,
+    add: &'a mut M,
     diagonal: &'a [S],
     stage: &'a Stage,
 }
 
-impl<S: Scalar, M: Entries<S>> Curvature<S> for Reduced<'_, S, M> {
+impl<S: Scalar, M: FnMut(usize, usize, S)> Curvature<S> for Reduced<'_, S, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
         let weighted = value * (self.stage.start * self.stage.point);
-        self.matrix.add(i, j, weighted * self.diagonal[j]);
+        (self.add)(i, j, weighted * self.diagonal[j]);
         if !is_diagonal {
-            self.matrix.add(j, i, weighted * self.diagonal[i]);
+            (self.add)(j, i, weighted * self.diagonal[i]);
         }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        self.matrix.add(i, j, value * self.stage.start);
+        (self.add)(i, j, value * self.stage.start);
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
-        self.matrix.add(i, j, value * (self.stage.start * self.stage.point) * self.diagonal[j]);
+        (self.add)(i, j, value * (self.stage.start * self.stage.point) * self.diagonal[j]);
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
-        self.matrix.add(i, j, value * self.stage.start);
+        (self.add)(i, j, value * self.stage.start);
     }
 }
 
 /// The Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`
 struct Coupled<'a, M> {
-    matrix: &'a mut M,
+    add: &'a mut M,
     stage: &'a Stage,
 }
 
-impl<S: Scalar, M: Entries<S>> Curvature<S> for Coupled<'_, M> {
+impl<S: Scalar, M: FnMut(usize, usize, S)> Curvature<S> for Coupled<'_, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
         let weighted = value * (self.stage.start * self.stage.point);
-        self.matrix.add(2 * i + 1, 2 * j, weighted);
+        (self.add)(2 * i + 1, 2 * j, weighted);
         if !is_diagonal {
-            self.matrix.add(2 * j + 1, 2 * i, weighted);
+            (self.add)(2 * j + 1, 2 * i, weighted);
         }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
-        self.matrix.add(2 * j, 2 * i, -(value * self.stage.point));
+        (self.add)(2 * i + 1, 2 * j + 1, value * self.stage.start);
+        (self.add)(2 * j, 2 * i, -(value * self.stage.point));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        self.matrix.add(2 * i, 2 * j + 1, -value);
+        (self.add)(2 * i, 2 * j + 1, -value);
         if !is_diagonal {
-            self.matrix.add(2 * j, 2 * i + 1, -value);
+            (self.add)(2 * j, 2 * i + 1, -value);
         }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
-        self.matrix.add(2 * i + 1, 2 * j, value * (self.stage.start * self.stage.point));
+        (self.add)(2 * i + 1, 2 * j, value * (self.stage.start * self.stage.point));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
-        self.matrix.add(2 * i + 1, 2 * j + 1, value * self.stage.start);
+        (self.add)(2 * i + 1, 2 * j + 1, value * self.stage.start);
     }
 }

@@ -23,7 +23,7 @@ pub(super) const PATIENCE: u32 = 128;
 const A_SOLUTION: u32 = 4;
 
 /// The step, and the unknowns in it, that factors were made of.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Anchor<S> {
     is_known: bool,
     /// Whether they were asked for with all of their entries.
@@ -32,12 +32,6 @@ struct Anchor<S> {
     h: f64,
     /// Coordinates, momenta, increments of the noises, unknowns.
     lists: [Vec<S>; 4],
-}
-
-impl<S> Default for Anchor<S> {
-    fn default() -> Self {
-        Self { is_known: false, all: false, t: 0.0, h: 0.0, lists: std::array::from_fn(|_| Vec::new()) }
-    }
 }
 
 impl<S: Copy> Anchor<S> {
@@ -66,7 +60,7 @@ enum Made {
 }
 
 /// What is known of the factors in a memory.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Kept<S> {
     made: Made,
     /// Where the factors that the next step starts with were made.
@@ -85,24 +79,8 @@ pub(super) struct Kept<S> {
     pub(super) work: LinearWork,
 }
 
-impl<S> Default for Kept<S> {
-    fn default() -> Self {
-        Self {
-            made: Made::Unknown,
-            anchor: Anchor::default(),
-            next: Anchor::default(),
-            has_started: false,
-            taken: 0,
-            least: 0,
-            excess: 0,
-            vain: 0,
-            work: LinearWork::default(),
-        }
-    }
-}
-
 /// Where they were made, not the factors.
-impl<S: Copy> Clone for Kept<S> {
+impl<S: Scalar> Clone for Kept<S> {
     fn clone(&self) -> Self {
         let mut copy = Self::default();
         copy.clone_from(self);
@@ -134,11 +112,7 @@ impl<S: Scalar> Numbers for Kept<S> {
         }
         tape.flag(all);
         tape.numbers([t, h]);
-        for list in lists {
-            let length = tape.length(list.len());
-            list.resize(length, S::from_f64(0.0));
-            list.iter_mut().for_each(|number| number.pass(tape));
-        }
+        lists.pass(tape);
         tape.words([&mut self.least, &mut self.excess]);
     }
 }

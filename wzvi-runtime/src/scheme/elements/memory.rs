@@ -15,6 +15,7 @@ use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// Vectors of one step, unknowns of the steps before, and the matrix.
+#[derive(Default)]
 pub struct Memory<S> {
     pub(super) degrees: usize,
     /// How many unknowns are remembered of each step.
@@ -29,6 +30,7 @@ pub struct Memory<S> {
 }
 
 /// What the iteration of a step keeps.
+#[derive(Default)]
 pub(super) struct Solver<S> {
     pub(super) iteration: Iteration,
     /// `∂u/∂v` where that is diagonal.
@@ -45,24 +47,8 @@ pub(super) struct Solver<S> {
     pub(super) care: (Vec<S>, Room<Vec<S>>),
 }
 
-impl<S> Default for Solver<S> {
-    fn default() -> Self {
-        Self {
-            iteration: Iteration::default(),
-            diagonal: Vec::new(),
-            past: [Vec::new(), Vec::new(), Vec::new()],
-            preference: Preference::default(),
-            linear: None,
-            kept: Kept::default(),
-            rounding: None,
-            sweeps: None,
-            care: (Vec::new(), Room::default()),
-        }
-    }
-}
-
 /// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Work<S>(Vec<S>);
 
 /// The parts of a [`Work`], as long as what is known of the system says: loops over several of them check nothing.
@@ -98,12 +84,6 @@ fn apart(degrees: usize) -> usize {
 fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
     let (list, rest) = numbers.split_at_mut(length + apart);
     (&mut list[..length], rest)
-}
-
-impl<S> Default for Work<S> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
 }
 
 impl<S: Scalar> Work<S> {
@@ -250,20 +230,6 @@ impl<S> Scratch<'_, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {
         Scratch { lists: self.lists.lend(), solver: self.solver, ..*self }
-    }
-}
-
-impl<S> Default for Memory<S> {
-    fn default() -> Self {
-        Self {
-            degrees: 0,
-            remembered: 0,
-            work: Work::default(),
-            known: 0,
-            solver: Solver::default(),
-            blocks: Blocks::default(),
-            plan: WindowPlan::default(),
-        }
     }
 }
 
@@ -430,16 +396,10 @@ impl<S: Scalar> Memory<S> {
 }
 
 /// [`Compensation`] of a size that is known at run time; empty until the first step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompensationVec<S> {
     coordinates: Vec<S>,
     momenta: Vec<S>,
-}
-
-impl<S> Default for CompensationVec<S> {
-    fn default() -> Self {
-        Self { coordinates: Vec::new(), momenta: Vec::new() }
-    }
 }
 
 impl<S: Scalar> Carry<S> for CompensationVec<S> {
@@ -468,10 +428,7 @@ impl<S: Scalar> Carry<S> for CompensationVec<S> {
 
 impl<S: Scalar> Numbers for CompensationVec<S> {
     fn pass(&mut self, tape: &mut Tape) {
-        for list in [&mut self.coordinates, &mut self.momenta] {
-            let length = tape.length(list.len());
-            list.resize(length, S::from_f64(0.0));
-            list.iter_mut().for_each(|number| number.pass(tape));
-        }
+        self.coordinates.pass(tape);
+        self.momenta.pass(tape);
     }
 }

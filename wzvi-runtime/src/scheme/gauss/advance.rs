@@ -12,7 +12,7 @@ use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, Hamiltonian as _, Lift, fits, no_nan, without_derivatives};
+use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, fits, no_nan, without_derivatives};
 
 /// What is made once for a step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
@@ -125,12 +125,7 @@ pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: u
             memory.fit(degrees, dw.len());
         }
     }
-    if p.len() != degrees {
-        return Err(StepFailure::Dimension { expected: degrees, got: p.len() });
-    }
-    if dw.len() != system.noises() {
-        return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-    }
+    check_lengths(system, [degrees, p.len(), dw.len()])?;
     let step = ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, common, t, h, q, p, dw, carry };
     let run = Run { step, memory };
     // Other numbers than `f64` are not side by side, or are so already; and care is not compiled for each set of instructions.

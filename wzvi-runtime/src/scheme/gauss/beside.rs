@@ -19,18 +19,12 @@ use crate::error::StepFailure;
 use crate::scheme::system::At;
 
 /// One path of several, and what its steps before left.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Alone<H: Shape, W: Shape, const N: usize> {
     memory: Memory<f64, H, W, N>,
     q: Vec<f64>,
     p: Vec<f64>,
     dw: Vec<f64>,
-}
-
-impl<H: Shape, W: Shape, const N: usize> Default for Alone<H, W, N> {
-    fn default() -> Self {
-        Self { memory: Memory::default(), q: Vec::new(), p: Vec::new(), dw: Vec::new() }
-    }
 }
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {

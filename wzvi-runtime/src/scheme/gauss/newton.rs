@@ -14,7 +14,7 @@ use crate::algebra::solve::{Banded, Problem, Room, damped};
 use crate::error::StepFailure;
 
 /// The matrix and its right-hand side, allocated where they are needed first.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Newton<S> {
     jacobian: Jacobian<S>,
     room: Room<Vec<S>>,
@@ -22,7 +22,7 @@ pub(super) struct Newton<S> {
 }
 
 /// `1 - A ⊗ J F''` with what it is made of.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Jacobian<S> {
     /// The stages that it is taken at.
     point: Vec<S>,
@@ -35,21 +35,6 @@ struct Jacobian<S> {
     dw: Vec<Dual<1>>,
     /// Which equations are solved to rounding.
     are_settled: Vec<bool>,
-}
-
-impl<S> Default for Newton<S> {
-    fn default() -> Self {
-        let jacobian = Jacobian {
-            point: Vec::new(),
-            matrix: None,
-            hessian: Vec::new(),
-            inverse_mass: Vec::new(),
-            lists: std::array::from_fn(|_| Vec::new()),
-            dw: Vec::new(),
-            are_settled: Vec::new(),
-        };
-        Self { jacobian, room: Room::default(), start: Vec::new() }
-    }
 }
 
 /// The equations of all stages. Unknown number `(stage, kind, d)` stands at [`Equations::place`].

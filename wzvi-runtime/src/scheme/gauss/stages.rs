@@ -22,16 +22,10 @@ impl<T> Observer<T> for () {
 pub(super) type Part<S, const N: usize> = <<S as Scalar>::Stages<N> as Stages<S, N>>::Part;
 
 /// Room for one stage of a path whose stages are not evaluated at once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct One<S> {
     lists: [Vec<S>; 4],
     dw: Vec<S>,
-}
-
-impl<S> Default for One<S> {
-    fn default() -> Self {
-        Self { lists: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
-    }
 }
 
 /// All stages, where they are one part.

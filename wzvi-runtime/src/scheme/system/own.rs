@@ -2,7 +2,9 @@
 
 use std::marker::PhantomData;
 
-use super::{At, Hamiltonian as _, Lift, Listed, Properties, Scheme, fits, without_derivatives};
+use super::{
+    At, Hamiltonian as _, Lift, Listed, Properties, Scheme, check_lengths, fits, without_derivatives,
+};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
@@ -88,17 +90,11 @@ pub trait StepField<S> {
 }
 
 /// Lists that a step needs, allocated once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scratch<S> {
     numbers: Vec<S>,
     /// The state before the step.
     before: [Vec<S>; 2],
-}
-
-impl<S> Default for Scratch<S> {
-    fn default() -> Self {
-        Self { numbers: Vec::new(), before: [Vec::new(), Vec::new()] }
-    }
 }
 
 impl<S: Scalar> Scratch<S> {
@@ -195,12 +191,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
             system.check(q.len())?;
         }
-        if p.len() != q.len() {
-            return Err(StepFailure::Dimension { expected: q.len(), got: p.len() });
-        }
-        if dw.len() != system.noises() {
-            return Err(StepFailure::Increments { expected: system.noises(), got: dw.len() });
-        }
+        check_lengths(system, [q.len(), p.len(), dw.len()])?;
         scratch.save([q, p]);
         if let Err(failure) = T::step(&Field { system, t, h, dw }, [&mut *q, &mut *p], scratch) {
             scratch.restore(S::Mask::from_bool(false), [q, p]);
