@@ -27,20 +27,20 @@ impl InternalError {
 pub enum StepPromise {
     /// A system whose steps go window by window has windows.
     Windows,
-    /// Each part of a step that is the flow of a quadratic form has its linear map.
-    LinearMaps,
+    /// Friction and noise are taken together with the drifts around them only where rates and masses are lists.
+    ListedRates,
     /// The constants of a step have derivatives only where its scheme takes them along.
     PlainConstants,
 }
 
 #[cfg(feature = "ensemble")]
 impl StepPromise {
-    pub(super) const ALL: [Self; 3] = [Self::Windows, Self::LinearMaps, Self::PlainConstants];
+    pub(super) const ALL: [Self; 3] = [Self::Windows, Self::ListedRates, Self::PlainConstants];
 }
 
 messages! { StepPromise:
     Self::Windows => "a system whose steps go window by window has windows";
-    Self::LinearMaps => "each part of a step that is the flow of a quadratic form has its linear map";
+    Self::ListedRates => "friction and noise are taken together with drifts only where rates and masses are lists";
     Self::PlainConstants => "the constants of a step have derivatives only where its scheme takes them along";
 }
 

@@ -86,7 +86,7 @@ mod tests {
             StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0 },
             StepFailure::OtherSolution { apart: 0.4 },
             StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 },
-            StepFailure::Internal(StepPromise::LinearMaps),
+            StepFailure::Internal(StepPromise::ListedRates),
             StepFailure::Internal(StepPromise::PlainConstants),
             StepFailure::NonFinite,
             StepFailure::Increments { expected: 3, got: usize::MAX },

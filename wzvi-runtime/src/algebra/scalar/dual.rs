@@ -6,6 +6,7 @@
 //! The parts of a dual number may be dual numbers themselves: `Dual<1, Dual<1>>` carries a second derivative, in the
 //! direction of each.
 
+use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Number, Scalar};
@@ -20,7 +21,7 @@ macro_rules! functions_by_slope {
         }
         fn exp2(self) -> Self {
             let value = self.value.exp2();
-            self.$with(value, value * std::f64::consts::LN_2)
+            self.$with(value, value * LN_2)
         }
         fn exp_m1(self) -> Self {
             self.$with(self.value.exp_m1(), self.value.exp())
@@ -32,10 +33,10 @@ macro_rules! functions_by_slope {
             self.$with(self.value.ln_1p(), (self.value + 1.0).recip())
         }
         fn log2(self) -> Self {
-            self.$with(self.value.log2(), (self.value * std::f64::consts::LN_2).recip())
+            self.$with(self.value.log2(), (self.value * LN_2).recip())
         }
         fn log10(self) -> Self {
-            self.$with(self.value.log10(), (self.value * std::f64::consts::LN_10).recip())
+            self.$with(self.value.log10(), (self.value * LN_10).recip())
         }
         fn tan(self) -> Self {
             let value = self.value.tan();

@@ -6,6 +6,7 @@
 //! is left of them is more than rounding. What is computed exactly in the units of one machine is so in all: no bound here
 //! compares a number with anything but itself.
 
+use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::dual::{functions_by_slope, one_minus_square};

@@ -10,7 +10,7 @@ use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 
 /// The O parts of a step: how many, with an equal share each, and how momenta decay in them.
@@ -187,7 +187,7 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     /// Part number `part` between two drifts over `time`, and its heat, where rates and masses are lists.
     ///
     /// # Errors
-    /// [`StepFailure::NonFinite`] where they are not.
+    /// [`StepPromise::ListedRates`] where they are not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply_between_drifts(
         &self,
@@ -196,7 +196,7 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         q: &mut [S],
         p: &mut [S],
     ) -> Result<S, StepFailure> {
-        let law = self.relaxation.diagonal().ok_or(StepFailure::NonFinite)?;
+        let law = self.relaxation.diagonal().ok_or(StepFailure::Internal(StepPromise::ListedRates))?;
         Ok(law.all_blocks(self.normals(part), Some((time, q)), p))
     }
 

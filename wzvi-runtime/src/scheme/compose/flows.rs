@@ -23,7 +23,7 @@ use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Flow, Slopes, Taken, WindowPlan, Word, add_slopes, nothing};
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{KeptEnergy, Plan};
@@ -59,7 +59,10 @@ pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUARES> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties = Properties {
-        kept_energy: kept_energy(KeptEnergy::KickDriftKick, W::ORDER),
+        kept_energy: match SQUARES {
+            true => KeptEnergy::Nearly,
+            false => kept_energy(KeptEnergy::KickDriftKick, W::ORDER),
+        },
         fills_registers_from: if SQUARES { usize::MAX } else { least_alone::<F>() },
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
@@ -108,6 +111,9 @@ impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUA
             let (taken, _) = memory.windows.advance(system, stages, givens, |flows| flows)?;
             taken.copy(q, p);
             return Ok(Effort::fast(0));
+        }
+        if SQUARES && K::plain(&[h]).is_none() {
+            return Err(StepFailure::Internal(StepPromise::PlainConstants));
         }
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h };
         let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut Memory<_, _>| {
