@@ -42,7 +42,11 @@ pub trait Sums<S> {
 
     /// Of `len` placements, of which each adds to points of `D` after those of the one before, from the places `first` on: how many
     /// to leave out, and how many to take then.
-    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize);
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
+        let _ = first;
+        (0, len)
+    }
 
     /// The first of the placements `low..end` of a loop that are taken, and how many: those of [`Sums::clip`], where the first one adds to the
     /// places `first`.
@@ -68,7 +72,10 @@ pub trait Sums<S> {
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> Self::Points<'_, D>;
 
     /// Adds to a place.
-    fn add<T: Number<S>>(&mut self, place: usize, value: T);
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.run(place, 1).add(0, value);
+    }
 
     /// Whether the placements of a loop from `low` to `end` are taken beside each other.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -116,7 +123,10 @@ pub trait Sums<S> {
 /// Sums next to each other.
 pub trait Run<S> {
     /// Adds to a place.
-    fn add<T: Number<S>>(&mut self, place: usize, value: T);
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
+        self.add_part(place, 0, value);
+    }
     /// Adds to the part of a point.
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T);
 }
@@ -150,10 +160,6 @@ impl<S: Scalar> Sums<S> for [S] {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
         values
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
-        (0, len)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> Places<'_, S> {
@@ -192,10 +198,6 @@ impl<S: Scalar> Sums<S> for Onto<'_, S> {
         values
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn clip<const D: usize, const N: usize>(&self, len: usize, _first: [usize; N]) -> (usize, usize) {
-        (0, len)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> OntoRun<'_, S, 1> {
         self.points::<1>(first, len)
     }
@@ -203,10 +205,6 @@ impl<S: Scalar> Sums<S> for Onto<'_, S> {
     fn points<const D: usize>(&mut self, first: usize, len: usize) -> OntoRun<'_, S, D> {
         let places = first..first + D * len;
         OntoRun::new(&self.base[places.clone()], &mut self.next[places])
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
-        self.run(place, 1).add(0, value);
     }
 }
 
@@ -228,10 +226,6 @@ impl<'r, S, const D: usize> OntoRun<'r, S, D> {
 
 impl<S: Scalar, const D: usize> Run<S> for OntoRun<'_, S, D> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
-        self.add_part(place, 0, value);
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         self.next[place][part] = (T::of(self.base[place][part]) + value).kept();
     }
@@ -243,10 +237,6 @@ pub struct Places<'r, S>(pub(super) &'r mut [S]);
 
 impl<S: Scalar> Run<S> for Places<'_, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
-        add_to(&mut self.0[place], value);
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         add_to(&mut self.0[place + part], value);
     }
@@ -257,10 +247,6 @@ impl<S: Scalar> Run<S> for Places<'_, S> {
 pub struct Points<'r, S, const D: usize>(pub(super) &'r mut [[S; D]]);
 
 impl<S: Scalar, const D: usize> Run<S> for Points<'_, S, D> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add<T: Number<S>>(&mut self, place: usize, value: T) {
-        self.add_part(place, 0, value);
-    }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<S>>(&mut self, place: usize, part: usize, value: T) {
         add_to(&mut self.0[place][part], value);

@@ -58,10 +58,6 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         self.sums.outer(variable, values)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
-        self.sums.clip::<D, N>(len, first)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(&mut self, first: usize, len: usize) -> Places<'_, f64> {
         self.sums.run(first, len)
     }

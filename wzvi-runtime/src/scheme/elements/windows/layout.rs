@@ -155,7 +155,6 @@ impl<'a> Sums<f64> for &'a Recorder {
 pub(super) struct Unkept;
 
 impl Run<f64> for Unkept {
-    fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
     fn add_part<T: Number<f64>>(&mut self, _place: usize, _part: usize, _value: T) {}
 }
 
