@@ -9,7 +9,7 @@ messages! {
         shorten its loops";
     too_deep(found, limit: usize) = "this is nested more than {limit} levels deep; name parts of the \
         expression with `let`";
-    long_integer(found, limit: usize) = "this integer is made of more than {limit} others: indices and lengths are \
+    long_integer(found, limit: usize) = "this integer combines more than {limit} others: indices and lengths are \
         short expressions of loop variables, sizes and fields";
     vector_as_energy(found, actual: &str) = "a Hamiltonian is one number, the energy; this is {actual}. The \
         equations of motion are derived from it: `|q, p| 0.5 * (p * p + q * q)` has the vector field `[p, \
@@ -37,7 +37,7 @@ messages! {
     missing_else(found) = "this `if` needs an `else`: its condition is only known at run time, and a value \
         is needed either way";
     assignment_in_branch(found) = "an assignment inside a branch whose condition is not known to the \
-        compiler (it reads the state, a parameter or an index of a loop) is not supported; write `let x = \
+        compiler (it depends on the state, a parameter or an index of a loop) is not supported; write `let x = \
         if condition {{ ... }} else {{ ... }};`";
     assignment_target(found) = "only local variables declared with `let mut` can be assigned";
     not_callable(found, actual: &str) = "this is {actual}, which cannot be called";

@@ -8,26 +8,26 @@ use crate::symbolic::zero::{Knowledge, Witness};
 messages! {
     /// The same for forces that are driven by noise.
     inconsistent_forces(found, scheme: &impl Display, hamiltonian: &str, force: &str) = "`{scheme}` does not \
-        converge to this Stratonovich system as h -> 0: noise forces read the momenta that they move, and the \
-        limit has another force d, d·δq = {force}{hamiltonian}; write `Midpoint`, `Gauss<2>` or `Verlet`, which \
+        converge to this Stratonovich system as h -> 0: noise forces depend on the momenta that they change, and the \
+        limit has a further force d, d·δq = {force}{hamiltonian}; write `Midpoint`, `Gauss<2>` or `Verlet`, which \
         are consistent with every noise, or `Uncorrected<{scheme}>` to keep the scheme as it is";
     /// A counter-term of noise forces, which has no Hamiltonian.
     correction_of_forces(found, scheme: &impl Display) = "`{scheme}` adds a counter-term for noise Hamiltonians, \
-        and there is none for noise forces that read momenta; use `Midpoint`, `Gauss<2>` or `Verlet`, which are \
+        and there is none for noise forces that depend on momenta; use `Midpoint`, `Gauss<2>` or `Verlet`, which are \
         consistent with every noise";
     /// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
     word_without_flows(found, scheme: &impl Display) = "`{scheme}` alternates drifts by T(p) and kicks by \
-        V(q, t): here momenta and coordinates (or the time) meet in a Hamiltonian, or a force reads momenta; write \
+        V(q, t): here a Hamiltonian contains momenta with coordinates (or the time), or a force depends on momenta; write \
         `Thermostat<Midpoint>`";
     /// A part of a drift whose flow is not known.
-    part_without_flow(found, reason: &str) = "this part of the drift has no flow that is known: {reason}; flows \
-        are known of functions of the coordinates (and the time), of functions of the momenta (and the time), and \
-        of polynomials of degree two in both with constant coefficients, for which the size must be known; write one \
+    part_without_flow(found, reason: &str) = "this part of the drift has no known flow: {reason}; flows \
+        are known for functions of the coordinates (and the time), for functions of the momenta (and the time), and \
+        for polynomials of degree two in both with constant coefficients, for which the size must be known; write one \
         Hamiltonian if no scheme needs the parts";
     /// A force or a friction that belongs to neither part of a drift.
     acts_in_no_part(found, reason: &str) = "this belongs to neither part of the drift: {reason}; write the drift \
         as one Hamiltonian, whose schemes take any force at their stages, or `drift = [|q, p| ..., |q, _| ...]` \
-        with a part that reads coordinates only";
+        with a part that contains coordinates only";
     /// A counter-term whose indices the compiler cannot write.
     counter_term_of_elements(found, scheme: &impl Display) = "the counter-term of `{scheme}` cannot be written: \
         its indices exceed 128 bits; use `Midpoint`, which is consistent with every noise";
@@ -39,16 +39,16 @@ messages! {
     friction_needs_thermostat(found, scheme: &impl Display, reason: &str) = "{reason}: write \
         `Thermostat<{scheme}>`, or `Baoab`";
     friction_without_masses(found) = "friction needs masses: a kinetic energy that is a quadratic form of the \
-        momenta with constant coefficients, as in `p * p / (2.0 * m)`; write what draws on other momenta as a \
+        momenta with constant coefficients, as in `p * p / (2.0 * m)`; write friction of other momenta as a \
         force, as in `force = |q, p| -gamma * p`";
-    rates_of_coupled_momenta(found) = "rates of single degrees of freedom need a kinetic energy in which no two \
-        momenta meet; write one rate for all of them, or the symmetric matrix `damping = [[...]]` (mass/time)";
-    asymmetric_damping(found) = "a damping matrix is symmetric: entries across the diagonal are the same; write \
-        what is not as `force = |q, p| [...]`";
+    rates_of_coupled_momenta(found) = "rates of single degrees of freedom need a kinetic energy without products of \
+        two momenta; write one rate for all of them, or the symmetric matrix `damping = [[...]]` (mass/time)";
+    asymmetric_damping(found) = "a damping matrix is symmetric: entries across the diagonal are equal; write \
+        a part that is not symmetric as `force = |q, p| [...]`";
     /// A damping matrix of the coordinates whose symmetry is not proven.
     damping_not_seen_symmetric(found) = "a damping matrix that depends on the coordinates must be visibly \
         symmetric: write the same expressions, of the same fields, across the diagonal, without loops of a length \
-        that the compiler does not know; write what is not symmetric as `force = |q, p| [...]`";
+        that the compiler does not know; write a part that is not symmetric as `force = |q, p| [...]`";
     /// A product with inverse masses whose indices the compiler cannot write.
     damping_of_elements(found) = "this damping cannot be written as a force: its indices exceed 128 bits; write it \
         as `force`";

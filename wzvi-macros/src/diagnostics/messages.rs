@@ -60,33 +60,33 @@ messages! {
     relative_constant(path) = "the body of this function is compiled where it is called, and this name may \
         mean something else there: name the constant from a root, as in `crate::units::KB` or \
         `std::f64::consts::PI`, declare it inside with `const`, or pass it";
-    recursion(call) = "this function calls itself: its derivative would never end; write the sum or product \
+    recursion(call) = "this function calls itself, and recursion cannot be differentiated; write the sum or product \
         with an iterator";
     expected_key(tokens) = "expected `key = value`; the keys are {KEYS}";
     unknown_strategy(name) = "unknown strategy `{name}`; there are `inline` and `sweep`";
     duplicate_key(key) = "`{key}` is given twice; merge the two";
-    friction_and_damping(key) = "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) are two ways to say the \
-        same: keep one of them";
+    friction_and_damping(key) = "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) describe the same \
+        friction: keep one of them";
     missing_value(key) = "`{key} =` has no value";
     unexpected_after_value(tokens) = "expected `,` and the next `key = value`; the keys are {KEYS}";
     missing_comma(key) = "expected `,` before `{key}`";
     not_a_path(found) = "expected the path of the crate `wzvi`, such as `crate = ::wzvi`";
     not_a_closure(found) = "expected a closure over coordinates and momenta, such as `|q, p| 0.5 * p * p`";
     async_closure(token) = "a Hamiltonian is a function of the state: it cannot be `async`";
-    family_in_list(tokens) = "a family of noises beside others stands in brackets of its own: `noise = \
+    family_in_list(tokens) = "a family of noises in a list has brackets of its own: `noise = \
         [[|q, p, k| ...; N], |q, p| ...]`";
     parts_of_drift(brackets) = "a drift is one Hamiltonian, or two parts: `drift = [|q, p| ..., \
         |q, p| ...]`";
     family_of_invariants(count) = "first integrals are listed one by one: `invariant = [|q, p| ..., |q, p| \
         ...]`";
-    name_of_other(name) = "first integrals have names, `invariant = [energy = |q, p| ...]`, and no other \
-        Hamiltonians: leave it out";
+    name_of_other(name) = "first integrals have names, `invariant = [energy = |q, p| ...]`; other \
+        Hamiltonians have none: leave it out";
     not_a_scheme(found) = "expected an embedding; there are {SCHEMES}";
     /// More stages than there are coefficients for.
     gauss_stages(found) = "`Gauss<S>` has 1 to 16 stages; `Gauss<1>` is `Midpoint`";
     duplicate_embedding(found, embedding: &impl Display) = "`{embedding}` is listed twice; once is enough";
     scheme_arguments(found, example: &str) = "wrong generic arguments; write it as in `{example}`";
-    wrapper_inside(found) = "`Corrected` and `Uncorrected` go around a whole scheme: \
+    wrapper_inside(found) = "`Corrected` and `Uncorrected` wrap a whole scheme: \
         `Corrected<Mixed<Midpoint, DeltaPlus>>`, never inside another";
     thermostat_inside(found) = "a thermostat wraps a scheme that is not itself a thermostat: `Thermostat<Midpoint>`, \
         `Thermostat<Gauss<2>>`";
@@ -109,7 +109,7 @@ messages! {
     momenta_disagree(momenta, q: &impl Display, p: &impl Display) = "the momenta are `{p}`, but the \
         coordinates are `{q}`; both need the same shape";
     field_named_like_variable(variable) = "the struct has a field `{variable}`, too: in this closure the \
-        name means the variable, and nothing tells them apart; give one of them another name, as in `|x, \
+        name means the variable; give one of them another name, as in `|x, \
         y|`";
     shapes_disagree_within(pattern, found: &impl Display, expected: &impl Display) = "this pattern has the \
         shape `{found}`, but `{expected}` is expected here";
@@ -145,7 +145,7 @@ messages! {
     missing_letter(word, letter: &str) = "a splitting needs drifts `A`, kicks `B` and friction `O`: there is no `{letter}`";
     shares_of_letters(word, letter: &str, total: Option<Rational>) {
         total = total.map_or("something else".to_owned(), |total| total.to_string());
-    } = "the shares of `{letter}` add to {total}, not to 1: each kind of letter covers the step once";
+    } = "the shares of `{letter}` add up to {total}, not to 1: each kind of letter covers the step once";
     /// A composition is not listed, but its base is.
     composed(found, base: &syn::Type) { base = base.to_token_stream(); } = "compositions are not listed: list `{base}`, \
         and its compositions are there";

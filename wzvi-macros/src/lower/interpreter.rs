@@ -28,7 +28,7 @@ const MAX_ATOMS: usize = 4096;
 
 /// What `while` and `loop` are, and what to write instead.
 const UNKNOWN_TURNS: (&str, &str) =
-    ("a loop without a known number of turns", "use `for i in a..b` or an iterator");
+    ("a loop without a known number of iterations", "use `for i in a..b` or an iterator");
 
 /// A closure with the variables it captured.
 pub(super) struct Closure<'a> {

@@ -44,7 +44,7 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
     let has_thermostat = system.embeddings.iter().any(|known| known.value.is_thermostat());
     if has_thermostat || system.temperature.is_some() {
         let reason = match system.temperature {
-            Some(_) => "this system has a temperature, whose noise goes with its friction",
+            Some(_) => "this system has a temperature, so its scheme needs a heat bath",
             None => "friction is a part of its own in the thermostats that are listed",
         };
         for known in system.embeddings.iter().filter(|known| !known.value.is_thermostat()) {

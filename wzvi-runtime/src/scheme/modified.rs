@@ -35,7 +35,7 @@ use series::{HIGHEST_ORDER, Series, modified};
 
 /// Systems without noise whose Hamiltonian does not read the time: their symplectic steps conserve a modified energy.
 #[diagnostic::on_unimplemented(
-    message = "steps of `{Self}` keep no modified energy",
+    message = "steps of `{Self}` conserve no modified energy",
     label = "`{Self}` has noise, or a Hamiltonian that reads the time",
     note = "without noise and explicit time every symplectic step follows a modified Hamiltonian; with them there is none"
 )]
@@ -83,7 +83,7 @@ impl<E: QuadraturePoint> QuadraturePoint for Uncorrected<E> {
 
 /// Schemes of which the first terms of the modified Hamiltonian are known.
 #[diagnostic::on_unimplemented(
-    message = "no modified energy is known of steps by `{Self}`",
+    message = "no modified energy is known for steps by `{Self}`",
     note = "it is of `DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Verlet`, and compositions of `Midpoint` and `Verlet` of order up to 6"
 )]
 pub trait ModifiedBy {

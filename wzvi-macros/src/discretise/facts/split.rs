@@ -61,26 +61,23 @@ fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> 
     if let (Some(_), Some(friction)) = (conformal, friction) {
         let moving: Vec<&Form> = forms.iter().filter(|form| **form != Form::Coordinates).collect();
         if moving != [&Form::Quadratic] {
-            return Err((friction.term.extent, "friction acts in the part that reads momenta, and both do"));
+            return Err((
+                friction.term.extent,
+                "friction acts in the part that contains momenta, and both do",
+            ));
         }
     }
     let Some(force) = force else { return Ok(()) };
     if force.elements.iter().any(|element| matches!(element.reads(), Reads::Momenta | Reads::Both)) {
-        return Err((force.extent, "the momenta that it reads move in the flow in which it acts"));
+        return Err((force.extent, "it depends on momenta, which change in the flow in which it acts"));
     }
     let Some(kicks) = forms.iter().position(|form| *form == Form::Coordinates) else {
-        return Err((
-            force.extent,
-            "forces act where coordinates stand still, in a part that reads coordinates only, and there is none",
-        ));
+        return Err((force.extent, "forces act in a part that contains coordinates only, and there is none"));
     };
     if reads_time(graph, force, *t)
         && parts.iter().enumerate().any(|(part, term)| part != kicks && reads_time(graph, term, *t))
     {
-        return Err((
-            force.extent,
-            "it reads the time, which the flow of the other part moves, and so does that one",
-        ));
+        return Err((force.extent, "it and the other part depend on the time, so no flow advances it"));
     }
     Ok(())
 }
@@ -93,7 +90,7 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     }
     let is_timed = reads_time(graph, term, *t);
     if is_timed && others.iter().any(|other| reads_time(graph, other, *t)) {
-        return Err("it reads the time, which the flow of the other part moves, and so does that one");
+        return Err("both parts depend on the time, so the flow of neither advances it");
     }
     let reads: Vec<Reads> = term.elements.iter().map(|element| element.reads()).collect();
     let reads_any = |those: &[Reads]| reads.iter().any(|read| those.contains(read));
@@ -106,14 +103,14 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     }
     if is_timed || !term.elements.iter().all(|element| is_quadratic(graph, element)) {
         return Err(match conformal {
-            Some(_) => "friction acts in it, and it is no such polynomial",
-            None => "it reads coordinates and momenta, and is no such polynomial",
+            Some(_) => "friction acts in it, and it is not such a polynomial",
+            None => "it contains coordinates and momenta, and is not such a polynomial",
         });
     }
     if *size == Index::atom(Atom::Size) {
         return Err(match conformal {
-            Some(_) => "friction acts in it, and the size of the system is known to the state only",
-            None => "it reads coordinates and momenta, and the size of the system is known to the state only",
+            Some(_) => "friction acts in it, and only the state knows the size of the system",
+            None => "it contains coordinates and momenta, and only the state knows the size of the system",
         });
     }
     Ok(Form::Quadratic)

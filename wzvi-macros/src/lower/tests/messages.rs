@@ -241,7 +241,7 @@ fn expressions() {
     body("match n { 0 => sgma, _ => q.floor() }", &[("sgma", "no field"), ("floor", "not supported")]);
     body("{ let mut s = q; match n { 0 => s = p, _ => {} }; s }", &[("s", "assignment inside a branch")]);
     body("{ return q; }", &[("return", "`return`"), ("{ return q; }", "found `()`")]);
-    body("{ while q > p {} q }", &[("while", "known number of turns")]);
+    body("{ while q > p {} q }", &[("while", "known number of iterations")]);
     body("vec![q, p][0]", &[("vec![q, p]", "a macro call")]);
     body("if q > p { q }", &[("if", "needs an `else`")]);
     body("if q > p { (q, p).0 } else { 1 }", &[("(q, p).0", "both branches")]);
