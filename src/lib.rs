@@ -301,6 +301,7 @@ mod documents {
         CookbookDynamics: "docs/guide/cookbook-dynamics.md",
         CookbookFiles: "docs/guide/cookbook-files.md",
         CookbookNoise: "docs/guide/cookbook-noise.md",
+        CookbookParts: "docs/guide/cookbook-parts.md",
         Elements: "docs/guide/elements.md",
         Ensembles: "docs/guide/ensembles.md",
         Errors: "docs/guide/errors.md",

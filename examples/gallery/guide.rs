@@ -5,9 +5,13 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use wzvi::bath::{A, B, HarmonicLaw, Letters, O};
+use wzvi::embedding::OneStep;
+use wzvi::error::StepFailure;
 use wzvi::nalgebra::{DVector, SVector};
 use wzvi::plot::{Colour, Figure, Look};
 use wzvi::prelude::*;
+use wzvi::scalar::Scalar;
+use wzvi::system::{Scratch, StepField};
 
 use crate::Drawn;
 use crate::systems::{Chain, Driven, Kepler, Kubo, Oscillator, Pendulum, Rotor, Simpson, WarmWells};
@@ -27,6 +31,8 @@ pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
         ("standard_map", standard_map()?),
         ("paths", paths()?),
         ("unresolved", unresolved()?),
+        ("branches", branches()),
+        ("drift", drift()?),
     ])
 }
 
@@ -288,6 +294,90 @@ fn unresolved() -> Drawn {
         figure = figure.line(format!("h = {h}, {ends}"), colour, change);
     }
     Ok(figure)
+}
+
+/// The mid-point of a step of H = p²/2 - q³/3 from q = p = 1 against its size: both solutions of a quadratic equation, up to where they meet.
+fn branches() -> Figure {
+    // m = q + h p/2 + h² m²/4
+    let branch = |side: f64| {
+        let places = (0..=400).filter_map(move |k| {
+            let h = 0.01 + 0.002 * f64::from(k);
+            let root = (1.0 - h * h * (1.0 + 0.5 * h)).sqrt();
+            (root >= 0.0).then_some((h, 2.0 * (1.0 + side * root) / (h * h)))
+        });
+        places.collect::<Vec<_>>()
+    };
+    Figure::panel("Mid-point step of a cubic potential from q = p = 1", "size of the step", "mid-point of q")
+        .y_range(0.0..12.0)
+        .x_range(0.0..1.0)
+        .line("continues the state", Colour::BLUE, branch(-1.0))
+        .line("another branch", Colour::VERMILION, branch(1.0))
+}
+
+/// Kutta's rule of order 4.
+struct Kutta;
+
+impl OneStep for Kutta {
+    const ORDER: u32 = 4;
+    const IS_CONSISTENT: bool = true;
+
+    fn step<S: Scalar>(
+        field: &impl StepField<S>,
+        [q, p]: [&mut [S]; 2],
+        scratch: &mut Scratch<S>,
+    ) -> Result<(), StepFailure> {
+        let [dq, dp, at_q, at_p, sum_q, sum_p] = scratch.lists(q.len());
+        let stages =
+            [(0.0, 0.0, 1.0 / 6.0), (0.5, 0.5, 1.0 / 3.0), (0.5, 0.5, 1.0 / 3.0), (1.0, 1.0, 1.0 / 6.0)];
+        for (stage, (time, part, weight)) in stages.into_iter().enumerate() {
+            for i in 0..q.len() {
+                let [last_q, last_p] = if stage == 0 { [q[i] * 0.0, p[i] * 0.0] } else { [dq[i], dp[i]] };
+                (at_q[i], at_p[i]) = (q[i] + last_q * part, p[i] + last_p * part);
+            }
+            field.at(time, [at_q, at_p], [dq, dp]);
+            for i in 0..q.len() {
+                let [before_q, before_p] = if stage == 0 { [q[i], p[i]] } else { [sum_q[i], sum_p[i]] };
+                (sum_q[i], sum_p[i]) = (before_q + dq[i] * weight, before_p + dp[i] * weight);
+            }
+        }
+        q.copy_from_slice(sum_q);
+        p.copy_from_slice(sum_p);
+        Ok(())
+    }
+}
+
+/// Energies of a Kepler orbit at equal cost, 1000 forces per period.
+fn drift() -> Drawn {
+    Ok(Figure::panel(
+        "Kepler, e = 0.5, 1000 forces per orbit: largest change of the energy",
+        "orbits",
+        "relative change",
+    )
+    .log_log()
+    .line("Kutta's rule, order 4", Colour::VERMILION, energies::<Own<Kutta>>(250)?)
+    .line("Verlet", Colour::GREEN, energies::<Verlet>(1000)?)
+    .line("Verlet by KahanLi8", Colour::BLUE, energies::<Composed<Verlet, KahanLi8>>(59)?))
+}
+
+/// The largest relative change of the energy so far, over 1000 orbits in so many steps each.
+fn energies<E>(steps: u32) -> Result<Vec<(f64, f64)>, wzvi::Error>
+where
+    Kepler: Discretized<E, Vector = SVector<f64, 2>>,
+{
+    let start = State::new([0.5, 0.0], [0.0, 3f64.sqrt()]);
+    let run =
+        Kepler.simulate::<E>(TAU / f64::from(steps)).start(start).steps(1000 * u64::from(steps)).unwatched();
+    let path = run.record_every(7).run()?;
+    let (first, mut largest) = (Kepler.energy(&start), 0.0f64);
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for state in path.iter().skip(1) {
+        largest = largest.max((Kepler.energy(state) / first - 1.0).abs());
+        let orbits = state.t / TAU;
+        if points.last().is_none_or(|last| orbits > 1.02 * last.0) {
+            points.push((orbits, largest));
+        }
+    }
+    Ok(points)
 }
 
 /// Error against time of explicit schemes on a chain.

@@ -23,7 +23,10 @@ type Table = (&'static str, Vec<Row>);
 pub(crate) fn all() -> Result<Vec<Table>, Error> {
     Ok(vec![
         ("1. Stiff spring pendulum, h = 0.01, t = 100: length 1, angle 1 rad", stiff_spring()?),
-        ("2. Linear oscillator: angle of a step, and growth over 1000 steps", oscillator()?),
+        (
+            "2. Linear oscillator, 1000 steps (explicit and Gauss: 100 000): angle of a step, change of the radius",
+            oscillator()?,
+        ),
         ("3. Singular and chaotic motion", singular()?),
         ("4. Multiplicative noise", noise()?),
         ("5. Scales", scales()?),
@@ -216,9 +219,9 @@ fn singular() -> Result<Vec<Row>, Error> {
     }
     let start = State::new([0.0, 0.9], [0.5, 0.5]);
     let run = || HenonHeiles.simulate::<DeltaPlus>(0.05).steps(10_000);
-    rows.push(energy_row("Henon-Heiles, escape".into(), "DeltaPlus", &HenonHeiles, &start, 1.0, run)?);
+    rows.push(energy_row("Hénon-Heiles, escape".into(), "DeltaPlus", &HenonHeiles, &start, 1.0, run)?);
     let run = || HenonHeiles.simulate::<Midpoint>(0.05).steps(10_000);
-    rows.push(energy_row("Henon-Heiles, escape".into(), "Midpoint", &HenonHeiles, &start, 1.0, run)?);
+    rows.push(energy_row("Hénon-Heiles, escape".into(), "Midpoint", &HenonHeiles, &start, 1.0, run)?);
     Ok(rows)
 }
 

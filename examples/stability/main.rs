@@ -110,6 +110,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             "✗ with another word: the error that ended the run; parts: how many parts each step was divided into by a retry",
             "steps: those that were taken; Newton mean (max): iterations in a step, where there are any",
             "worst: the largest error on the way: of the energy (dH) relative to its size at the start, of a radius, a place, an angle; or the size of the state",
+            "slow, fast: the spring of a pendulum starts at rest, or stretches at 0.1",
+            "Verlet is stable below ω h = 2, but the nodes lie on a flat ellipse, so the radius is wrong; at ω h = 2 the start (1, 0) only changes its sign",
             "ns/step: nanoseconds of a step in this run, on a machine that may do other things",
         ])
         .text(format!("{}.", Machine::here().line()));
@@ -141,19 +143,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A text with `10⁸` for `1e8`, and `2.5·10⁻⁹` for `2.5e-9`.
+/// A text with `10⁸` for `1e8`, `2.5·10⁻⁹` for `2.5e-9` and `50` for `5e1`.
 fn powers(text: &str) -> String {
     let mut shown = String::new();
     for word in text.split_inclusive(' ') {
         let number = word.trim_end_matches([' ', ',', ')']);
-        let parts = number.split_once('e').filter(|_| number.parse::<f64>().is_ok());
+        let parts = number.split_once('e').zip(number.parse::<f64>().ok());
         match parts {
             None => shown.push_str(word),
-            Some((mantissa, "0")) => {
-                shown.push_str(mantissa);
-                shown.push_str(&word[number.len()..]);
+            Some((_, value)) if (1.0..100.0).contains(&value) => {
+                shown.push_str(&format!("{value}{}", &word[number.len()..]));
             }
-            Some((mantissa, exponent)) => {
+            Some(((mantissa, exponent), _)) => {
                 if mantissa != "1" {
                     shown.push_str(&format!("{mantissa}·"));
                 }

@@ -67,7 +67,7 @@ fn a_fixed_point_that_misleads_is_rarely_tried() {
     assert!(tries <= 3, "after 32 steps, and after 64: {late:?}");
 }
 
-/// The table of `docs/guide/stability.md`.
+/// The table of `docs/guide/speed.md`.
 #[test]
 fn large_stiff_lattices_run() {
     let (h, steps) = (0.05, 40);

@@ -216,7 +216,7 @@ messages! { PathError:
     Self::Series(error) => "{error}";
 }
 
-/// A name that nothing has.
+/// An unknown name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
     /// What was asked for: `observable`, `event` or `variable`.

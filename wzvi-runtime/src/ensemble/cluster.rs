@@ -60,7 +60,7 @@ where
     /// }
     /// ```
     ///
-    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all. A rank that does not answer holds up nobody: others do
+    /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all. A rank that does not answer delays no other: they do
     /// its blocks, and the run ends without it; rank 0 says so in a line on standard error.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ const COMPARED_STARTS: u64 = 512;
 const MOST_LISTED: usize = 32;
 
 impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
-    /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
+    /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:
     /// see [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
     /// bit. The number of paths may grow from one run to the next, all else stays the same.
     ///

@@ -9,7 +9,7 @@ use crate::scheme::plan::Plan;
 pub(super) enum Source<'a> {
     /// Drawn in lanes.
     Normals(StepNormals),
-    /// Asked for path by path.
+    /// Queried path by path.
     Paths(Box<dyn Driver + 'a>),
 }
 

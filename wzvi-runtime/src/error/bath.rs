@@ -31,7 +31,7 @@ pub enum BathError {
     Masses,
     /// The degrees of freedom do not have one rate of friction, which `GjI` takes.
     Rates,
-    /// Steps backwards in time, which nothing with friction can take.
+    /// Steps backwards in time, which a system with friction cannot take.
     Backwards {
         /// Step size.
         h: f64,

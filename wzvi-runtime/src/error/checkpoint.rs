@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{FileError, InternalError};
 
-/// A checkpoint that could not be written, or cannot be gone on from. No file was changed.
+/// A checkpoint that could not be written, or from which no run can resume. No file was changed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -46,7 +46,7 @@ pub enum CheckpointError {
         /// What differs, at least one thing.
         differences: Vec<Difference>,
     },
-    /// The file is of this run, but further on than the end asked for.
+    /// The file is of this run, but lies beyond the requested end.
     Beyond {
         /// Which one.
         path: PathBuf,
@@ -55,7 +55,7 @@ pub enum CheckpointError {
         /// Steps asked for.
         steps: u64,
     },
-    /// The file is of this ensemble, but has more paths than are asked for.
+    /// The file is of this ensemble, but has more paths than requested.
     MorePaths {
         /// Which one.
         path: PathBuf,
@@ -64,14 +64,14 @@ pub enum CheckpointError {
         /// Paths asked for.
         paths: u64,
     },
-    /// The file was changed or removed by someone else while this run was going on.
+    /// Another program changed or removed the file during this run.
     Taken {
         /// Which one.
         path: PathBuf,
     },
     /// The source of the increments does not say what it is.
     Noise,
-    /// A mistake of the library. Nothing was written.
+    /// A bug of the library. Nothing was written.
     Internal(InternalError),
 }
 
@@ -79,14 +79,14 @@ pub enum CheckpointError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Damage {
-    /// It has another length than it had.
+    /// Its length has changed.
     Length {
         /// Bytes that were written.
         expected: u64,
         /// Bytes that there are.
         found: u64,
     },
-    /// The checksum of its content is another.
+    /// The checksum of its content does not match.
     Checksum {
         /// The checksum that was written.
         expected: u64,

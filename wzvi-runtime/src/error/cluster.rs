@@ -6,14 +6,14 @@
 pub enum ClusterError {
     /// MPI was told that ranks have one thread.
     Threading,
-    /// The ranks were not given the same run.
+    /// The settings of the ranks differ.
     Settings {
         /// A rank that differs from rank 0.
         rank: i32,
         /// In what.
         difference: String,
     },
-    /// Another rank cannot go on.
+    /// Another rank failed.
     Rank {
         /// Which one.
         rank: i32,

@@ -3,7 +3,7 @@
 use super::internal::MISTAKE;
 use super::{BathError, FailedLanes, IndexError, StepPromise};
 
-/// Why the equations of one step have no (usable) solution.
+/// Why a step failed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepFailure {
     /// Newton's method, or a pinned fixed point, neither converged nor stagnated at rounding level.

@@ -19,7 +19,7 @@ pub enum FileError {
         /// What the system said.
         cause: String,
     },
-    /// The name is that of something else than a file that can be replaced as a whole.
+    /// The name belongs to something other than a regular file.
     Special {
         /// Which name.
         path: PathBuf,

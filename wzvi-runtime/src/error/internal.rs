@@ -1,6 +1,6 @@
 //! What the library promises to itself.
 
-/// A mistake of wzvi and not of its user: something that it relies on does not hold. Nothing was returned that depends on it.
+/// A bug of wzvi, not of its user: an assumption of the library does not hold. Nothing was returned that depends on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InternalError {
     promise: &'static str,

@@ -44,7 +44,7 @@ pub enum NoiseError {
         /// Its length.
         got: usize,
     },
-    /// A setting of the source that makes no sense, with what to do.
+    /// An invalid setting of the source; the message says what to do.
     Setting(String),
     /// An increment is NaN or infinite.
     NonFinite {

@@ -8,7 +8,7 @@ use super::UnknownName;
 pub enum StatisticsError {
     /// Nothing has this name.
     Unknown(UnknownName),
-    /// The run was not asked to find it out.
+    /// The run did not compute it.
     NotComputed {
         /// What was asked for.
         what: &'static str,

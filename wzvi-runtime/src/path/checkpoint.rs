@@ -132,7 +132,7 @@ impl Suits<Paths> for Paths {}
 const MINUTE: Duration = Duration::from_secs(60);
 
 impl Checkpoint {
-    /// To this file, once a minute unless told otherwise.
+    /// A checkpoint in this file, written once a minute by default.
     pub fn to(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into(), count: None, interval: None, counts: PhantomData }
     }
@@ -142,7 +142,7 @@ impl Checkpoint {
         self.counting(steps)
     }
 
-    /// Whenever so many paths more are done, at least 1; in whole chunks of paths. For an ensemble.
+    /// After every `paths` further paths, at least 1; in whole chunks of paths. For an ensemble.
     pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
         self.counting(paths)
     }
@@ -154,7 +154,7 @@ impl<C> Checkpoint<C> {
         Checkpoint { path, count: Some(count), interval, counts: PhantomData }
     }
 
-    /// As soon as this time has gone by since the last checkpoint, more than zero. Together with
+    /// When this time, more than zero, has passed since the last checkpoint. Together with
     /// [`Checkpoint::every_steps`] or [`Checkpoint::every_paths`], whichever comes first.
     pub fn every(mut self, interval: Duration) -> Self {
         self.interval = Some(interval);
@@ -208,7 +208,7 @@ pub(crate) fn checksum(words: &[u64]) -> String {
 }
 
 impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
-    /// Goes on from the checkpoint if its file is there and of this run, and writes one now and then and at the end:
+    /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:
     /// see [`crate::path::checkpoint`].
     pub fn checkpoint<C: Suits<Steps>>(self, checkpoint: Checkpoint<C>) -> Self {
         self.keeping(Keeping::to(checkpoint))

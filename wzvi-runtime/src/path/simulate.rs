@@ -61,7 +61,7 @@ impl<V, F: FnMut(&State<V>, &Node<'_>)> Observer<V> for F {
     }
 }
 
-/// Nobody looks.
+/// No observer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unobserved;
 

@@ -163,7 +163,7 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
 }
 
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
-    /// Whether what rounding takes is carried.
+    /// Whether rounding errors are carried from step to step.
     pub fn is_compensated(&self) -> bool {
         C::CARRIES
     }
@@ -173,7 +173,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self.h
     }
 
-    /// Fixes how implicit steps of systems of elements are iterated. This affects the time, and no digit that counts. A step whose fixed
+    /// Fixes how implicit steps of systems of elements are iterated. This affects the time, and no significant digit. A step whose fixed
     /// point does not contract is then an error ([`StepFailure::NotConverged`]), since nothing else is tried.
     #[must_use]
     pub fn iteration(mut self, iteration: Iteration) -> Self {

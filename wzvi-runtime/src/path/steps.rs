@@ -65,7 +65,7 @@ pub(crate) fn take_steps<P: Advance, M: Monitor<P>>(
     Ok(())
 }
 
-/// Nobody looks.
+/// No observer.
 pub(crate) struct Unmonitored;
 
 impl<P: Advance> Monitor<P> for Unmonitored {

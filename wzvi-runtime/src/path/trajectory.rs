@@ -22,7 +22,7 @@ use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamilt
 pub(crate) use recorder::Recorder;
 pub use table::PathTable;
 
-/// Newton iterations of a run, and what its steps took besides.
+/// Newton iterations of a run, and other counts of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Iterations {

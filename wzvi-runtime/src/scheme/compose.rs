@@ -69,7 +69,7 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 ///
 /// The build checks that they are a palindrome of sum 1, and that the sums of those odd powers vanish that the order needs. With `const _:
 /// () = check_weights::<Own>();` ([`check_weights`]) `cargo check` does so, too. The other conditions of the order are not checked.
-/// docs/guide/order.md has an example.
+/// docs/guide/cookbook-parts.md has an example.
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;

@@ -24,8 +24,8 @@ impl Statistics {
         self.write_tables(folder.as_ref(), "csv", |first, rest, file| first.write_csv_parts(rest, file))
     }
 
-    /// One file with an object of all [`Statistics::tables`]: `{"run":{"system":["Kubo"], ...}, ...}`. Numbers that are
-    /// none or infinite are `null`. The folder is made if it is not there.
+    /// One file with an object of all [`Statistics::tables`]: `{"run":{"system":["Kubo"], ...}, ...}`. NaN and
+    /// infinite numbers are `null`. The folder is made if it is not there.
     ///
     /// # Errors
     /// [`FileError`] if it cannot be written.

@@ -228,7 +228,7 @@ impl MultilevelEstimate {
         self.is_partial
     }
 
-    /// Whether standard error and bias are what the target asked for; if not, the limits on paths or levels were in the way.
+    /// Whether standard error and bias are what the target asked for; if not, the limit on paths or levels was reached first.
     pub fn met_target(&self) -> bool {
         self.met_target
     }

@@ -1,5 +1,11 @@
-// Shows the numbers of the point under the pointer or with the focus.
+// Says which tables scroll, and shows the numbers of the point under the pointer or with the focus.
 (() => {
+  const fit = () => document.querySelectorAll(".table").forEach((table) => {
+    table.previousElementSibling.hidden = table.scrollWidth <= table.clientWidth;
+  });
+  document.addEventListener("toggle", fit, true);
+  addEventListener("resize", fit);
+  fit();
   const tip = document.getElementById("tip");
   const hide = () => { tip.hidden = true; };
   const show = (event) => {

@@ -282,7 +282,7 @@ impl StatisticsNode {
     }
 
     /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
-    /// mean that was seen: as if that had come ten times more. The standard error itself is zero until a rare event is seen, and with
+    /// mean that was seen: as if it had occurred ten times more. The standard error itself is zero until a rare event is seen, and with
     /// heavy tails too small just where the mean is, too; this one is what [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares.
     /// NaN where the observable is the same number on all paths, as an event that was never seen.
     pub fn error_bound(&self, observable: usize) -> f64 {
