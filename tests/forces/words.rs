@@ -123,7 +123,7 @@ fn letters_are_taken_one_after_the_other() {
     where
         Spring: Discretized<W>,
     {
-        let (h, spring) = (0.3, Spring { k: 1.3, gamma: 0.7, kt: 0.4 });
+        let (h, spring) = (0.3_f64, Spring { k: 1.3, gamma: 0.7, kt: 0.4 });
         let normals = [0.6, -1.1, 0.4];
         let parts = letters.iter().filter(|letter| letter.0 == 'O').count();
         let mut state = State::new([0.3], [0.8]);
@@ -135,7 +135,9 @@ fn letters_are_taken_one_after_the_other() {
                 'B' => p -= share * h * spring.k * q,
                 _ => {
                     let decay = (-spring.gamma * h / parts as f64).exp();
-                    p = decay * p + ((1.0 - decay * decay) * spring.kt).sqrt() * normals.next().unwrap();
+                    // Increments are those of a Wiener process.
+                    let normal = normals.next().unwrap() / h.sqrt();
+                    p = decay * p + ((1.0 - decay * decay) * spring.kt).sqrt() * normal;
                 }
             }
         }
