@@ -101,9 +101,11 @@ fn poles_are_singular() {
     assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
     let cause = failure::<Uncorrected<DeltaPlus>, _>(&STRETCH, 0.1, &start, &[-2.0]);
     assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
-    // The other pole of the mid-point.
-    let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[4.0]);
-    assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
+    // The other pole of the mid-point, at any size of the step.
+    for (h, dw) in [0.1, 1e-8, 1e-100, 1e-200, 1e-300].into_iter().flat_map(|h| [(h, 4.0), (h, -4.0)]) {
+        let cause = failure::<Midpoint, _>(&STRETCH, h, &start, &[dw]);
+        assert!(matches!(cause, StepFailure::Singular { .. }), "{h:e}: {cause}");
+    }
     // Next to a pole the step exists: q' = q (1 + x)/(1 - x), p' = p (1 - x)/(1 + x) with x = sigma dW / 2.
     for dw in [-4.0 + 1e-6, 4.0 - 1e-6, -3.0, 1.0] {
         let mut state = start;
@@ -119,6 +121,32 @@ fn poles_are_singular() {
         assert!(
             (state.p[0] - expected[1]).abs() <= bound * expected[1].abs().max(1.0),
             "{state:?} {expected:?}"
+        );
+    }
+}
+
+/// A force moves the pole of the stretch to `σ ΔW = 2 √(1 + h²/4)`, and the step at 2 is right: it takes `q` to about `16 q/h²`, and fails where that overflows.
+#[test]
+fn a_force_moves_the_pole() {
+    #[hamiltonian(drift = |q, p| 0.5 * (p * p + q * q), noise = [|q, p| 0.5 * p * q], embedding = Midpoint)]
+    struct Bound;
+    for h in [0.1, 1e-3, 1e-8, 1e-30, 1e-100, 1e-200, 1e-300] {
+        let mut state = State::new([1.0], [0.5]);
+        let taken = Bound.stepper::<Midpoint>(h).unwrap().step(&mut state, &[4.0]);
+        if h < 1e-154 {
+            let cause = taken.unwrap_err().cause;
+            assert!(matches!(cause, StepFailure::Singular { .. } | StepFailure::NonFinite), "{h:e}: {cause}");
+            continue;
+        }
+        taken.unwrap();
+        // With the mid-point `(x, y)`: `2 (x - q) = h y + 2 x` and `2 (y - p) = -h x - 2 y`.
+        let y = -2.0 / h;
+        let x = (1.0 - 4.0 * y) / h;
+        let expected = [2.0 * x - 1.0, 2.0 * y - 0.5];
+        let close = |found: f64, exact: f64| (found - exact).abs() <= 16.0 * f64::EPSILON * exact.abs();
+        assert!(
+            close(state.q[0], expected[0]) && close(state.p[0], expected[1]),
+            "{h:e}: {state:?} {expected:?}"
         );
     }
 }
