@@ -4,6 +4,7 @@ mod counted;
 mod flows;
 mod forced;
 mod parts;
+mod stages;
 
 use fixtures::small::{Driven, HenonHeiles, Pendulum};
 use serde_json::Value;

@@ -27,7 +27,7 @@ use crate::algebra::scalar::{Dual, Rounded};
 use crate::algebra::state::{State, Vector};
 use crate::error::{StepError, StepFailure};
 use crate::scheme::dense::copy_state;
-use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass, Solver};
+use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// Steps of which one is looked at.
@@ -312,18 +312,15 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
 /// What rounding may have done to the energy up to this state, `n r max(1, s (s + 1) √(R/A))`: `r` is the difference of the energies of all states that round to
 /// this one, in each of `n` steps, of which stiff ones err to one side, and at the start. A step that is long for a linear motion rounds by more: the
 /// increments are what is left of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy, and of `s` stages, of order
-/// `2s`, `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity. Explicit steps, and compositions of them, have no such stages: `s = 0`. Each part of
-/// theirs adds to the state what it evaluates, and is stable only where that is as large as the state.
+/// `2s`, `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity. A composition has the `s` of its parts, whose weights are of the size
+/// of one: what its order is beyond theirs says nothing of rounding. Explicit steps, and compositions of them, have no stages: `s = 0`. Each part of theirs adds to the state what it
+/// evaluates, and is stable only where that is as large as the state.
 #[cold]
 fn rounding<H: Discretized<E>, E>(system: &H, state: &State<H::Vector>, step: u64, motion: f64) -> f64 {
     let lift =
         |of: &H::Vector| -> Vec<Rounded> { of.components().iter().copied().map(Rounded::nearest).collect() };
     let error = system.evaluate(0, &lift(&state.q), &lift(&state.p), state.t).error;
-    let stages = if const { matches!(H::PLAN.solver, Solver::Explicit) } {
-        0.0
-    } else {
-        0.5 * f64::from(H::PLAN.order)
-    };
+    let stages = f64::from(H::PROPERTIES.stages);
     let longer = (stages * (stages + 1.0) * (error / f64::EPSILON / motion).sqrt()).max(1.0);
     (step + 2) as f64 * error * longer
 }

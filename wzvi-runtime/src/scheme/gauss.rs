@@ -134,6 +134,7 @@ const fn plan(facts: Facts, stages: usize, is_nystrom: bool) -> Plan {
 impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     const PLAN: Plan = plan(F::FACTS, N, F::IS_NYSTROM);
     const PROPERTIES: Properties = Properties {
+        stages: N as u32,
         in_lanes: F::Shape::IS_FIXED,
         // That of a step with friction is one of the momentum that friction leaves alone.
         has_polynomial: N > 1 && !F::FACTS.kind.is_conformal,

@@ -133,6 +133,7 @@ where
         };
         Properties {
             kept_energy: kept_energy(kept, W::ORDER),
+            stages: if first.stages > second.stages { first.stages } else { second.stages },
             remembers: first.remembers || second.remembers,
             in_lanes: first.in_lanes && second.in_lanes,
             ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)

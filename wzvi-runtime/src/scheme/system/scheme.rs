@@ -11,7 +11,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::dense::{Slopes, hermite_order};
-use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan};
+use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 
 /// What a step reads and moves: the state `(q, p)` at `t`, the step size and the increments.
 #[derive(Debug)]
@@ -69,6 +69,8 @@ pub(crate) fn without_derivatives<K: Constant>(h: K) -> Result<f64, ConfigError>
 pub struct Properties {
     /// The energy that is watched in runs of constant step.
     pub kept_energy: KeptEnergy,
+    /// Stages whose equations are solved at once, the most of all parts of a step; 0 where none are solved.
+    pub stages: u32,
     /// Whether steps use what the ones before left in memory for this state alone: then a state that the caller moved makes them forget it.
     pub remembers: bool,
     /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
@@ -91,6 +93,7 @@ impl Properties {
     pub const fn of(plan: &Plan, memory: usize) -> Self {
         Self {
             kept_energy: KeptEnergy::Hamiltonian,
+            stages: if matches!(plan.solver, Solver::Explicit) { 0 } else { 1 },
             remembers: matches!(plan.noise, NoiseClass::None) && memory != 0,
             in_lanes: true,
             fills_registers_from: usize::MAX,

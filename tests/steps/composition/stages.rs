@@ -1,0 +1,59 @@
+//! What the monitor of the energy allows for rounding follows from the stages that a step solves at once, not from its order.
+
+use wzvi::__private::Listed;
+use wzvi::prelude::*;
+
+/// The mid-point of a linear motion.
+#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [Midpoint, Gauss<2>, Gauss<3>, Verlet])]
+struct Oscillator {
+    omega: f64,
+}
+
+fn stages<E>() -> u32
+where
+    Oscillator: Listed<E>,
+{
+    <Oscillator as Listed<E>>::PROPERTIES.stages
+}
+
+#[test]
+fn compositions_have_the_stages_of_their_parts() {
+    assert_eq!([stages::<Verlet>(), stages::<Composed<Verlet, KahanLi8>>()], [0; 2]);
+    assert_eq!([stages::<Midpoint>(), stages::<Composed<Midpoint, KahanLi8>>()], [1; 2]);
+    assert_eq!(
+        [stages::<Gauss<2>>(), stages::<Composed<Gauss<2>, Yoshida6>>(), stages::<Gauss<3>>()],
+        [2, 2, 3]
+    );
+}
+
+/// Where a step turns by nearly half a turn the motion is next to nothing, and rounding larger.
+#[test]
+fn rounding_is_no_alarm_of_compositions() {
+    let (start, steps) = (State::new([1.0], [0.0]), 5000);
+    for exponent in [2, 4, 6] {
+        let oscillator = Oscillator { omega: 10.0_f64.powi(exponent) };
+        for outcome in [
+            oscillator
+                .simulate::<Composed<Midpoint, Yoshida4>>(1.0)
+                .start(start)
+                .steps(steps)
+                .run()
+                .map(drop),
+            oscillator.simulate::<Composed<Midpoint, Suzuki4>>(1.0).start(start).steps(steps).run().map(drop),
+            oscillator
+                .simulate::<Composed<Midpoint, KahanLi8>>(1.0)
+                .start(start)
+                .steps(steps)
+                .run()
+                .map(drop),
+            oscillator
+                .simulate::<Composed<Gauss<2>, Yoshida6>>(1.0)
+                .start(start)
+                .steps(steps)
+                .run()
+                .map(drop),
+        ] {
+            outcome.unwrap_or_else(|error| panic!("ωh = 1e{exponent}: {error}"));
+        }
+    }
+}
