@@ -47,7 +47,7 @@ pub use crate::statistics::{
     Statistic, Statistics, StatisticsNode, Tables, TargetStatus,
 };
 use account::Account;
-use chunk::{Chunks, in_a_row};
+use chunk::in_chunks;
 use control::Control;
 pub use draws::Normals;
 use job::Inspector;
@@ -58,7 +58,6 @@ pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 
 use crate::algebra::state::State;
 use crate::ensemble::execution::Execution;
-use crate::ensemble::schedule::in_order;
 use crate::error::ConfigError;
 use crate::increments::Noise;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
@@ -115,6 +114,7 @@ struct Setup<'a, H: Hamiltonian> {
 type Types<E, N, R, P> = PhantomData<fn() -> (E, N, R, P)>;
 
 /// What is computed besides moments.
+#[derive(Default)]
 struct Extras {
     quantiles: bool,
     /// All, if nothing was said.
@@ -131,10 +131,9 @@ struct Extras {
     added: Vec<Box<dyn AnyStatistic>>,
 }
 
-impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
-    /// Paths of `system` in steps of size `h`.
-    pub fn new(system: &'a H, h: f64) -> Self {
-        let setup = Setup {
+impl<'a, H: Hamiltonian> Setup<'a, H> {
+    fn new(system: &'a H, h: f64) -> Self {
+        Self {
             system,
             h,
             span: Span::default(),
@@ -148,23 +147,21 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
             own: Vec::new(),
             events: Observables::default(),
             sections: Sections::default(),
-            wanted: Extras {
-                quantiles: false,
-                covariances: None,
-                histograms: Vec::new(),
-                most_bytes: None,
-                most_crossings: 0,
-                has_work: false,
-                added: Vec::new(),
-            },
+            wanted: Extras::default(),
             inspector: None,
             execution: Execution::default(),
             keeping: Keeping::default(),
             retry: Retry::never(),
             is_watched: true,
             control: Control::default(),
-        };
-        Self { setup, types: PhantomData }
+        }
+    }
+}
+
+impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
+    /// Paths of `system` in steps of size `h`.
+    pub fn new(system: &'a H, h: f64) -> Self {
+        Self { setup: Setup::new(system, h), types: PhantomData }
     }
 }
 
@@ -423,17 +420,8 @@ where
             );
         }
         let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
-        let chunks = account.chunks();
-        let row = in_a_row(chunks.end - chunks.start, threads);
-        let work = |task| {
-            let first = chunks.start + task * row;
-            let chunks = Chunks::<H, E, P, WIDTH>::new(&job, first..chunks.end.min(first + row));
-            chunks.instructions(instructions).run(chunks)
-        };
-        let tasks = 0..(chunks.end - chunks.start).div_ceil(row);
-        in_order(tasks, threads, work, |_, (found, halt)| {
-            found.into_iter().map(Ok).chain(halt.map(Err)).try_for_each(|chunk| account.take(chunk))
-        });
+        let (chunks, hands) = (account.chunks(), (threads, instructions));
+        in_chunks::<H, E, P, WIDTH>(&job, None, chunks, hands, |chunk| account.take(chunk));
         account.close()
     }
 }

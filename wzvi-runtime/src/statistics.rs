@@ -15,7 +15,6 @@ mod table;
 pub use crossings::{Crossings, PathCrossing};
 pub use histogram::Histogram;
 pub use loss::{LossError, PathFailure};
-pub(crate) use moments::Welford;
 pub(crate) use origin::Origin;
 pub(crate) use passage::crossing;
 pub use passage::{Passage, Passages};

@@ -145,6 +145,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             system,
             prepared: crate::path::step::prepared(system, h)?,
             h,
+            level: 0,
             start,
             starts,
             systems,

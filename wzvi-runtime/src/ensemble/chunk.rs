@@ -1,7 +1,7 @@
 //! A chunk of paths, the unit of work: what it finds out depends on nothing but the numbers of its paths.
 
 use std::marker::PhantomData;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use super::group::Group;
 use super::halt::Halt;
@@ -9,6 +9,7 @@ use super::job::Job;
 use super::observation::Observation;
 use super::starts::Systems;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::ensemble::schedule::in_order;
 use crate::path::steps::take_steps;
 use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
@@ -28,15 +29,34 @@ const MOST: u64 = 8;
 /// Tasks for each thread, at least: they are not done at the same time.
 const TASKS: u64 = 4;
 
-/// How many chunks are done one after the other, if there are so many for so many threads.
-pub(super) fn in_a_row(chunks: u64, threads: usize) -> u64 {
-    if threads == 1 { MOST } else { (chunks / (TASKS * threads as u64)).clamp(1, MOST) }
+/// Does the chunks of a job with these numbers, with the paths of a coarser job beside them, and gives the statistics of each to `take` in the order of
+/// their numbers, until it breaks.
+pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: usize>(
+    job: &Job<'_, H, E>,
+    coarse: Option<&Job<'_, H, E>>,
+    chunks: Range<u64>,
+    (threads, instructions): (usize, InstructionSet),
+    mut take: impl FnMut(Result<Statistics, Halt>) -> ControlFlow<()> + Send,
+) {
+    let Range { start, end } = chunks;
+    let number = end - start;
+    let row = if threads == 1 { MOST } else { (number / (TASKS * threads as u64)).clamp(1, MOST) };
+    let work = |task| {
+        let first = start + task * row;
+        let chunks = Chunks::<H, E, P, WIDTH>::new(job, coarse, first..end.min(first + row));
+        chunks.instructions(instructions).run(chunks)
+    };
+    in_order(0..number.div_ceil(row), threads, work, |_, (found, halt)| {
+        found.into_iter().map(Ok).chain(halt.map(Err)).try_for_each(&mut take)
+    });
 }
 
 /// Chunks that follow each other, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
 /// one where steps are in vector instructions by themselves), or `WIDTH` if that is not 0.
 pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     job: &'j Job<'a, H, E>,
+    /// The job of the coarser paths beside these.
+    coarse: Option<&'j Job<'a, H, E>>,
     numbers: Range<u64>,
     systems: PhantomData<P>,
 }
@@ -46,8 +66,12 @@ pub(super) type Found = (Vec<Statistics>, Option<Halt>);
 
 impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {
     /// With these numbers.
-    pub(super) fn new(job: &'j Job<'a, H, E>, numbers: Range<u64>) -> Self {
-        Self { job, numbers, systems: PhantomData }
+    pub(super) fn new(
+        job: &'j Job<'a, H, E>,
+        coarse: Option<&'j Job<'a, H, E>>,
+        numbers: Range<u64>,
+    ) -> Self {
+        Self { job, coarse, numbers, systems: PhantomData }
     }
 
     /// The paths of chunks.
@@ -88,7 +112,7 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_,
 impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H, E, P, WIDTH> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_width<const L: usize>(self) -> Found {
-        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job), Vec::new());
+        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job, self.coarse), Vec::new());
         for number in self.numbers.clone() {
             match self.of_chunk(&mut group, self.paths(&(number..number + 1))) {
                 Ok(statistics) => found.push(statistics),

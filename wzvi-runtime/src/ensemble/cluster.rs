@@ -88,7 +88,8 @@ where
         let account = agree(&world, account)?;
         let failed = OnceLock::new();
         let work = |number| {
-            let (mut found, halt) = instructions.run(Chunks::<H, E, P, 0>::new(&job, number..number + 1));
+            let (mut found, halt) =
+                instructions.run(Chunks::<H, E, P, 0>::new(&job, None, number..number + 1));
             if let Some(Halt::Failed(error)) = halt {
                 // One of the reasons is enough.
                 let _ = failed.set(error);

@@ -1,12 +1,14 @@
 //! Paths that run beside each other in the lanes of vector registers: their steps, and which of them failed.
 
 mod alone;
+mod coupled;
 mod inside;
 mod watched;
 
 use std::marker::PhantomData;
 
 use alone::checks_anew;
+use coupled::Coarse;
 use watched::Motions;
 
 use super::increments::LaneIncrements;
@@ -85,14 +87,22 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     looks_between: bool,
     /// Whether the last step, which is shorter, has been taken: by steppers.
     is_over: bool,
+    /// The coarser paths beside these.
+    coarse: Option<Box<Coarse<'j, 'a, H, E, L>>>,
     systems: PhantomData<P>,
 }
 
 impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, E, P, L> {
-    pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
+    /// The paths of a job, and those of a coarser one beside them.
+    pub(super) fn new(job: &'j Job<'a, H, E>, coarse: Option<&'j Job<'a, H, E>>) -> Self {
         // That of the system, which may not know it.
         let processes = job.processes();
-        let increments = LaneIncrements::new(&job.source, processes, job.h);
+        let mut increments = LaneIncrements::new(&job.source, processes, job.h);
+        if Self::goes_alone(job) {
+            increments = increments.path_by_path();
+        } else if coarse.is_some() {
+            increments = increments.keeping_normals();
+        }
         Self {
             job,
             path: 0,
@@ -100,7 +110,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             p: Vec::new(),
             memory: Default::default(),
             apart: Vec::new(),
-            increments: if Self::goes_alone(job) { increments.path_by_path() } else { increments },
+            increments,
             counts: [false; L],
             failed: [false; L],
             any_failed: false,
@@ -121,14 +131,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             motions: Motions::default(),
             looks_between: job.looks_between(),
             is_over: false,
+            coarse: coarse.map(|job| Box::new(Coarse::new(job))),
             systems: PhantomData,
         }
-    }
-
-    /// For a run that makes more of the normals than increments.
-    pub(super) fn keeping_normals(mut self) -> Self {
-        self.increments = self.increments.keeping_normals();
-        self
     }
 
     /// Starts paths `path ..`, as many as there are before `end`.
@@ -167,7 +172,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             stepper.set_exchanged(Exchange::default());
         }
         self.watch_from_start();
-        Ok(())
+        self.coarse.as_mut().map_or(Ok(()), |coarse| coarse.begin(path, end))
     }
 
     /// Work, shadow work and heat of a lane, up to a node that all have reached.
@@ -491,6 +496,9 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance for Group<'_, '_,
             return self.finish(step, h);
         }
         self.draw(step)?;
+        if const { P::ARE_PAIRED } {
+            self.advance_coarse(step)?;
+        }
         self.step(step)
     }
 }

@@ -3,15 +3,18 @@
 use std::ops::Range;
 
 use super::chunk;
-use super::source::Source;
+use super::source::{Settings, Source};
 use super::starts::{self, ByPath, Drawn, STARTS};
 use crate::algebra::state::{State, Vector};
 use crate::error::ConfigError;
+use crate::increments::Interval;
+use crate::noise::StepNormals;
+use crate::path::Error;
 use crate::path::options::{Observable, OwnObservable};
 use crate::path::recording::Recorded;
 use crate::path::retry::Retry;
 use crate::path::section::Sections;
-use crate::path::span::Grid;
+use crate::path::span::{Grid, MOST_STEPS};
 use crate::scheme::system::{Discretized, PreparedOf};
 use crate::statistics::Statistics;
 
@@ -20,6 +23,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) system: &'a H,
     pub(super) prepared: PreparedOf<H, E>,
     pub(super) h: f64,
+    /// The level of a multilevel run, 0 the coarsest.
+    pub(super) level: u32,
     /// The start of all paths, or of path 0.
     pub(super) start: State<H::Vector>,
     /// Those of all paths, if each has its own.
@@ -103,6 +108,51 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
         let start = starts.of(Drawn::Start, self.seed, path).ok_or(ConfigError::Missing(STARTS))?;
         starts::check(self.system_of(path), &start, path, (self.start.q.components().len(), self.start.t))?;
         Ok(start)
+    }
+
+    /// The same paths on the next level of a multilevel run: in steps half as long, and with normals of their own.
+    ///
+    /// # Errors
+    /// Where there are more steps than can be counted, and those of a system that cannot be prepared.
+    pub(super) fn finer(&self) -> Result<Self, Error> {
+        let Self { system, start, level, grid, source, .. } = self;
+        let (level, h, steps) = (level + 1, 0.5 * grid.h, 2 * grid.steps);
+        if steps > MOST_STEPS {
+            return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h }.into());
+        }
+        let first = Interval { start: start.t, h, step: 0 };
+        let source = Source::Normals(
+            source.normals().cloned().unwrap_or_else(|| StepNormals::seed(0)).on_level(level),
+        );
+        Ok(Self {
+            system,
+            prepared: crate::path::step::prepared(*system, h)?,
+            h,
+            level,
+            start: start.clone(),
+            starts: None,
+            systems: Vec::new(),
+            own: Vec::new(),
+            own_work: None,
+            seed: self.seed,
+            grid: Grid::of(start.t, h, steps),
+            paths: self.paths,
+            steps,
+            recorded: self
+                .recorded
+                .iter()
+                .map(|recorded| Recorded { node: 2 * recorded.node, ..*recorded })
+                .collect(),
+            source: source.prepared(Settings::default(), &H::PLAN, first, (self.processes(), steps))?,
+            retry: self.retry,
+            is_watched: self.is_watched,
+            observables: self.observables.clone(),
+            events: Vec::new(),
+            sections: Sections::default(),
+            inspector: None,
+            empty: self.empty.clone(),
+            stop: self.stop,
+        })
     }
 
     /// Paths in a chunk.

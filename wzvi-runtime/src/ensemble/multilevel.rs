@@ -21,37 +21,35 @@
 //! The two paths of a difference have the normals `ξ_1, ξ_2` and `(ξ_1 + ξ_2)/√2`, each truncated with the bound of its own
 //! step size: `P_{l-1}` has the same law on both levels where it occurs, and the sum telescopes exactly.
 
-mod begin;
 mod estimate;
-mod pairs;
 
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
 pub use crate::error::{LevelError, LevelFailure};
+use estimate::{FINE, bias, variance_bounds, variance_slope};
 pub use estimate::{Level, MultilevelEstimate};
-use estimate::{Samples, bias, variance_bounds, variance_slope};
-use pairs::{Pairs, block_size};
 
+use super::chunk::{BESIDE, in_chunks};
+use super::control::Control;
 use super::halt::Halt;
-use super::job::{Job, Stop};
-use super::source::Source;
+use super::job::Job;
+use super::source::{Settings, Source};
+use super::starts::Paired;
+use super::{Ensemble, Extras, Setup};
 use crate::algebra::lanes::instructions::InstructionSet;
-use crate::algebra::state::{State, Vector};
-use crate::ensemble::execution::Execution;
-use crate::ensemble::schedule::in_order;
+use crate::algebra::state::State;
 use crate::error::{ConfigError, InternalError};
 use crate::ground::progress::ProgressLine;
-use crate::increments::Noise as _;
-use crate::noise::{Paths as _, StepNormals, Truncation};
+use crate::noise::{StepNormals, Truncation};
 use crate::path::Error;
-use crate::path::options::{Observable, Observables, options};
-use crate::path::retry::Retry;
-use crate::path::section::Sections;
-use crate::path::span::{End, Grid, MOST_STEPS, Span};
+use crate::path::options::options;
+use crate::path::recording::Request;
+use crate::path::retry::Whole;
+use crate::path::span::{End, Grid};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian};
-use crate::statistics::{Nodes, Statistics};
+use crate::statistics::{Nodes, Statistics, StatisticsNode};
 
 /// The part `θ` of the squared error that is left to the bias.
 const BIAS_PART: f64 = 0.25;
@@ -80,48 +78,35 @@ pub enum Observed {}
 /// `h, h/2, h/4, ...`. [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) begins it, [`Multilevel::run`] runs it.
 ///
 /// A run needs a start, an end, a seed, one observable and a target. `O` says whether there is an observable. Other settings of an
-/// [`Ensemble`](super::Ensemble), such as quantiles or checkpoints, have no meaning here.
+/// [`Ensemble`], such as quantiles or checkpoints, have no meaning here.
 #[must_use = "nothing happens before `run`"]
 pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
     setup: Setup<'a, H>,
+    levels: Levels,
     types: PhantomData<fn() -> (E, O)>,
 }
 
-/// What was said so far.
-struct Setup<'a, H: Hamiltonian> {
-    system: &'a H,
-    h: f64,
-    span: Span<H::Vector>,
-    seed: Option<u64>,
-    truncation: Truncation,
-    observables: Observables<'a, H::Vector>,
-    paths: Option<u64>,
+/// What is said of levels alone.
+#[derive(Clone, Copy)]
+struct Levels {
     target: Option<f64>,
     weak_order: f64,
     finest: u32,
-    execution: Execution<'a>,
-    /// What an ensemble was told that means nothing here.
-    refused: Option<&'static str>,
+}
+
+impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
+    /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
+    /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with what was said of start, end, seed,
+    /// observable, paths and threads. Whatever else was said has no meaning there, and is an error of the run.
+    pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
+        Multilevel::begun(self.setup).target(target)
+    }
 }
 
 impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
     /// A run of `system` whose coarsest steps have size `h`: the largest step with which a path is still meaningful.
     pub fn new(system: &'a H, h: f64) -> Self {
-        let setup = Setup {
-            system,
-            h,
-            span: Span::default(),
-            seed: None,
-            truncation: Truncation::Unset,
-            observables: Observables::default(),
-            paths: None,
-            target: None,
-            weak_order: 1.0,
-            finest: MOST_LEVELS,
-            execution: Execution::default(),
-            refused: None,
-        };
-        Self { setup, types: PhantomData }
+        Self::begun(Setup::new(system, h))
     }
 
     /// The observable whose mean at the end of the paths is wanted, a function of the state. There is one.
@@ -131,29 +116,34 @@ impl<'a, H: Discretized<E>, E> Multilevel<'a, H, E> {
         observable: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
     ) -> Multilevel<'a, H, E, Observed> {
         self.setup.observables.push(name.into(), observable);
-        Multilevel { setup: self.setup, types: PhantomData }
+        Multilevel { setup: self.setup, levels: self.levels, types: PhantomData }
     }
 }
 
 impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     options!(start, end, execution, instructions);
 
+    fn begun(setup: Setup<'a, H>) -> Self {
+        let levels = Levels { target: None, weak_order: 1.0, finest: MOST_LEVELS };
+        Self { setup, levels, types: PhantomData }
+    }
+
     /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.setup.seed = Some(seed);
+        self.setup.source = Some(Source::new(StepNormals::seed(seed)));
         self
     }
 
     /// Sets whether increments are truncated. The default is `k = 4` where
     /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
-        self.setup.truncation = truncation;
+        self.setup.settings.truncation = truncation;
         self
     }
 
     /// The root mean square error that is wanted, in units of the observable.
     pub fn target(mut self, error: f64) -> Self {
-        self.setup.target = Some(error);
+        self.levels.target = Some(error);
         self
     }
 
@@ -166,13 +156,13 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     /// Sets the weak order of the scheme, from which the remaining bias is estimated. The default is 1, which every consistent scheme has at
     /// least.
     pub fn weak_order(mut self, order: f64) -> Self {
-        self.setup.weak_order = order;
+        self.levels.weak_order = order;
         self
     }
 
     /// Sets the finest level, 20 by default. Its steps are `2^-level` times the coarsest.
     pub fn finest(mut self, level: u32) -> Self {
-        self.setup.finest = level;
+        self.levels.finest = level;
         self
     }
 }
@@ -192,46 +182,41 @@ where
 
     /// [`Multilevel::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the same.
     #[doc(hidden)]
-    pub fn run_in<const WIDTH: usize>(self) -> Result<MultilevelEstimate, Error> {
+    pub fn run_in<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
         let target = self.checked()?;
-        let setup = self.setup;
-        let Setup { system, h, span, execution, .. } = setup;
+        let Levels { weak_order, finest, .. } = self.levels;
+        let execution = std::mem::take(&mut self.setup.execution);
         let stop = || execution.is_stopped();
-        if !h.is_finite() || h == 0.0 {
-            return Err(ConfigError::StepSize(h).into());
-        }
-        let end = span.end;
-        let (start, grid) = span.checked::<H, E>(system, h)?;
-        let steps = grid.steps;
-        check_end(end, start.t, h, steps)?;
-        let seed = setup.seed.ok_or(ConfigError::Missing("a seed for its noise: add `.seed(number)`"))?;
-        let (_, functions) = setup.observables.checked("observables")?;
-        let observable = functions.first().ok_or(ConfigError::Missing(OBSERVABLE))?;
+        let (end, paths) = (self.setup.span.end, self.setup.paths);
+        self.setup.paths = Some(paths.unwrap_or(MOST_PATHS));
+        let job = Ensemble::<H, E, StepNormals, Whole, Paired> { setup: self.setup, types: PhantomData }
+            .job(&stop)?;
+        check_end(end, &job)?;
+        let progress = execution.progress("steps");
         Run {
-            coarsest: Coarsest { system, h, start, steps, stop: &stop },
-            observable,
-            levels: Vec::new(),
-            normals: StepNormals::seed(seed).with_truncation(setup.truncation),
-            instructions: execution.instructions,
-            threads: execution.threads()?,
-            most_paths: setup.paths.unwrap_or(MOST_PATHS),
-            most_constant: setup.paths.unwrap_or(MOST_CONSTANT),
+            levels: vec![Stage::coarsest(job)],
+            hands: (execution.threads()?, execution.instructions),
+            most_paths: paths.unwrap_or(MOST_PATHS),
+            most_constant: paths.unwrap_or(MOST_CONSTANT),
             target,
-            weak_order: setup.weak_order,
-            finest: setup.finest as usize,
-            progress: execution.progress("steps"),
+            weak_order,
+            finest: finest as usize,
+            progress,
         }
         .run::<WIDTH>()
     }
 
     /// The target, of a run that makes sense.
     fn checked(&self) -> Result<f64, ConfigError> {
-        let Setup { target, weak_order, finest, paths, refused, .. } = &self.setup;
-        if let Some(what) = refused {
-            return Err(wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out")));
+        let (setup, Levels { target, weak_order, finest }) = (&self.setup, self.levels);
+        let wrong = |what: String| Err(wrong(what));
+        if let Some(what) = refused(setup) {
+            return wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out"));
         }
         let target = target.ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
-        let wrong = |what: String| Err(wrong(what));
+        if setup.observables.is_empty() {
+            return Err(ConfigError::Missing(OBSERVABLE));
+        }
         if !H::PLAN.consistent {
             return wrong(
                 "a multilevel run of a scheme that does not converge to the system: its levels add up to another limit; take `Corrected<...>` \
@@ -245,32 +230,65 @@ where
         if !(target.is_finite() && target > 0.0) {
             return wrong(format!("a target of {target}: take a finite number above 0"));
         }
-        if !(weak_order.is_finite() && *weak_order > 0.0) {
+        if !(weak_order.is_finite() && weak_order > 0.0) {
             return wrong(format!("a weak order of {weak_order}: take a finite number above 0"));
         }
-        if !(LEAST_LEVELS as u32 - 1..=40).contains(finest) {
+        if !(LEAST_LEVELS as u32 - 1..=40).contains(&finest) {
             return wrong(format!("level {finest} as the finest: take 2 to 40"));
-        }
-        if *paths == Some(0) {
-            return wrong("0 paths: take at least 1".into());
         }
         Ok(target)
     }
 }
 
+/// What an ensemble was told that means nothing here.
+fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
+    let Setup { span, source, settings, own, events, sections, wanted, starts, systems, .. } = setup;
+    let Setup { recorded, inspector, keeping, retry, is_watched, control, .. } = setup;
+    let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } = wanted;
+    let (Settings { is_antithetic, .. }, Control { targets, losses }) = (settings, control);
+    let Request { every, times } = recorded;
+    let refused = [
+        (*is_antithetic || source.as_ref().is_some_and(Source::is_antithetic), "antithetic paths"),
+        (
+            source.as_ref().is_some_and(|source| source.normals().is_none()),
+            "a noise that is not `StepNormals`",
+        ),
+        (systems.is_some(), "paths that have systems of their own"),
+        (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
+        (!own.is_empty(), "observables of each path's own system"),
+        (!events.is_empty(), "first passages"),
+        (!sections.is_empty(), "sections"),
+        (span.is_exact, "an exact end"),
+        (*quantiles || !histograms.is_empty(), "quantiles and histograms"),
+        (covariances.is_some(), "covariances"),
+        (most_bytes.is_some() || *most_crossings > 0, "kept paths and crossings"),
+        (every.is_some() || !times.is_empty(), "recorded times"),
+        (inspector.is_some(), "`inspect`"),
+        (keeping.is_set(), "`checkpoint`"),
+        (*has_work, "work and heat"),
+        (!added.is_empty(), "statistics of its own"),
+        (retry.most() > 0, "`retry`"),
+        (!is_watched, "`unwatched`"),
+        (!targets.is_empty(), "`until_error`"),
+        (losses.is_some(), "`allow_losses`"),
+    ];
+    refused.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what))
+}
+
 const OBSERVABLE: &str = "an observable: add `.observe(name, function)`";
 
-fn wrong(what: String) -> ConfigError {
-    ConfigError::Setting(what)
+fn wrong(what: impl Into<String>) -> ConfigError {
+    ConfigError::Setting(what.into())
 }
 
 /// Whether the coarsest steps end where the run shall: all levels end there.
-fn check_end(end: Option<End>, start: f64, h: f64, steps: u64) -> Result<(), ConfigError> {
+fn check_end<H: Discretized<E>, E>(end: Option<End>, job: &Job<'_, H, E>) -> Result<(), ConfigError> {
+    let Grid { start, h, steps, .. } = job.grid;
     if steps == 0 {
-        return Err(wrong("a multilevel run without a step: take a later end".into()));
+        return Err(wrong("a multilevel run without a step: take a later end"));
     }
     let Some(End::Time(end)) = end else { return Ok(()) };
-    let (reached, span) = (start + steps as f64 * h, end - start);
+    let (reached, span) = (job.grid.time(steps), end - start);
     // The roundings that counting the steps allows for, and those of the product.
     let allowed = 4.0 * f64::EPSILON * (span.abs() + start.abs() + end.abs());
     if (reached - end).abs() <= allowed {
@@ -282,23 +300,10 @@ fn check_end(end: Option<End>, start: f64, h: f64, steps: u64) -> Result<(), Con
     )))
 }
 
-/// The paths of the coarsest level.
-struct Coarsest<'a, H: Hamiltonian> {
-    system: &'a H,
-    h: f64,
-    start: State<H::Vector>,
-    steps: u64,
-    stop: Stop<'a>,
-}
-
 /// A checked run.
-struct Run<'a, 'o, H: Discretized<E>, E> {
-    coarsest: Coarsest<'a, H>,
-    observable: &'a Observable<'o, H::Vector>,
+struct Run<'a, H: Discretized<E>, E> {
     levels: Vec<Stage<'a, H, E>>,
-    normals: StepNormals,
-    instructions: InstructionSet,
-    threads: usize,
+    hands: (usize, InstructionSet),
     most_paths: u64,
     /// Paths of the first level, at most, as long as the observable is the same on all.
     most_constant: u64,
@@ -308,19 +313,54 @@ struct Run<'a, 'o, H: Discretized<E>, E> {
     progress: ProgressLine,
 }
 
-/// One level, with what is known of it.
+/// One level: an ensemble of pairs, with what is known of it.
 struct Stage<'a, H: Discretized<E>, E> {
     job: Job<'a, H, E>,
-    blocks: u64,
-    samples: Samples,
+    found: Statistics,
 }
 
-impl<H, E> Run<'_, '_, H, E>
+impl<'a, H: Discretized<E>, E> Stage<'a, H, E> {
+    /// From the ensemble in the coarsest steps, of which the end counts.
+    fn coarsest(mut job: Job<'a, H, E>) -> Self {
+        job.recorded.drain(..job.recorded.len().saturating_sub(1));
+        let node = StatisticsNode::new(2, false, (false, false), Vec::new());
+        let nodes = Nodes::new(&[job.grid.time(job.steps)], &node, Vec::new());
+        job.empty = Statistics::new(["fine", "difference"].map(str::to_owned).into(), nodes);
+        Self { found: job.empty.clone(), job }
+    }
+
+    fn count(&self) -> u64 {
+        self.found.begun()
+    }
+
+    /// Whether the observable is the same number on all paths.
+    fn is_constant(&self) -> bool {
+        self.found.last().is_some_and(|end| end.is_constant(FINE))
+    }
+
+    /// Steps of a path: of a fine one, and of the coarse one beside it.
+    fn steps(&self) -> u64 {
+        let Job { steps, level, .. } = self.job;
+        if level == 0 { steps } else { steps + steps / 2 }
+    }
+
+    /// Of so many paths.
+    fn cost(&self, paths: u64) -> u64 {
+        paths.saturating_mul(self.steps())
+    }
+}
+
+/// Paths after which a level may end: few on the finest, which need few; on the coarsest as many as make the steps about as many.
+fn least_paths(level: u32) -> u64 {
+    BESIDE << 4u32.saturating_sub(level)
+}
+
+impl<H, E> Run<'_, H, E>
 where
     H: Discretized<E> + Sync,
 {
     fn run<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
-        for _ in 0..LEAST_LEVELS {
+        while self.levels.len() < LEAST_LEVELS {
             self.add_level()?;
         }
         let mut wanted = vec![FIRST_PATHS; LEAST_LEVELS];
@@ -328,11 +368,9 @@ where
             if self.sample::<WIDTH>(&wanted)?.is_break() {
                 return Ok(self.estimate(true));
             }
-            if let Some(base) = self.levels.first()
-                && base.samples.is_constant()
-            {
+            if let Some(base) = self.levels.first().filter(|base| base.is_constant()) {
                 // Nothing says how far others may be from it: look for them.
-                let count = base.samples.count();
+                let count = base.count();
                 if count >= self.most_constant {
                     return Ok(self.estimate(false));
                 }
@@ -341,17 +379,17 @@ where
                 continue;
             }
             let best = self.best_numbers();
-            let is_enough = best.iter().zip(&self.levels).all(|(best, level)| {
-                let count = level.samples.count();
+            let counts = || self.levels.iter().map(Stage::count);
+            let is_enough = best.iter().zip(counts()).all(|(best, count)| {
                 count >= self.most_paths || *best as f64 <= count as f64 * (1.0 + TOLERANCE)
             });
             // The bound of what has not been seen falls with the number of paths: no level more than doubles before the next look, or a first look that
             // saw nothing would ask for far too many.
-            let doubled = best.iter().zip(&self.levels);
             wanted =
-                doubled.map(|(best, level)| level.samples.count().saturating_mul(2).min(*best)).collect();
+                best.iter().zip(counts()).map(|(best, count)| count.saturating_mul(2).min(*best)).collect();
             if is_enough {
-                if self.bias() <= BIAS_PART.sqrt() * self.target || self.levels.len() > self.finest {
+                let left = bias(&self.ends(), self.weak_order);
+                if left <= BIAS_PART.sqrt() * self.target || self.levels.len() > self.finest {
                     return Ok(self.estimate(false));
                 }
                 self.add_level()?;
@@ -361,97 +399,61 @@ where
     }
 
     fn add_level(&mut self) -> Result<(), Error> {
-        let (Coarsest { system, h, start, steps, stop }, level) = (&self.coarsest, self.levels.len() as u32);
-        let end = start.t + *steps as f64 * h;
-        let h = h / 2f64.powi(level as i32);
-        let steps = steps.checked_mul(1 << level).filter(|&steps| steps <= MOST_STEPS && end.is_finite());
-        let steps = steps.ok_or(ConfigError::End { start: start.t, end, h })?;
-        let mut normals = self.normals.clone().on_level(level);
-        normals.prepare(&H::PLAN, h, system.increments(start.q.components().len()), start.t)?;
-        let job = Job {
-            system: *system,
-            prepared: crate::path::step::prepared(*system, h)?,
-            h,
-            start: start.clone(),
-            starts: None,
-            systems: Vec::new(),
-            own: Vec::new(),
-            own_work: None,
-            seed: normals.seed_number().unwrap_or(0),
-            grid: Grid::of(start.t, h, steps),
-            paths: u64::MAX,
-            steps,
-            recorded: Vec::new(),
-            source: Source::Normals(normals),
-            retry: Retry::never(),
-            // There is noise.
-            is_watched: false,
-            observables: Vec::new(),
-            events: Vec::new(),
-            sections: Sections::default(),
-            inspector: None,
-            empty: Statistics::new(Vec::new(), Nodes::default()),
-            stop: *stop,
-        };
-        self.levels.push(Stage { job, blocks: 0, samples: Samples::default() });
+        if let Some(Stage { job, .. }) = self.levels.last() {
+            let job = job.finer()?;
+            self.levels.push(Stage { found: job.empty.clone(), job });
+        }
         Ok(())
     }
 
-    /// Runs paths of each level until there are so many, in whole blocks; breaks if the run was stopped.
+    /// Runs paths of each level until there are so many; breaks if the run was stopped.
     fn sample<const WIDTH: usize>(&mut self, wanted: &[u64]) -> Result<ControlFlow<()>, Error> {
-        let Self { coarsest: Coarsest { steps, .. }, observable, levels, progress, .. } = self;
-        let (instructions, threads, most_paths) = (self.instructions, self.threads, self.most_paths);
-        let cost = |count: u64, level: usize| count.saturating_mul(levels_steps(*steps, level));
-        let all = wanted.iter().zip(0..).fold(0u64, |all, (n, level)| all.saturating_add(cost(*n, level)));
+        let Self { levels, progress, hands, most_paths, .. } = self;
+        let cost = |(stage, paths): (&Stage<'_, H, E>, &u64)| stage.cost(*paths);
+        let all = levels.iter().zip(wanted).map(cost).fold(0, u64::saturating_add);
         let mut before = 0u64;
-        for (level, &wanted) in wanted.iter().enumerate() {
+        for (level, wanted) in wanted.iter().enumerate() {
             let (coarser, finer) = levels.split_at_mut(level);
             let missing = || InternalError::new("a level that has paths is there", level);
             let stage = finer.first_mut().ok_or_else(missing)?;
             let coarse = coarser.last().map(|stage| &stage.job);
-            let Stage { job: fine, blocks, samples } = stage;
-            let place = level as u32;
-            let range = *blocks..wanted.min(most_paths).div_ceil(block_size(place)).max(*blocks);
-            let work = |number| {
-                instructions.run(Pairs::<H, E, WIDTH> { fine, coarse, level: place, observable, number })
-            };
-            let mut end = Ok(ControlFlow::Continue(()));
-            in_order(range, threads, work, |_, outcome| {
-                match outcome {
-                    Ok(block) => {
-                        samples.merge(&block);
-                        *blocks += 1;
-                        progress.show(before.saturating_add(cost(samples.count(), level)), all);
+            let first = stage.count() / BESIDE;
+            let end = wanted.min(most_paths).next_multiple_of(least_paths(stage.job.level)) / BESIDE;
+            let steps = stage.steps();
+            let Stage { job, found } = &mut *stage;
+            let mut outcome = Ok(ControlFlow::Continue(()));
+            in_chunks::<H, E, Paired, WIDTH>(job, coarse, first..end.max(first), *hands, |chunk| {
+                match chunk.and_then(|chunk| Ok(found.merge(&chunk).map_err(Error::from)?)) {
+                    Ok(()) => {
+                        progress.show(before.saturating_add(found.begun().saturating_mul(steps)), all);
                         return ControlFlow::Continue(());
                     }
-                    Err(Halt::Stopped) => end = Ok(ControlFlow::Break(())),
-                    Err(Halt::Failed(error)) => end = Err(error),
+                    Err(Halt::Stopped) => outcome = Ok(ControlFlow::Break(())),
+                    Err(Halt::Failed(error)) => outcome = Err(error),
                 }
                 ControlFlow::Break(())
             });
-            if end?.is_break() {
+            if outcome?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
-            before = before.saturating_add(cost(samples.count(), level));
+            before = before.saturating_add(stage.cost(stage.count()));
         }
         Ok(ControlFlow::Continue(()))
     }
 
     /// The numbers of paths that reach the target at the least cost, as far as the variances are known.
     fn best_numbers(&self) -> Vec<u64> {
-        let samples = self.samples();
-        let slope = variance_slope(&samples).unwrap_or(1.0).clamp(0.5, 4.0);
-        let bounds = variance_bounds(&samples);
+        let ends = self.ends();
+        let slope = variance_slope(&ends).unwrap_or(1.0).clamp(0.5, 4.0);
         let mut variances: Vec<f64> = Vec::new();
-        for (level, mut variance) in bounds.into_iter().enumerate() {
+        for (level, mut variance) in variance_bounds(&ends).into_iter().enumerate() {
             if let Some(coarser) = variances.last().filter(|_| level >= 2) {
                 // A few paths may miss what is rare.
                 variance = variance.max(0.5 * coarser / 2f64.powf(slope));
             }
             variances.push(variance);
         }
-        let costs: Vec<f64> =
-            (0..variances.len()).map(|level| levels_steps(self.coarsest.steps, level) as f64).collect();
+        let costs: Vec<f64> = self.levels.iter().map(|stage| stage.steps() as f64).collect();
         let sum: f64 = variances.iter().zip(&costs).map(|(variance, cost)| (variance * cost).sqrt()).sum();
         let scale = sum / ((1.0 - BIAS_PART) * self.target * self.target);
         let number = |(variance, cost): (&f64, &f64)| {
@@ -462,22 +464,15 @@ where
         variances.iter().zip(&costs).map(number).collect()
     }
 
-    fn samples(&self) -> Vec<Samples> {
-        self.levels.iter().map(|stage| stage.samples).collect()
+    /// What is known of each level.
+    fn ends(&self) -> Vec<&StatisticsNode> {
+        self.levels.iter().filter_map(|stage| stage.found.last()).collect()
     }
 
-    fn bias(&self) -> f64 {
-        bias(&self.samples(), self.weak_order)
-    }
-
-    fn estimate(self, is_partial: bool) -> MultilevelEstimate {
-        let steps = |level| levels_steps(self.coarsest.steps, level);
-        let is_constant = self.levels.first().is_none_or(|level| level.samples.is_constant());
-        let levels = self.levels.iter().enumerate();
-        let levels = levels
-            .filter(|(_, stage)| stage.samples.count() > 0)
-            .map(|(level, stage)| Level::new(stage.job.h, steps(level), stage.samples))
-            .collect();
+    fn estimate(&self, is_partial: bool) -> MultilevelEstimate {
+        let is_constant = self.levels.first().is_none_or(Stage::is_constant);
+        let known = self.levels.iter().filter(|stage| stage.count() > 0);
+        let known = known.filter_map(|stage| Some((stage.job.h, stage.steps(), stage.found.last()?)));
         let met = |error: f64, bias: f64| {
             !is_partial
                 && !is_constant
@@ -485,12 +480,6 @@ where
                 && error * error <= (1.0 + TOLERANCE) * (1.0 - BIAS_PART) * self.target * self.target
                 && bias <= BIAS_PART.sqrt() * self.target
         };
-        MultilevelEstimate::new(levels, self.weak_order, is_partial, is_constant, met)
+        MultilevelEstimate::new(known, self.weak_order, is_partial, is_constant, met)
     }
-}
-
-/// Steps of a path of a level: of a fine one, and of the coarse one beside it.
-fn levels_steps(coarsest: u64, level: usize) -> u64 {
-    let fine = coarsest << level;
-    if level == 0 { fine } else { fine + fine / 2 }
 }

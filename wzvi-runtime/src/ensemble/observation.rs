@@ -7,6 +7,7 @@ use super::pace::Pace;
 use super::starts::Systems;
 use crate::algebra::state::{State, Vector};
 use crate::path::Error;
+use crate::path::recording::Recorded;
 use crate::path::section::{Crossing, Sections, Watch, first_zero};
 use crate::path::steps::Monitor;
 use crate::scheme::dense::{DenseOutput, copy_state};
@@ -173,18 +174,33 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         Ok(())
     }
 
-    /// Adds the paths that are still there to the statistics of the next recorded node, which is this one.
+    /// Adds the paths that are still there to the statistics of all recorded times that belong to this node.
     #[inline(never)]
     fn record<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Halt> {
+        while let Some(recorded) = self.job.recorded.get(self.next).filter(|recorded| recorded.node == node) {
+            self.record_at(group, recorded)?;
+            self.next += 1;
+        }
+        Ok(())
+    }
+
+    fn record_at<P: Systems>(
+        &mut self,
+        group: &mut Group<'_, '_, H, E, P, L>,
+        &Recorded { node, t, is_inside }: &Recorded,
+    ) -> Result<(), Halt> {
         let (job, place) = (self.job, self.next);
-        let (t, is_inside) =
-            job.recorded.get(place).map_or((f64::NAN, false), |recorded| (recorded.t, recorded.is_inside));
         for lane in 0..L {
             self.pace.done(1)?;
             if !group.is_path(lane) {
                 continue;
             }
             let path = group.path(lane);
+            if const { P::ARE_PAIRED } {
+                let values = &group.end_of_pair(lane).map_err(Error::Level)?;
+                self.statistics.see(path, &Seen::Values { node: place, values });
+                continue;
+            }
             if group.has_failed(lane) {
                 self.statistics.see(path, &Seen::Lost { node: place });
                 continue;
@@ -214,7 +230,6 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             }
             self.statistics.see(path, &Seen::Values { node: place, values: &self.values });
         }
-        self.next += 1;
         Ok(())
     }
 
@@ -279,9 +294,7 @@ impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group
         if !self.job.sections.is_empty() {
             self.follow(group, node)?;
         }
-        while self.job.recorded.get(self.next).is_some_and(|recorded| recorded.node == node) {
-            self.record(group, node)?;
-        }
+        self.record(group, node)?;
         for (lane, inside) in self.lanes.iter_mut().enumerate() {
             copy_state(&mut inside.before, group.state_at(lane, node));
         }

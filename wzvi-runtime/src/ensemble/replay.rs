@@ -51,7 +51,7 @@ where
         let recorder = Recorder::new(&start, job.h, job.processes(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
-        let mut group = Group::<H, E, P, 2>::new(&job);
+        let mut group = Group::<H, E, P, 2>::new(&job, None);
         group.begin(first, job.paths)?;
         let looks_inside = !job.sections.is_empty() || !recording.between.is_empty();
         let looks = looks_inside.then(|| Between::new(&job.sections, &start));

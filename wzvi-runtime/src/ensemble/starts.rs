@@ -18,7 +18,9 @@ pub(super) enum ByPath<'a, T> {
 /// Whether each path of an ensemble has a system of its own: steps are compiled for one of the two.
 pub trait Systems {
     /// Whether it has.
-    const ARE_OWN: bool;
+    const ARE_OWN: bool = false;
+    /// Whether a coarser path goes beside each, on the same Brownian path.
+    const ARE_PAIRED: bool = false;
 }
 
 /// All paths are of one system.
@@ -29,8 +31,14 @@ pub enum OneSystem {}
 #[derive(Clone, Copy, Debug)]
 pub enum SystemByPath {}
 
-impl Systems for OneSystem {
-    const ARE_OWN: bool = false;
+/// All paths are of one system, in steps of two sizes: those of a level of a multilevel run.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Paired {}
+
+impl Systems for OneSystem {}
+
+impl Systems for Paired {
+    const ARE_PAIRED: bool = true;
 }
 
 impl Systems for SystemByPath {

@@ -48,19 +48,12 @@ impl Extremes {
 }
 
 /// Mean and variance of one quantity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Welford {
     count: u64,
     mean: f64,
     /// Sum of squares of deviations.
     squares: f64,
-    extremes: Extremes,
-}
-
-impl Default for Welford {
-    fn default() -> Self {
-        Self { count: 0, mean: 0.0, squares: 0.0, extremes: Extremes::NONE }
-    }
 }
 
 impl Welford {
@@ -69,7 +62,6 @@ impl Welford {
         let deviation = value - self.mean;
         self.mean += deviation / self.count as f64;
         self.squares += deviation * (value - self.mean);
-        self.extremes.push(value);
     }
 
     /// The samples of both. The order matters to the last bit.
@@ -82,7 +74,6 @@ impl Welford {
         self.squares += other.squares + difference * difference * (a * b / (a + b));
         self.mean += difference * (b / (a + b));
         self.count += other.count;
-        self.extremes.merge(&other.extremes);
     }
 
     pub(crate) fn count(&self) -> u64 {
@@ -112,29 +103,12 @@ impl Welford {
     pub(crate) fn standard_error(&self) -> f64 {
         (self.variance() / self.count as f64).sqrt()
     }
-
-    /// Whether all samples are the same number: then nothing is known of how far others may be from it.
-    pub(crate) fn is_constant(&self) -> bool {
-        self.extremes.is_constant()
-    }
-
-    /// The distance between the least and the greatest sample.
-    pub(crate) fn width(&self) -> f64 {
-        self.extremes.width()
-    }
-
-    /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none was.
-    pub(crate) fn variance_bound(&self, unseen: f64) -> f64 {
-        let largest = self.extremes.largest_deviation(self.mean).max(unseen);
-        self.count as f64 * error_bound(self.count, self.variance(), largest).powi(2)
-    }
 }
 
 impl Numbers for Welford {
     fn pass(&mut self, tape: &mut Tape) {
         tape.word(&mut self.count);
         tape.numbers([&mut self.mean, &mut self.squares]);
-        tape.numbers(&mut self.extremes.0);
     }
 }
 
@@ -272,6 +246,19 @@ impl Moments {
         let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
         let squares = self.covariance(observable, observable) * self.count.saturating_sub(1) as f64;
         extremes.largest_deviation(self.mean(observable)).powi(2) / squares
+    }
+
+    /// The distance between the least and the greatest sample.
+    pub(crate) fn width(&self, observable: usize) -> f64 {
+        self.of_each.get(observable).map_or(f64::NAN, |one| one.extremes.width())
+    }
+
+    /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none was.
+    pub(crate) fn variance_bound(&self, observable: usize, unseen: f64) -> f64 {
+        let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
+        let largest = extremes.largest_deviation(self.mean(observable)).max(unseen);
+        let variance = self.covariance(observable, observable);
+        self.count as f64 * error_bound(self.count, variance, largest).powi(2)
     }
 
     /// As [`error_bound`]; NaN where the variance is, and where all samples are the same number.

@@ -3,53 +3,29 @@
 use std::fmt;
 
 use crate::ground::digits::estimate;
-use crate::statistics::Welford;
+use crate::statistics::StatisticsNode;
 
-/// The observable on one level: at the end of the fine path, and its difference from that of the coarse one.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Samples {
-    fine: Welford,
-    difference: Welford,
-}
-
-impl Samples {
-    pub(super) fn push(&mut self, fine: f64, difference: f64) {
-        self.fine.push(fine);
-        self.difference.push(difference);
-    }
-
-    pub(super) fn merge(&mut self, other: &Self) {
-        self.fine.merge(&other.fine);
-        self.difference.merge(&other.difference);
-    }
-
-    pub(super) fn count(&self) -> u64 {
-        self.difference.count()
-    }
-
-    /// Whether the observable is the same number on all paths.
-    pub(super) fn is_constant(&self) -> bool {
-        self.fine.is_constant()
-    }
-}
+/// Observables of a level: at the end of the fine path, and its difference from that of the coarse one.
+pub(super) const FINE: usize = 0;
+const DIFFERENCE: usize = 1;
 
 /// Upper estimates of the variances of the differences, level by level. Where all differences of a level are equal, one that has not been
 /// seen may be as large as values differ on any level.
-pub(super) fn variance_bounds(samples: &[Samples]) -> Vec<f64> {
-    let width = samples.iter().map(|samples| samples.fine.width()).fold(0.0, f64::max);
-    let bound = |samples: &Samples| {
-        let unseen = if samples.difference.is_constant() { width } else { 0.0 };
-        samples.difference.variance_bound(unseen)
+pub(super) fn variance_bounds(levels: &[&StatisticsNode]) -> Vec<f64> {
+    let width = levels.iter().map(|end| end.width(FINE)).fold(0.0, f64::max);
+    let bound = |end: &&StatisticsNode| {
+        let unseen = if end.is_constant(DIFFERENCE) { width } else { 0.0 };
+        end.variance_bound(DIFFERENCE, unseen)
     };
-    samples.iter().map(bound).collect()
+    levels.iter().map(bound).collect()
 }
 
 /// The bias that is left, as far as the last three differences show: a remainder of `m / (2^α - 1)` after a difference `m`,
 /// if they fall like `2^{-α l}`; the largest of the three, since each may be small by chance. Infinite without differences.
-pub(super) fn bias(samples: &[Samples], order: f64) -> f64 {
-    let differences = samples.iter().skip(1).rev().take(3).zip(0..);
+pub(super) fn bias(levels: &[&StatisticsNode], order: f64) -> f64 {
+    let differences = levels.iter().skip(1).rev().take(3).zip(0..);
     let remainders =
-        differences.map(|(samples, ago)| samples.difference.mean().abs() / 2f64.powf(order * f64::from(ago)));
+        differences.map(|(end, ago)| end.mean(DIFFERENCE).abs() / 2f64.powf(order * f64::from(ago)));
     match remainders.reduce(f64::max) {
         Some(largest) => largest / (2f64.powf(order) - 1.0),
         None => f64::INFINITY,
@@ -57,8 +33,8 @@ pub(super) fn bias(samples: &[Samples], order: f64) -> f64 {
 }
 
 /// `β` of the fit `V_l ~ 2^{-β l}` by least squares over the levels from 1 on; `None` for fewer than two that have a variance.
-pub(super) fn variance_slope(samples: &[Samples]) -> Option<f64> {
-    slope(samples.iter().map(|samples| samples.difference.variance()))
+pub(super) fn variance_slope(levels: &[&StatisticsNode]) -> Option<f64> {
+    slope(levels.iter().map(|end| end.variance(DIFFERENCE)))
 }
 
 /// Minus the slope of binary logarithms against the level, from level 1 on.
@@ -82,15 +58,15 @@ fn slope(values: impl Iterator<Item = f64>) -> Option<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     h: f64,
+    paths: u64,
     steps: u64,
-    samples: Samples,
+    /// Mean and variance of the difference.
+    difference: [f64; 2],
+    /// Those of the observable.
+    fine: [f64; 2],
 }
 
 impl Level {
-    pub(super) fn new(h: f64, steps: u64, samples: Samples) -> Self {
-        Self { h, steps, samples }
-    }
-
     /// The step size of its fine paths; that of the coarse ones beside them is twice this.
     pub fn h(&self) -> f64 {
         self.h
@@ -98,7 +74,7 @@ impl Level {
 
     /// Number of Brownian paths.
     pub fn paths(&self) -> u64 {
-        self.samples.count()
+        self.paths
     }
 
     /// Steps that each of them takes, fine and coarse together: its cost.
@@ -113,22 +89,22 @@ impl Level {
 
     /// The mean of the difference `P_l - P_{l-1}`; on level 0 that of the observable.
     pub fn mean(&self) -> f64 {
-        self.samples.difference.mean()
+        self.difference[0]
     }
 
     /// The variance of this difference.
     pub fn variance(&self) -> f64 {
-        self.samples.difference.variance()
+        self.difference[1]
     }
 
     /// The mean of the observable `P_l` itself.
     pub fn fine_mean(&self) -> f64 {
-        self.samples.fine.mean()
+        self.fine[0]
     }
 
     /// The variance of the observable itself: what paths of this step size alone would have to average.
     pub fn fine_variance(&self) -> f64 {
-        self.samples.fine.variance()
+        self.fine[1]
     }
 }
 
@@ -145,17 +121,23 @@ pub struct MultilevelEstimate {
 }
 
 impl MultilevelEstimate {
-    pub(super) fn new(
-        levels: Vec<Level>,
+    /// From the step size of each level, the steps of its paths and what is known of their ends.
+    pub(super) fn new<'s>(
+        levels: impl Iterator<Item = (f64, u64, &'s StatisticsNode)>,
         order: f64,
         is_partial: bool,
         is_constant: bool,
         met: impl Fn(f64, f64) -> bool,
     ) -> Self {
-        let samples: Vec<Samples> = levels.iter().map(|level| level.samples).collect();
-        let bias = bias(&samples, order);
-        let bounds = variance_bounds(&samples);
-        let squares = bounds.iter().zip(&samples).map(|(bound, samples)| bound / samples.count() as f64);
+        let (levels, ends): (Vec<Level>, Vec<_>) = levels
+            .map(|(h, steps, end)| {
+                let [difference, fine] = [DIFFERENCE, FINE].map(|of| [end.mean(of), end.variance(of)]);
+                (Level { h, paths: end.count(), steps, difference, fine }, end)
+            })
+            .unzip();
+        let bias = bias(&ends, order);
+        let squares =
+            variance_bounds(&ends).into_iter().zip(&levels).map(|(bound, level)| bound / level.paths as f64);
         let error_bound = squares.sum::<f64>().sqrt();
         let met_target = met(error_bound, bias);
         Self { levels, bias, error_bound, is_partial, is_constant, met_target }

@@ -304,6 +304,16 @@ impl StatisticsNode {
         self.moments.has_covariances()
     }
 
+    /// The distance between the least and the greatest value of an observable.
+    pub(crate) fn width(&self, observable: usize) -> f64 {
+        self.moments.width(observable)
+    }
+
+    /// [`Moments::variance_bound`]
+    pub(crate) fn variance_bound(&self, observable: usize, unseen: f64) -> f64 {
+        self.moments.variance_bound(observable, unseen)
+    }
+
     /// Samples that do not depend on each other.
     fn independent(&self) -> &Moments {
         self.pairs.as_ref().unwrap_or(&self.moments)
