@@ -259,7 +259,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// That of a noise that has none.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn draw(&mut self, step: u64) -> Result<(), Error> {
-        let interval = Interval { start: self.job.start.t, h: self.job.h, step };
+        let interval = Interval { step, ..self.job.grid.first() };
         let (counts, failed) = (&self.counts, &self.failed);
         Ok(self.increments.draw(&interval, |lane| counts[lane] && !failed[lane])?)
     }

@@ -5,13 +5,13 @@ use super::job::Job;
 use crate::algebra::state::{State, Vector};
 use crate::error::ConfigError;
 use crate::ground::numbers::Numbers as _;
-use crate::increments::{Identity, Noise};
+use crate::increments::Identity;
 use crate::path::Error;
 use crate::path::checkpoint::{
     self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind, Suits,
 };
 use crate::path::step::Stepper;
-use crate::path::steps::{Account, Monitor, Single, TakeStep, take_steps};
+use crate::path::steps::{Single, take_each};
 use crate::scheme::system::Discretized;
 use crate::statistics::{Statistics, StatisticsNode};
 
@@ -60,7 +60,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
     let nodes: Vec<u64> = job.recorded.iter().map(|recorded| recorded.node).collect();
     let listed = match nodes.len() {
         0..=MOST_LISTED => format!("{nodes:?}"),
-        count => format!("{count} (checksum {})", checkpoint::checksum(&nodes)),
+        count => format!("{count} (checksum {})", checkpoint::checksum(nodes)),
     };
     let events: Vec<&str> = empty.passages().iter().map(|passages| passages.name()).collect();
     let first = empty.nodes().first();
@@ -93,7 +93,7 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
     let inside: Vec<u64> = inside.map(|recorded| recorded.t.to_bits()).collect();
     if !inside.is_empty() {
         settings
-            .push(("the recorded times between nodes (checksum)".to_owned(), checkpoint::checksum(&inside)));
+            .push(("the recorded times between nodes (checksum)".to_owned(), checkpoint::checksum(inside)));
     }
     if let Some(crossings) = empty.crossings().first() {
         settings.push(("the crossings that are kept".to_owned(), crossings.most().to_string()));
@@ -101,12 +101,13 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
     let (added, words) = empty.added();
     if !added.is_empty() {
         settings.push(("the statistics that were added".to_owned(), added.join(", ")));
-        settings.push(("their settings (checksum)".to_owned(), checkpoint::checksum(&words)));
+        settings.push(("their settings (checksum)".to_owned(), checkpoint::checksum(words)));
     }
     settings.extend(checkpoint::between(&job.grid, &job.sections, &job.start));
     settings.extend(systems(job));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
-    Ok(Described::of_ensemble(job.system, &job.prepared, job.h, &job.start, settings, &observed(job)?))
+    let described = Described::of(job.system, &job.prepared, job.h, &job.start, settings);
+    Ok(described.observing(&observed(job)?))
 }
 
 /// What tells starts apart: those of a list all, of a function the first.
@@ -119,7 +120,7 @@ fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Option<(String, S
         bits.extend(q.components().iter().chain(p.components()).map(|x| x.to_bits()));
     }
     let name = format!("the first states of paths 0 to {} (checksum)", compared - 1);
-    Ok(Some((name, checkpoint::checksum(&bits))))
+    Ok(Some((name, checkpoint::checksum(bits))))
 }
 
 /// What tells systems apart: the numbers that their Hamiltonians read.
@@ -130,57 +131,37 @@ fn systems<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Option<(String, String)
     });
     let bits: Vec<u64> = numbers.collect();
     (!job.systems.is_empty())
-        .then(|| ("the systems of the paths (checksum)".into(), checkpoint::checksum(&bits)))
+        .then(|| ("the systems of the paths (checksum)".into(), checkpoint::checksum(bits)))
 }
 
 /// What tells functions apart that cannot be compared: their values at the start and at the first nodes of path 0, which the run
 /// visits itself. `p` and `p²` are the same at rest, but not a step later.
 fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error> {
-    let mut values = Values { job, seen: Vec::new() };
-    let (mut state, mut dw) = (job.start.clone(), vec![0.0; job.processes()]);
-    values.see(&state);
-    let (start, h, steps) = (state.t, job.h, job.grid.whole().min(COMPARED_STEPS));
-    let stepper = &mut Stepper::<H, E, _>::beside_others(job.system_of(0), h, false)?;
-    let (state, noise, dw, account) = (&mut state, &mut Some(job.source.path(0)), &mut dw[..], &mut ());
-    let noise = &mut noise.as_deref_mut();
-    let mut path = Single { stepper, state, noise, dw, start, h, account };
-    // A path that fails has fewer.
-    match take_steps(&mut path, 0..steps, &mut values) {
-        Ok(()) | Err(Error::Step(_) | Error::Noise(_)) => Ok(values.seen),
-        Err(error) => Err(error),
-    }
-}
-
-/// The values of functions at all nodes.
-struct Values<'j, 'a, H: Discretized<E>, E> {
-    job: &'j Job<'a, H, E>,
-    seen: Vec<f64>,
-}
-
-impl<H: Discretized<E>, E> Values<'_, '_, H, E> {
-    fn see(&mut self, state: &State<H::Vector>) {
-        let first = self.seen.len();
-        self.seen.resize(first + self.job.observables.len(), 0.0);
-        self.job.observe(0, state, &mut self.seen[first..]);
-        self.seen.extend(self.job.events.iter().map(|event| event(state)));
-    }
-}
-
-impl<H, E, T, N, A> Monitor<Single<'_, T, H::Vector, N, A>> for Values<'_, '_, H, E>
-where
-    H: Discretized<E>,
-    T: TakeStep<H::Vector>,
-    N: Noise,
-    A: Account,
-{
-    type Error = Error;
-
-    fn next(&self, _path: &Single<'_, T, H::Vector, N, A>, node: u64) -> u64 {
-        node + 1
-    }
-
-    fn look(&mut self, path: &mut Single<'_, T, H::Vector, N, A>, _node: u64) -> Result<(), Error> {
-        self.see(path.state);
+    let mut seen = Vec::new();
+    let mut see = |state: &State<H::Vector>| {
+        let first = seen.len();
+        seen.resize(first + job.observables.len(), 0.0);
+        job.observe(0, state, &mut seen[first..]);
+        seen.extend(job.events.iter().map(|event| event(state)));
+    };
+    let (mut state, mut dw, steps) = (job.start.clone(), vec![0.0; job.processes()], job.grid.whole());
+    see(&state);
+    let mut noise = job.source.path(0);
+    let mut path = Single {
+        stepper: &mut Stepper::<H, E, _>::beside_others(job.system_of(0), job.h, false)?,
+        state: &mut state,
+        noise: &mut Some(&mut *noise),
+        dw: &mut dw,
+        first: job.grid.first(),
+        account: &mut (),
+    };
+    let taken = take_each(&mut path, 0..steps.min(COMPARED_STEPS), |path, _| {
+        see(path.state);
         Ok(())
+    });
+    // A path that fails has fewer.
+    match taken {
+        Ok(()) | Err(Error::Step(_) | Error::Noise(_)) => Ok(seen),
+        Err(error) => Err(error),
     }
 }

@@ -3,7 +3,6 @@
 use super::Ensemble;
 use super::group::Group;
 use super::starts::Systems;
-use crate::algebra::state::State;
 use crate::error::ConfigError;
 use crate::increments::Noise;
 use crate::path::Error;
@@ -11,10 +10,10 @@ use crate::path::between::{Between, Part};
 use crate::path::retry::Serves;
 use crate::path::simulate::Partial;
 use crate::path::step::StepInfo;
-use crate::path::steps::{Monitor, take_steps};
+use crate::path::steps::take_each;
 use crate::path::trajectory::Recorder;
 use crate::scheme::dense::DenseOutput;
-use crate::scheme::system::{Discretized, Hamiltonian};
+use crate::scheme::system::Discretized;
 
 impl<H, E, N, R, P> Ensemble<'_, H, E, N, R, P>
 where
@@ -48,59 +47,35 @@ where
         }
         let recording = recorded.checked(0, &job.grid)?;
         let start = job.start_of(path)?;
-        let recorder = Recorder::new(&start, job.h, job.processes(), &recording, job.steps)?;
+        let mut recorder = Recorder::new(&start, job.h, job.processes(), &recording, job.steps)?;
         // Antithetic paths come in pairs.
         let (first, lane) = (path - path % 2, (path % 2) as usize);
         let mut group = Group::<H, E, P, 2>::new(&job, None);
         group.begin(first, job.paths)?;
         let looks_inside = !job.sections.is_empty() || !recording.between.is_empty();
-        let looks = looks_inside.then(|| Between::new(&job.sections, &start));
-        let dense = DenseOutput::of(&start);
-        let mut lane = Lane { path, lane, recorder, reached: start, looks, dense };
-        let error = take_steps(&mut group, 0..job.steps, &mut lane).err();
-        Ok((lane.recorder.finish(lane.reached), error))
-    }
-}
-
-/// One path of a group.
-struct Lane<'s, 'a, V> {
-    path: u64,
-    lane: usize,
-    recorder: Recorder<V>,
-    /// Its state at the last node.
-    reached: State<V>,
-    looks: Option<Between<'s, 'a, V>>,
-    dense: DenseOutput<V>,
-}
-
-impl<'g, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g, 'a, H, E, P, L>>
-    for Lane<'_, '_, <H as Hamiltonian>::Vector>
-{
-    type Error = Error;
-
-    fn next(&self, _group: &Group<'g, 'a, H, E, P, L>, node: u64) -> u64 {
-        node + 1
-    }
-
-    fn look(&mut self, group: &mut Group<'g, 'a, H, E, P, L>, node: u64) -> Result<(), Error> {
-        if let Some(failure) = group.failure_of(self.path) {
-            return Err(failure.error.into());
-        }
-        let Self { lane, recorder, reached, looks, dense, .. } = self;
-        let halvings = group.halvings_of(*lane, node - 1);
-        recorder.step(group.increments_of(*lane, node - 1), &StepInfo { halvings, ..StepInfo::default() });
-        if let Some(looks) = looks.as_mut().filter(|looks| looks.wants(node, recorder.next_inside())) {
-            let mut later = group.increments_of(*lane, node - 1).to_vec();
-            group.look_inside(*lane, node, reached, dense, |dense, dw, is_last| {
-                later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
-                looks.look(dense, &Part { step: node - 1, dw, later: &later, is_last }, recorder);
-            })?;
-        }
-        reached.clone_from(group.state_at(*lane, node));
-        if let Some(looks) = looks {
-            looks.arrive(node, reached);
-        }
-        self.recorder.reach(&self.reached);
-        Ok(())
+        let mut looks = looks_inside.then(|| Between::new(&job.sections, &start));
+        // The state at the last node.
+        let (mut dense, mut reached) = (DenseOutput::of(&start), start);
+        let taken = take_each(&mut group, 0..job.steps, |group, node| {
+            if let Some(failure) = group.failure_of(path) {
+                return Err(failure.error.into());
+            }
+            let halvings = group.halvings_of(lane, node - 1);
+            recorder.step(group.increments_of(lane, node - 1), &StepInfo { halvings, ..StepInfo::default() });
+            if let Some(looks) = looks.as_mut().filter(|looks| looks.wants(node, recorder.next_inside())) {
+                let mut later = group.increments_of(lane, node - 1).to_vec();
+                group.look_inside(lane, node, &reached, &mut dense, |dense, dw, is_last| {
+                    later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+                    looks.look(dense, &Part { step: node - 1, dw, later: &later, is_last }, &mut recorder);
+                })?;
+            }
+            reached.clone_from(group.state_at(lane, node));
+            if let Some(looks) = &mut looks {
+                looks.arrive(node, &reached);
+            }
+            recorder.reach(&reached);
+            Ok(())
+        });
+        Ok((recorder.finish(reached), taken.err()))
     }
 }

@@ -72,8 +72,6 @@
 //! and they give the increments of step `n` as in a run that was never stopped. A source of your own needs
 //! [`Noise::identity`](crate::increments::Noise::identity); without it, runs take no checkpoints.
 
-#[cfg(feature = "ensemble")]
-mod ensemble;
 mod format;
 mod identity;
 mod keeper;
@@ -200,12 +198,7 @@ impl Keeping {
 
 #[cfg(feature = "ensemble")]
 pub(crate) use identity::between;
-
-/// The checksum of several words.
-#[cfg(feature = "ensemble")]
-pub(crate) fn checksum(words: &[u64]) -> String {
-    identity::checksum(words.iter().copied())
-}
+pub(crate) use identity::checksum;
 
 impl<H: Discretized<E>, E, N, O, R> Simulation<'_, H, E, N, O, R> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:

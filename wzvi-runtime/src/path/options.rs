@@ -16,24 +16,42 @@ pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync +
 #[cfg(feature = "ensemble")]
 pub(crate) type OwnObservable<'a, H, V> = Arc<dyn Fn(&H, &State<V>) -> f64 + Send + Sync + 'a>;
 
-/// Functions of the state, by name.
-pub(crate) struct Observables<'a, V>(Vec<(String, Observable<'a, V>)>);
+/// Functions of the state, and what is said of each.
+pub(crate) struct Functions<'a, V, K>(pub(crate) Vec<(K, Observable<'a, V>)>);
 
-impl<V> Clone for Observables<'_, V> {
+/// Functions of the state, by name.
+pub(crate) type Observables<'a, V> = Functions<'a, V, String>;
+
+impl<V, K: Clone> Clone for Functions<'_, V, K> {
     fn clone(&self) -> Self {
         Self(self.0.clone())
     }
 }
 
-impl<V> Default for Observables<'_, V> {
+impl<V, K> Default for Functions<'_, V, K> {
     fn default() -> Self {
         Self(Vec::new())
     }
 }
 
-impl<V> fmt::Debug for Observables<'_, V> {
+impl<V, K: fmt::Debug> fmt::Debug for Functions<'_, V, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.0.iter().map(|(name, _)| name)).finish()
+        f.debug_list().entries(self.0.iter().map(|(said, _)| said)).finish()
+    }
+}
+
+impl<'a, V, K> Functions<'a, V, K> {
+    pub(crate) fn push(&mut self, said: K, f: impl Fn(&State<V>) -> f64 + Send + Sync + 'a) {
+        self.0.push((said, Arc::new(f)));
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
     }
 }
 
@@ -44,14 +62,6 @@ pub(crate) fn elsewhere<V>(_: &State<V>) -> f64 {
 }
 
 impl<'a, V> Observables<'a, V> {
-    pub(crate) fn push(&mut self, name: String, f: impl Fn(&State<V>) -> f64 + Send + Sync + 'a) {
-        self.0.push((name, Arc::new(f)));
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// This name, or a longer one if an observable has it.
     #[cfg(feature = "ensemble")]
     pub(crate) fn free(&self, name: &str) -> String {
@@ -60,11 +70,6 @@ impl<'a, V> Observables<'a, V> {
             free.push('_');
         }
         free
-    }
-
-    #[cfg(feature = "ensemble")]
-    pub(crate) fn len(&self) -> usize {
-        self.0.len()
     }
 
     /// Names and functions. `what` they are, in the plural, is for errors.

@@ -20,7 +20,7 @@ use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
 use crate::path::Error;
 use crate::path::step::{StepInfo, Stepper};
-use crate::path::steps::{Account, Monitor, Single, TakeStep, Unmonitored, take_steps};
+use crate::path::steps::{Account, Single, Step, TakeStep, take_each};
 use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{CarryOf, Discretized};
@@ -159,50 +159,46 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn revisit<N: Noise>(
         &self,
         before: &State<H::Vector>,
-        interval: &Interval,
+        interval: Interval,
         noise: &mut Option<N>,
         halvings: u32,
-        see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+        mut see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
     ) -> Result<(), Error> {
         let mut stepper = self.stepper(part_of(self.h, halvings))?;
-        let (mut state, mut part) =
-            (before.clone(), vec![0.0; self.system.increments(before.q.components().len())]);
-        let mut path = Single {
-            stepper: &mut stepper,
-            state: &mut state,
-            noise,
-            dw: &mut part,
-            start: interval.start,
-            h: part_of(interval.h, halvings),
-            account: &mut (),
-        };
-        let parts = parts_of(interval.step, halvings).unwrap_or(0..0);
-        take_steps(&mut path, parts, &mut EachPart { before: before.clone(), see })
+        let (mut before, mut state) = (before.clone(), before.clone());
+        let mut dw = vec![0.0; self.system.increments(before.q.components().len())];
+        let step = Step { state: &mut state, interval, noise, dw: &mut dw };
+        let account = &mut ();
+        let (mut path, parts) = in_parts(&mut stepper, step, halvings, account)?;
+        take_each(&mut path, parts, |path, _| {
+            see(path.stepper, [&before, path.state], path.dw);
+            before.clone_from(path.state);
+            Ok(())
+        })
     }
 
-    /// The step in `2^from` parts, or as many more as it takes; `motion` is the mean of `p · dq/dt` along the path so far.
+    /// A step in `2^from` parts, or as many more as it takes; `motion` is the mean of `p · dq/dt` along the path so far.
     #[cold]
     pub(crate) fn subdivide<N: Noise>(
         &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
+        step: Step<'_, H::Vector, N>,
         from: u32,
         motion: Option<f64>,
     ) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
         let mut level = from;
         let mut coarse: Option<State<H::Vector>> = None;
         loop {
-            let mut end = state.clone();
-            let before = self.stepper.exchanged();
+            let (mut end, before) = (state.clone(), self.stepper.exchanged());
+            let step = Step { state: &mut end, interval, noise: &mut *noise, dw: &mut *dw };
             let is_own = self.way == Way::Halved(level);
             let outcome = if is_own {
-                self.parts(None, &mut end, interval, noise, dw, level)
+                let Self { stepper, watch, part, .. } = self;
+                take_parts(&mut Watched { stepper, watch }, step, level, part)
             } else {
                 let mut finer = self.stepper(part_of(self.h, level))?;
                 finer.set_exchanged(before);
-                let outcome = self.parts(Some(&mut finer), &mut end, interval, noise, dw, level);
+                let outcome = take_parts(&mut finer, step, level, &mut self.part);
                 self.stepper.set_exchanged(finer.exchanged());
                 outcome
             };
@@ -254,112 +250,112 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
 
     /// The last step.
     #[cold]
-    fn last<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
+    fn last<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
         if let Some(noise) = noise {
-            noise.increments_of_part(interval, self.stepper.step_size(), dw)?;
+            noise.increments_of_part(&interval, self.stepper.step_size(), dw)?;
         }
         Ok(self.stepper.step(state, dw).map_err(|error| StepError { step: interval.step, ..error })?)
     }
 
-    /// The `2^level` parts of a step by `finer`, or by the stepper of the run; their Newton iterations. `dw` becomes the sums of their increments.
-    fn parts<N: Noise>(
-        &mut self,
-        finer: Option<&mut Stepper<'a, H, E, C>>,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-        level: u32,
-    ) -> Result<u32, Error> {
-        let (stepper, watch) = match finer {
-            Some(finer) => (finer, None),
-            None => (&mut self.stepper, Some(&mut self.watch)),
-        };
-        let stepper = &mut Watched { stepper, watch };
-        let steps = parts_of(interval.step, level).ok_or_else(|| {
-            let (step, parts) = (interval.step, 1_u64 << level);
-            ConfigError::Setting(format!(
-                "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
-            ))
-        })?;
-        dw.fill(0.0);
-        self.part.resize(dw.len(), 0.0);
-        let mut account = Parts { dw, iterations: 0 };
-        let mut path = Single {
-            stepper,
-            state,
-            noise,
-            dw: &mut self.part,
-            start: interval.start,
-            h: part_of(interval.h, level),
-            account: &mut account,
-        };
-        take_steps(&mut path, steps, &mut Unmonitored)?;
-        Ok(account.iterations)
+    /// A step of the size of the run, in halves where it fails.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn whole<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
+        if let Some(noise) = noise {
+            noise.increments(&interval, dw)?;
+        }
+        match self.stepper.step(state, dw) {
+            Ok(info) => Ok(info),
+            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
+                Err(StepError { step: interval.step, ..error }.into())
+            }
+            Err(_) => self.subdivide(Step { state, interval, noise, dw }, 1, self.watch.mean_motion()),
+        }
+    }
+
+    /// The same, looked at.
+    #[cold]
+    fn watched<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
+        let room = self.watch.begin::<H, E>(self.system, self.h, state);
+        let info = self.whole(Step { state, interval, noise, dw })?;
+        self.watch.end::<H, E>(room, self.system, self.h, state, interval.step)?;
+        Ok(info)
     }
 }
 
-/// Steps of which some are looked at.
+impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
+    #[inline]
+    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        match self.way {
+            Way::Whole if self.watch.looks_at(step.interval.step) => self.watched(step),
+            Way::Whole => self.whole(step),
+            Way::Halved(halvings) => self.subdivide(step, halvings, self.watch.mean_motion()),
+            Way::Last => self.last(step),
+        }
+    }
+}
+
+/// The steps of a stepper, of which some are looked at.
 struct Watched<'w, 'a, H: Discretized<E>, E, C> {
     stepper: &'w mut Stepper<'a, H, E, C>,
-    watch: Option<&'w mut Watch<H::Vector>>,
+    watch: &'w mut Watch<H::Vector>,
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_, H, E, C> {
     #[inline]
-    fn take_step<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
+    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
         let Self { stepper, watch } = self;
-        let Some(watch) = watch.as_mut().filter(|watch| watch.looks_at(interval.step)) else {
-            return stepper.take_step(state, interval, noise, dw);
-        };
+        if !watch.looks_at(step.interval.step) {
+            return stepper.take_step(step);
+        }
         let (system, h) = (stepper.system(), stepper.step_size());
+        let Step { state, interval, noise, dw } = step;
         let room = watch.begin::<H, E>(system, h, state);
-        let info = stepper.take_step(state, interval, noise, dw)?;
+        let info = stepper.take_step(Step { state, interval, noise, dw })?;
         watch.end::<H, E>(room, system, h, state, interval.step)?;
         Ok(info)
     }
 }
 
-/// Shows each part of a step.
-struct EachPart<V, F> {
-    before: State<V>,
-    see: F,
+/// The `2^level` parts of a step, and their numbers among those of all steps.
+///
+/// # Errors
+/// [`ConfigError::Setting`] if they cannot be counted.
+fn in_parts<'s, T, V, N, A>(
+    stepper: &'s mut T,
+    step: Step<'s, V, N>,
+    level: u32,
+    account: &'s mut A,
+) -> Result<(Single<'s, T, V, N, A>, Range<u64>), ConfigError> {
+    let Step { state, interval: Interval { start, h, step }, noise, dw } = step;
+    let uncounted = || {
+        let parts = 1_u64 << level;
+        ConfigError::Setting(format!(
+            "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
+        ))
+    };
+    let numbers = parts_of(step, level).ok_or_else(uncounted)?;
+    let first = Interval { start, h: part_of(h, level), step: 0 };
+    Ok((Single { stepper, state, noise, dw, first, account }, numbers))
 }
 
-impl<'a, H, E, C, N, F> Monitor<Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>> for EachPart<H::Vector, F>
-where
-    H: Discretized<E>,
-    C: Carry<f64>,
-    N: Noise,
-    F: FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
-{
-    type Error = Error;
-
-    fn next(&self, _path: &Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>, node: u64) -> u64 {
-        node + 1
-    }
-
-    fn look(
-        &mut self,
-        path: &mut Single<'_, Stepper<'a, H, E, C>, H::Vector, N, ()>,
-        _node: u64,
-    ) -> Result<(), Error> {
-        (self.see)(path.stepper, [&self.before, path.state], path.dw);
-        self.before.clone_from(path.state);
-        Ok(())
-    }
+/// Takes the `2^level` parts of a step; their Newton iterations. The increments of the step become the sums of theirs, for which there is room.
+fn take_parts<V, T: TakeStep<V>, N: Noise>(
+    stepper: &mut T,
+    step: Step<'_, V, N>,
+    level: u32,
+    room: &mut Vec<f64>,
+) -> Result<u32, Error> {
+    let Step { state, interval, noise, dw } = step;
+    dw.fill(0.0);
+    room.resize(dw.len(), 0.0);
+    let mut account = Parts { dw, iterations: 0 };
+    let (mut path, numbers) =
+        in_parts(stepper, Step { state, interval, noise, dw: room }, level, &mut account)?;
+    take_each(&mut path, numbers, |_, _| Ok(()))?;
+    Ok(account.iterations)
 }
 
 /// The parts of a step.
@@ -373,64 +369,6 @@ impl Account for Parts<'_> {
     fn count(&mut self, dw: &[f64], info: &StepInfo) {
         self.dw.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
         self.iterations = self.iterations.saturating_add(info.iterations);
-    }
-}
-
-impl<H: Discretized<E>, E, C: Carry<f64>> Subdivision<'_, H, E, C> {
-    /// A step of the size of the run, in halves where it fails.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn whole<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
-        if let Some(noise) = noise {
-            noise.increments(interval, dw)?;
-        }
-        match self.stepper.step(state, dw) {
-            Ok(info) => Ok(info),
-            Err(error) if self.retry.most == 0 || !is_curable(error.cause) => {
-                Err(StepError { step: interval.step, ..error }.into())
-            }
-            Err(_) => self.subdivide(state, interval, noise, dw, 1, self.watch.mean_motion()),
-        }
-    }
-
-    /// The same, looked at.
-    #[cold]
-    fn watched<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
-        let room = self.watch.begin::<H, E>(self.system, self.h, state);
-        let info = self.whole(state, interval, noise, dw)?;
-        self.watch.end::<H, E>(room, self.system, self.h, state, interval.step)?;
-        Ok(info)
-    }
-}
-
-impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
-    #[inline]
-    fn take_step<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
-        match self.way {
-            Way::Whole if self.watch.looks_at(interval.step) => self.watched(state, interval, noise, dw),
-            Way::Whole => self.whole(state, interval, noise, dw),
-            Way::Halved(halvings) => {
-                self.subdivide(state, interval, noise, dw, halvings, self.watch.mean_motion())
-            }
-            Way::Last => self.last(state, interval, noise, dw),
-        }
     }
 }
 

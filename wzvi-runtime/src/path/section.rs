@@ -15,12 +15,9 @@
 
 mod root;
 
-use std::fmt;
-use std::sync::Arc;
-
 pub use crate::algebra::crossing::{Crossing, Direction};
 use crate::algebra::state::{State, Vector};
-use crate::path::options::Observable;
+use crate::path::options::Functions;
 use crate::scheme::dense::{DenseOutput, Samples};
 use root::{lowest, root};
 
@@ -30,44 +27,9 @@ const LEAST_PARTS: usize = 4;
 const MOST_PARTS: usize = 17;
 
 /// Sections that were asked for: functions, and the direction of those crossings that are wanted, if not of all.
-pub(crate) struct Sections<'a, V>(Vec<(Option<Direction>, Observable<'a, V>)>);
+pub(crate) type Sections<'a, V> = Functions<'a, V, Option<Direction>>;
 
-impl<V> Clone for Sections<'_, V> {
-    fn clone(&self) -> Self {
-        Self(self.0.clone())
-    }
-}
-
-impl<V> Default for Sections<'_, V> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<V> fmt::Debug for Sections<'_, V> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.0.iter().map(|(direction, _)| direction)).finish()
-    }
-}
-
-impl<'a, V> Sections<'a, V> {
-    pub(crate) fn push(
-        &mut self,
-        direction: Option<Direction>,
-        value: impl Fn(&State<V>) -> f64 + Send + Sync + 'a,
-    ) {
-        self.0.push((direction, Arc::new(value)));
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    #[cfg(feature = "ensemble")]
-    pub(crate) fn len(&self) -> usize {
-        self.0.len()
-    }
-
+impl<V> Sections<'_, V> {
     /// What is wanted of each, in words.
     pub(crate) fn in_words(&self) -> String {
         let words = self.0.iter().map(|(direction, _)| match direction {

@@ -1,17 +1,19 @@
 //! One path: a builder, and the loop that it starts.
 
 mod tangent;
-mod visit;
 
 pub use tangent::Tangent;
 
 use std::marker::PhantomData;
+use std::time::Duration;
 
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sums;
 use crate::error::{ConfigError, StoppedError};
+use crate::ground::due::Due;
 use crate::ground::handle::Handle;
+use crate::ground::numbers::Tape;
 use crate::ground::progress::StepsShown;
 use crate::increments::{Interval, NoNoise, Noise};
 use crate::path::Error;
@@ -21,7 +23,7 @@ use crate::path::options::{Observables, options};
 use crate::path::recording::Request;
 use crate::path::retry::{Halved, Retry, Serves, Subdivision, Whole};
 use crate::path::section::Sections;
-use crate::path::series::Tally;
+use crate::path::series::Observed;
 use crate::path::span::{Grid, Span};
 use crate::path::step::StepInfo;
 use crate::path::steps::{Account, Monitor, Single, take_steps};
@@ -52,6 +54,32 @@ pub trait Observer<V> {
 
     /// Called at the start and then at each recorded node.
     fn observe(&mut self, state: &State<V>, node: &Node<'_>);
+
+    /// Whether it averages over a path that is not kept, and of which a checkpoint keeps what it has seen.
+    #[doc(hidden)]
+    const AVERAGES: bool = false;
+
+    /// Of a path that is not kept, the next node that it sees after this one.
+    #[doc(hidden)]
+    fn next(&self, node: u64) -> u64 {
+        node + 1
+    }
+
+    /// Whether it has seen enough.
+    #[doc(hidden)]
+    fn has_enough(&self) -> bool {
+        false
+    }
+
+    /// What makes it another than others, for a checkpoint.
+    #[doc(hidden)]
+    fn described(&self, _start: &State<V>) -> Vec<(String, String)> {
+        Vec::new()
+    }
+
+    /// What it has seen, for a checkpoint.
+    #[doc(hidden)]
+    fn pass(&mut self, _tape: &mut Tape) {}
 }
 
 impl<V, F: FnMut(&State<V>, &Node<'_>)> Observer<V> for F {
@@ -185,7 +213,39 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     where
         F: FnMut(&State<H::Vector>, &Node<'_>),
     {
+        self.observed_by(observer)
+    }
+
+    pub(crate) fn observed_by<Q>(self, observer: Q) -> Simulation<'a, H, E, N, Q, R> {
         Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
+    }
+
+    /// The same run, of which only the ends are kept; its observables, the time of its start and its step size, and after how many steps they are wanted.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for what has no use then.
+    pub(crate) fn without_path(
+        mut self,
+    ) -> Result<(Self, Observed<'a, H::Vector>, [f64; 2], u64), ConfigError>
+    where
+        O: Observer<H::Vector>,
+    {
+        let Request { every, times } = std::mem::take(&mut self.setup.recorded);
+        let asked = [
+            (!times.is_empty(), "`record_at`"),
+            (!self.setup.sections.is_empty(), "`section`"),
+            (O::LOOKS, "`inspect`"),
+            (self.setup.span.is_exact, "`exactly`"),
+        ];
+        if let Some((_, what)) = asked.iter().find(|(is_asked, _)| *is_asked) {
+            let wrong = format!("{what} in a run that keeps no path: leave it out");
+            return Err(ConfigError::Setting(wrong));
+        }
+        self.setup.recorded.every = Some(0);
+        let observed = std::mem::take(&mut self.setup.observables).checked("observables")?;
+        let start = self.setup.span.start.as_ref().map_or(f64::NAN, |start| start.t);
+        let times = [start, self.setup.h];
+        Ok((self, observed, times, every.unwrap_or(1).max(1)))
     }
 
     /// Goes on from a checkpoint, and writes it.
@@ -226,7 +286,18 @@ where
     where
         N: Serves<R>,
     {
-        let Self { setup, noise, observer, .. } = self;
+        self.run_until(None).map(|(path, _)| path)
+    }
+
+    /// [`Simulation::run_partial`] until the observer has seen enough, or `stop` says so, which is asked about ten times a second; the observer as well.
+    pub(crate) fn run_until(
+        self,
+        stop: Option<&dyn Fn() -> bool>,
+    ) -> Result<(Partial<H::Vector, E>, O), Error>
+    where
+        N: Serves<R>,
+    {
+        let Self { setup, noise, mut observer, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
         let Setup { is_watched, threads, is_quiet, handle, keeping, .. } = setup;
         let (names, functions) = observables.checked("observables")?;
@@ -238,12 +309,13 @@ where
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
         let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
-        let mut account = Records::new(records()?, processes, O::LOOKS || keeping.is_set() || looks_inside);
+        let is_shown = O::LOOKS && !O::AVERAGES;
+        let mut account = Records::new(records()?, processes, is_shown || keeping.is_set() || looks_inside);
         let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
         let mut looks = between();
         let mut keeper = keeping.open_path(
             &mut stepper.stepper,
-            &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch),
+            &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch, &mut observer),
             noise.as_ref(),
             (&grid, retry, &sections),
         )?;
@@ -252,10 +324,14 @@ where
             looks.arrive(first, &state);
         }
         let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
-        let due = keeper.next().min(shown.next());
+        let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
-        let mut monitor = Nodes { observer, keeper: &mut keeper, shown, due, grid, looks, dense };
+        let mut monitor = Nodes { observer, keeper: &mut keeper, shown, stop, due: 0, grid, looks, dense };
+        monitor.due = monitor.next_due();
         let error = loop {
+            if O::AVERAGES && monitor.observer.has_enough() {
+                break None;
+            }
             if first == 0 {
                 monitor.show(&state, 0, &account, &dw);
             }
@@ -264,14 +340,16 @@ where
                 state: &mut state,
                 noise: &mut noise,
                 dw: &mut dw,
-                start: grid.start,
-                h,
+                first: grid.first(),
                 account: &mut account,
             };
             match take_all(&mut path, first, &mut monitor) {
                 Ok(()) => break None,
-                // A run that is kept does not start again: its file says that it went this far.
-                Err(error) if monitor.keeper.keeps() || !stepper.refine(&error)? => break Some(error),
+                Err(Error::Stopped(_)) if monitor.observer.has_enough() => break None,
+                // A run that is kept does not start again: its file says that it went this far. Nor do averages, which have seen its nodes.
+                Err(error) if O::AVERAGES || monitor.keeper.keeps() || !stepper.refine(&error)? => {
+                    break Some(error);
+                }
                 Err(_) => {
                     (first, state) = (0, start.clone());
                     account = Records::new(records()?, processes, account.has_sums);
@@ -280,14 +358,18 @@ where
                 }
             }
         };
+        let Nodes { observer, .. } = monitor;
         let exchanged = stepper.stepper.exchanged();
         let trajectory = account.recorder.finish(state).observing(names, &functions);
         let trajectory =
             trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());
         let trajectory = trajectory.named(system.variables()).saved_but_for(keeper.unsaved());
-        Ok((trajectory, error))
+        Ok(((trajectory, error), observer))
     }
 }
+
+/// Between two questions whether to stop.
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// Takes all steps from this one on, the last one of another size if it is shorter.
 fn take_all<'s, H, E, N, O>(
@@ -320,16 +402,12 @@ fn prepared<H: Discretized<E>, E, N: Noise>(
     if processes == 0 {
         return Ok(None);
     }
-    let Grid { start, h, .. } = *grid;
     let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
-    noise.prepare(&H::PLAN, h, processes, start)?;
+    noise.prepare(&H::PLAN, grid.h, processes, grid.start)?;
     if let Some(shorter) = grid.shorter {
         // What has no increments for the last step says so before the run.
-        noise.increments_of_part(
-            &Interval { start, h, step: grid.whole() },
-            shorter,
-            &mut vec![0.0; processes],
-        )?;
+        let last = Interval { step: grid.whole(), ..grid.first() };
+        noise.increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
     }
     Ok(Some(noise))
 }
@@ -363,35 +441,25 @@ impl<V: Vector> Account for Records<V> {
 }
 
 /// What a run is, beside its stepper: all that a checkpoint keeps and brings back.
-pub(crate) struct Run<'r, 's, 'a, V> {
+pub(crate) struct Run<'r, 's, 'a, V, O> {
     pub(crate) state: &'r mut State<V>,
     pub(crate) recorder: &'r mut Recorder<V>,
     pub(crate) wiener: &'r mut Sums,
     pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
     pub(crate) watch: &'r mut Watch<V>,
-    /// The averages of a run that keeps no path.
-    pub(crate) tally: Option<&'r mut Tally<'a, V>>,
+    pub(crate) observer: &'r mut O,
 }
 
-impl<'r, 's, 'a, V> Run<'r, 's, 'a, V> {
-    fn averaging(
-        state: &'r mut State<V>,
-        account: &'r mut Records<V>,
-        tally: &'r mut Tally<'a, V>,
-        watch: &'r mut Watch<V>,
-    ) -> Self {
-        let Records { recorder, wiener, .. } = account;
-        Self { state, recorder, wiener, looks: None, watch, tally: Some(tally) }
-    }
-
+impl<'r, 's, 'a, V, O> Run<'r, 's, 'a, V, O> {
     fn new(
         state: &'r mut State<V>,
         account: &'r mut Records<V>,
         looks: &'r mut Option<Box<Between<'s, 'a, V>>>,
         watch: &'r mut Watch<V>,
+        observer: &'r mut O,
     ) -> Self {
         let Records { recorder, wiener, .. } = account;
-        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch, tally: None }
+        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch, observer }
     }
 }
 
@@ -400,7 +468,9 @@ struct Nodes<'k, 's, 'a, O, V> {
     observer: O,
     keeper: &'k mut Keeper,
     shown: StepsShown,
-    /// The next node at which it may be time to save, or to show how far the run is.
+    /// Whether to stop, and when to ask.
+    stop: Option<(&'k dyn Fn() -> bool, Due)>,
+    /// [`Nodes::next_due`]
     due: u64,
     grid: Grid,
     /// Looks between the nodes, if something is to be found there.
@@ -416,6 +486,24 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
         self.observer.observe(state, &node);
     }
 
+    /// The next node at which it may be time to save, to show how far the run is, or to ask whether to stop.
+    fn next_due(&self) -> u64 {
+        let asked = self.stop.as_ref().map_or(u64::MAX, |(_, due)| due.next());
+        self.keeper.next().min(self.shown.next()).min(asked)
+    }
+
+    /// Whether the run is to stop at a node.
+    fn is_stopped(&mut self, node: u64) -> bool {
+        let asked = self.stop.as_mut().is_some_and(|(stop, due)| {
+            let is_due = due.is_due(node);
+            if is_due {
+                due.done();
+            }
+            is_due && node < self.grid.steps && stop()
+        });
+        self.shown.look(node) || asked
+    }
+
     /// Looks into the step that ended at a node.
     #[inline(never)]
     fn look_inside<H, E, N>(&mut self, path: &mut OnePath<'_, '_, H, E, N>, node: u64) -> Result<(), Error>
@@ -424,7 +512,7 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
         N: Noise,
     {
         let (Some(looks), Some(dense)) = (&mut self.looks, &mut self.dense) else { return Ok(()) };
-        let Single { stepper, state, noise, dw, account, start, h } = path;
+        let Single { stepper, state, noise, dw, account, first } = path;
         let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
         if looks.wants(node, recorder.next_inside()) {
             if halvings == 0 {
@@ -432,8 +520,8 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
                 looks.look(dense, &Part { step, dw, later: &[], is_last: true }, recorder);
             } else {
                 let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
-                let interval = Interval { start: *start, h: *h, step };
-                stepper.revisit(&before, &interval, noise, halvings, |stepper, nodes, dw| {
+                let interval = Interval { step, ..*first };
+                stepper.revisit(&before, interval, noise, halvings, |stepper, nodes, dw| {
                     later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
                     parts -= 1;
                     stepper.fill(nodes, dw, dense);
@@ -457,7 +545,7 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, path: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
         let recorder = &path.account.recorder;
-        let shown = if O::LOOKS && recorder.shows_all() { node + 1 } else { recorder.next() };
+        let shown = if O::LOOKS && recorder.shows_all() { self.observer.next(node) } else { recorder.next() };
         let inside = self.looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
         shown.min(self.due).min(inside)
     }
@@ -475,17 +563,18 @@ where
         if O::LOOKS && (is_recorded || account.recorder.shows_all() || node == self.grid.steps) {
             self.show(state, node, account, dw);
         }
-        if node >= self.due {
-            let is_stopped = self.shown.look(node);
-            if self.keeper.is_due(node) || (is_stopped && self.keeper.keeps()) {
+        let is_enough = O::AVERAGES && self.observer.has_enough();
+        if node >= self.due || is_enough {
+            let is_over = self.is_stopped(node) || is_enough;
+            if self.keeper.is_due(node) || (is_over && self.keeper.keeps()) {
                 let Subdivision { stepper, watch, .. } = &mut **stepper;
-                let mut run = Run::new(state, account, &mut self.looks, watch);
+                let mut run = Run::new(state, account, &mut self.looks, watch, &mut self.observer);
                 self.keeper.save_path(stepper, &mut run, node)?;
             }
-            if is_stopped {
+            if is_over {
                 return Err(StoppedError { done: node, all: self.grid.steps }.into());
             }
-            self.due = self.keeper.next().min(self.shown.next());
+            self.due = self.next_due();
         }
         Ok(())
     }

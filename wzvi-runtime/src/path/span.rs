@@ -3,6 +3,7 @@
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::digits::Brief;
+use crate::increments::Interval;
 use crate::scheme::system::{Discretized, Hamiltonian, fits};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
@@ -65,6 +66,11 @@ impl Grid {
         let (steps, is_node) = located(start, end, h)?;
         let rest = end - (start + (steps.saturating_sub(1)) as f64 * h);
         Some(Self { start, h, steps, end: Some(end), shorter: (!is_node).then_some(rest) })
+    }
+
+    /// The first step.
+    pub(crate) fn first(&self) -> Interval {
+        Interval { start: self.start, h: self.h, step: 0 }
     }
 
     /// The time of a node.

@@ -65,21 +65,43 @@ pub(crate) fn take_steps<P: Advance, M: Monitor<P>>(
     Ok(())
 }
 
-/// No observer.
-pub(crate) struct Unmonitored;
+/// [`take_steps`] with `look` at every node.
+///
+/// # Errors
+/// The first one, of a step or of `look`.
+pub(crate) fn take_each<P: Advance>(
+    path: &mut P,
+    steps: Range<u64>,
+    look: impl FnMut(&mut P, u64) -> Result<(), P::Error>,
+) -> Result<(), P::Error> {
+    take_steps(path, steps, &mut Each(look))
+}
 
-impl<P: Advance> Monitor<P> for Unmonitored {
+struct Each<F>(F);
+
+impl<P: Advance, F: FnMut(&mut P, u64) -> Result<(), P::Error>> Monitor<P> for Each<F> {
     type Error = P::Error;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next(&self, _path: &P, _node: u64) -> u64 {
-        u64::MAX
+    fn next(&self, _path: &P, node: u64) -> u64 {
+        node + 1
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, _path: &mut P, _node: u64) -> Result<(), P::Error> {
-        Ok(())
+    fn look(&mut self, path: &mut P, node: u64) -> Result<(), P::Error> {
+        self.0(path, node)
     }
+}
+
+/// A step to take.
+pub(crate) struct Step<'s, V, N> {
+    /// Where it begins and ends.
+    pub(crate) state: &'s mut State<V>,
+    pub(crate) interval: Interval,
+    /// `None` for a system without noise, which is asked for nothing.
+    pub(crate) noise: &'s mut Option<N>,
+    /// Its increments, one per noise, which are to be filled in.
+    pub(crate) dw: &'s mut [f64],
 }
 
 /// Takes one step of one path: a [`Stepper`], or one that may subdivide it.
@@ -87,27 +109,16 @@ pub(crate) trait TakeStep<V> {
     /// Fills in the increments of a step, and takes it.
     ///
     /// # Errors
-    /// [`Error::Noise`] or [`Error::Step`]; `state` is then what it was.
-    fn take_step<N: Noise>(
-        &mut self,
-        state: &mut State<V>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error>;
+    /// [`Error::Noise`] or [`Error::Step`]; the state is then what it was.
+    fn take_step<N: Noise>(&mut self, step: Step<'_, V, N>) -> Result<StepInfo, Error>;
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Stepper<'_, H, E, C> {
     #[inline]
-    fn take_step<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
+    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
         if let Some(noise) = noise {
-            noise.increments(interval, dw)?;
+            noise.increments(&interval, dw)?;
         }
         Ok(self.step(state, dw)?)
     }
@@ -128,14 +139,12 @@ impl Account for () {
 pub(crate) struct Single<'r, T, V, N, A> {
     pub(crate) stepper: &'r mut T,
     pub(crate) state: &'r mut State<V>,
-    /// `None` for a system without noise, which is asked for nothing.
+    /// As of a [`Step`].
     pub(crate) noise: &'r mut Option<N>,
-    /// Increments of the last step, one per noise.
+    /// Increments of the last step.
     pub(crate) dw: &'r mut [f64],
-    /// Time of node 0, in the units of the Hamiltonian.
-    pub(crate) start: f64,
-    /// Step size, same units.
-    pub(crate) h: f64,
+    /// The first step, number 0.
+    pub(crate) first: Interval,
     pub(crate) account: &'r mut A,
 }
 
@@ -144,9 +153,10 @@ impl<T: TakeStep<V>, V, N: Noise, A: Account> Advance for Single<'_, T, V, N, A>
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
-        let interval = Interval { start: self.start, h: self.h, step };
-        let info = self.stepper.take_step(self.state, &interval, self.noise, self.dw)?;
-        self.account.count(self.dw, &info);
+        let Self { stepper, state, noise, dw, first, account } = self;
+        let interval = Interval { step, ..*first };
+        let info = stepper.take_step(Step { state, interval, noise, dw })?;
+        account.count(dw, &info);
         Ok(())
     }
 }

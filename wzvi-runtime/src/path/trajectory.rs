@@ -100,36 +100,7 @@ impl<V: Clone, E> Clone for Trajectory<V, E> {
 
 impl<V: fmt::Debug, E> fmt::Debug for Trajectory<V, E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Path {
-            h,
-            every,
-            steps,
-            iterations,
-            processes,
-            increments,
-            states,
-            last: _,
-            chosen,
-            observed,
-            crossings,
-            exchanged,
-            is_accounted: _,
-            gained,
-        } = &self.path;
-        f.debug_struct("Trajectory")
-            .field("h", h)
-            .field("every", every)
-            .field("steps", steps)
-            .field("iterations", iterations)
-            .field("processes", processes)
-            .field("increments", increments)
-            .field("states", states)
-            .field("chosen", chosen)
-            .field("observed", observed)
-            .field("crossings", crossings)
-            .field("exchanged", exchanged)
-            .field("gained", gained)
-            .finish()
+        f.debug_tuple("Trajectory").field(&self.path).finish()
     }
 }
 
@@ -189,6 +160,11 @@ impl<V: Vector, E> Trajectory<V, E> {
         let path = &mut self.path;
         (path.exchanged, path.is_accounted, path.gained) = (exchanged, is_accounted, gained);
         self
+    }
+
+    /// How many steps were taken, and what they exchanged.
+    pub(crate) fn taken(&self) -> (u64, Exchange) {
+        (self.path.steps, self.path.exchanged)
     }
 
     pub(crate) fn suspecting(mut self, suspected: u64) -> Self {

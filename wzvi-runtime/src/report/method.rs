@@ -13,7 +13,7 @@ use crate::increments::{Interval, Noise};
 use crate::path::Error;
 use crate::path::simulate::{Node, Simulation};
 use crate::path::step::{StepInfo, Stepper};
-use crate::path::steps::{Account, Single, TakeStep, Unmonitored, take_steps};
+use crate::path::steps::{Account, Single, TakeStep, take_each};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -201,12 +201,11 @@ fn timed<V: Vector, T: TakeStep<V>>(
                 state: &mut state,
                 noise: &mut rows,
                 dw: &mut dw,
-                start: path.start.t,
-                h: path.h,
+                first: Interval { start: path.start.t, h: path.h, step: 0 },
                 account: &mut counts,
             };
             // Only paths that were seen to reach the end are timed.
-            take_steps(&mut single, 0..path.steps as u64, &mut Unmonitored)?;
+            take_each(&mut single, 0..path.steps as u64, |_, _| Ok(()))?;
             black_box(&state);
         }
     }

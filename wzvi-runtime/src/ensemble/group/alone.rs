@@ -12,6 +12,7 @@ use crate::ground::numbers::{Numbers, Tape};
 use crate::increments::Interval;
 use crate::path::Error;
 use crate::path::retry::{Subdivision, is_curable};
+use crate::path::steps::Step;
 use crate::scheme::continuation::{Hard, Taken, solve_by_continuation};
 use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
@@ -104,9 +105,10 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let motion = self.motions.of(lane);
         let subdivision = subdivision_of(&mut self.subdivision, job, self.path + lane as u64)?;
         let mut noise = (!self.alone.is_empty()).then(|| job.source.path(self.path + lane as u64));
-        let interval = Interval { start: job.start.t, h: job.h, step };
+        let interval = Interval { step, ..job.grid.first() };
         let noise = &mut noise.as_deref_mut();
-        let info = subdivision.subdivide(&mut state, &interval, noise, &mut self.alone, 1, motion)?;
+        let step_of_lane = Step { state: &mut state, interval, noise, dw: &mut self.alone };
+        let info = subdivision.subdivide(step_of_lane, 1, motion)?;
         self.halved[lane] = (step, info.halvings);
         self.anew = step + 1;
         Ok(state)

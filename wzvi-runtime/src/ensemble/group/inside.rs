@@ -19,7 +19,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
     #[inline(never)]
     pub(super) fn finish(&mut self, step: u64, h: f64) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
-        let interval = Interval { start: job.start.t, h: job.h, step };
+        let interval = Interval { step, ..job.grid.first() };
         let mut steppers = Vec::with_capacity(L);
         for lane in 0..L {
             steppers.push(Stepper::beside_others(job.system_of(self.source_of(lane)), h, false)?);
@@ -63,19 +63,14 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         if halvings > 0 {
             let subdivision = subdivision_of(&mut self.subdivision, job, path)?;
             let mut noise = (!self.alone.is_empty()).then(|| job.source.path(path));
-            let interval = Interval { start: job.start.t, h: job.h, step };
+            let interval = Interval { step, ..job.grid.first() };
             let mut parts = 1_u64 << halvings;
-            return subdivision.revisit(
-                before,
-                &interval,
-                &mut noise.as_deref_mut(),
-                halvings,
-                |stepper, nodes, dw| {
-                    parts -= 1;
-                    stepper.fill(nodes, dw, dense);
-                    see(dense, dw, parts == 0);
-                },
-            );
+            let noise = &mut noise.as_deref_mut();
+            return subdivision.revisit(before, interval, noise, halvings, |stepper, nodes, dw| {
+                parts -= 1;
+                stepper.fill(nodes, dw, dense);
+                see(dense, dw, parts == 0);
+            });
         }
         match self.steppers.get(lane) {
             Some(stepper) if self.is_stepped() || self.is_over => stepper.fill(nodes, &self.alone, dense),

@@ -2,7 +2,6 @@
 
 use std::fmt::{self, Write};
 
-use crate::algebra::carry::Carry;
 use crate::algebra::state::{State, Vector};
 use crate::error::Difference;
 use crate::ground::checksum::Checksum;
@@ -10,24 +9,15 @@ use crate::ground::names::short_name;
 use crate::path::recording::Recording;
 use crate::path::retry::Retry;
 use crate::path::section::Sections;
-use crate::path::series::Tally;
 use crate::path::span::Grid;
-use crate::path::step::Stepper;
 use crate::scheme::system::{Discretized, Gradient, Hamiltonian, PreparedOf};
 
 /// Names and values.
 pub(crate) type Fields = Vec<(String, String)>;
 
-/// The settings of a run, each of which the user knows; `noise` are those of the source.
-pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
-    stepper: &Stepper<'_, H, E, C>,
-    degrees: usize,
-    recording: &Recording,
-    retry: Retry,
-    noise: Fields,
-) -> Fields {
-    let system = stepper.system();
-    let mut fields = scheme::<H, E>(system, degrees, stepper.step_size());
+/// The settings of a path, each of which the user knows.
+pub(super) fn settings(recording: &Recording, retry: Retry, is_compensated: bool) -> Fields {
+    let mut fields = Fields::new();
     let mut set = |name: &str, value: String| fields.push((name.to_owned(), value));
     set("record_every", recording.every.to_string());
     if !recording.chosen.is_empty() {
@@ -38,9 +28,7 @@ pub(super) fn settings<H: Discretized<E>, E, C: Carry<f64>>(
         set("record_at (checksum of the times between nodes)", checksum(times));
     }
     set("the halvings allowed", retry.most().to_string());
-    set("compensated summation", stepper.is_compensated().to_string());
-    fields.extend(parameters(system));
-    fields.extend(noise);
+    set("compensated summation", is_compensated.to_string());
     fields
 }
 
@@ -55,14 +43,6 @@ pub(crate) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<
         let values = sections.values(start).into_iter().map(f64::to_bits);
         fields.push(("what the sections are at the start (checksum)".to_owned(), checksum(values)));
     }
-    fields
-}
-
-/// What a run without a path averages.
-pub(super) fn averages<V>(tally: &Tally<'_, V>, start: &State<V>) -> Fields {
-    let (mut fields, values) = tally.settings(start);
-    let values = values.into_iter().map(f64::to_bits);
-    fields.push(("what is averaged, at the start (checksum)".to_owned(), checksum(values)));
     fields
 }
 
@@ -139,7 +119,7 @@ pub(super) fn forces<H: Hamiltonian>(system: &H, state: &State<H::Vector>) -> St
 }
 
 /// The checksum of several words.
-pub(super) fn checksum(words: impl IntoIterator<Item = u64>) -> String {
+pub(crate) fn checksum(words: impl IntoIterator<Item = u64>) -> String {
     let mut checksum = Checksum::default();
     words.into_iter().for_each(|word| checksum.add(&word.to_le_bytes()));
     format!("{checksum:?}")

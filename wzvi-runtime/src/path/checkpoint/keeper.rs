@@ -12,20 +12,40 @@ use crate::ground::due::Due;
 use crate::ground::numbers::Tape;
 use crate::path::Error;
 use crate::saving::file::{self, Staged};
+use crate::scheme::system::{Discretized, PreparedOf};
 
 /// What makes two runs the same.
 #[derive(Debug)]
 pub(crate) struct Described {
-    pub(super) settings: Fields,
-    pub(super) derived: Fields,
+    settings: Fields,
+    derived: Fields,
     start: Vec<u64>,
     degrees: usize,
 }
 
 impl Described {
-    pub(super) fn new<V: Vector>(settings: Fields, derived: Fields, start: &State<V>) -> Self {
-        let (degrees, mut start) = (start.q.components().len(), start.clone());
-        Self { settings, derived, start: Tape::write(|tape| start.pass(tape)), degrees }
+    /// A run from `start` in steps of size `h`, with the settings of its kind.
+    pub(crate) fn of<H: Discretized<E>, E>(
+        system: &H,
+        prepared: &PreparedOf<H, E>,
+        h: f64,
+        start: &State<H::Vector>,
+        settings: Fields,
+    ) -> Self {
+        let degrees = start.q.components().len();
+        let mut all = identity::scheme::<H, E>(system, degrees, h);
+        all.extend(identity::parameters(system));
+        all.extend(settings);
+        let (derived, mut start) = (identity::derived(system, prepared, start), start.clone());
+        Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)), degrees }
+    }
+
+    /// And with observables of these values at some states: functions cannot be compared.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn observing(mut self, values: &[f64]) -> Self {
+        let observed = identity::checksum(values.iter().map(|number| number.to_bits()));
+        self.derived.push(("what the observables and events are on path 0 (checksum)".to_owned(), observed));
+        self
     }
 
     /// What differs: what the user set comes first, because the rest follows from it.

@@ -5,13 +5,12 @@ use super::identity;
 use super::keeper::{Described, Extent, Keeper};
 use super::{CheckpointError, Difference, Keeping};
 use crate::algebra::carry::Carry;
-use crate::algebra::state::Vector;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::increments::{Identity, Noise};
 use crate::path::Error;
 use crate::path::retry::Retry;
 use crate::path::section::Sections;
-use crate::path::simulate::Run;
+use crate::path::simulate::{Observer, Run};
 use crate::path::span::Grid;
 use crate::path::step::Stepper;
 use crate::scheme::system::Discretized;
@@ -22,7 +21,7 @@ impl Keeping {
     pub(crate) fn open_path<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
         self,
         stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector>,
+        run: &mut Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
         noise: Option<&N>,
         (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
     ) -> Result<Keeper, Error> {
@@ -48,7 +47,7 @@ impl Keeper {
     pub(crate) fn save_path<H: Discretized<E>, E, C: Carry<f64>>(
         &mut self,
         stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector>,
+        run: &mut Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
         node: u64,
     ) -> Result<(), Error> {
         self.save(node, &mut |tape| drop(pass(stepper, run, tape)))
@@ -58,28 +57,27 @@ impl Keeper {
 /// What makes a path another than others.
 fn described<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
     stepper: &Stepper<'_, H, E, C>,
-    run: &Run<'_, '_, '_, H::Vector>,
+    run: &Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
     noise: Option<&N>,
     (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
 ) -> Result<Described, CheckpointError> {
     let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
     let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
-    let (state, recording) = (&*run.state, run.recorder.recording());
-    // The degrees of freedom are those of the state: the system may not know them before its first step.
-    let mut settings = identity::settings(stepper, state.q.components().len(), recording, retry, noise);
+    let state = &*run.state;
+    let mut settings = identity::settings(run.recorder.recording(), retry, stepper.is_compensated());
+    settings.extend(noise);
     settings.extend(identity::between(grid, sections, state));
-    settings.extend(run.tally.as_ref().map(|tally| identity::averages(tally, state)).into_iter().flatten());
-    let derived = identity::derived(stepper.system(), stepper.prepared(), state);
-    Ok(Described::new(settings, derived, state))
+    settings.extend(run.observer.described(state));
+    Ok(Described::of(stepper.system(), stepper.prepared(), stepper.step_size(), state, settings))
 }
 
 /// All that steps change; the checksum of energies and forces that goes with it.
 fn pass<H: Discretized<E>, E, C: Carry<f64>>(
     stepper: &mut Stepper<'_, H, E, C>,
-    run: &mut Run<'_, '_, '_, H::Vector>,
+    run: &mut Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
     tape: &mut Tape,
 ) -> String {
-    let Run { state, recorder, wiener, looks, watch, tally } = run;
+    let Run { state, recorder, wiener, looks, watch, observer } = run;
     let mut forces = identity::forces(stepper.system(), state);
     forces.pass(tape);
     state.pass(tape);
@@ -87,7 +85,7 @@ fn pass<H: Discretized<E>, E, C: Carry<f64>>(
     recorder.pass(tape);
     looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
     watch.pass(tape);
-    tally.iter_mut().for_each(|tally| tally.pass(tape));
+    observer.pass(tape);
     wiener.pass(tape);
     forces
 }

@@ -134,12 +134,15 @@ where
     /// Those of [`Simulation::run`]; [`Error::Name`] for a target of an observable that there is not, [`Error::Config`] for targets that are not positive
     /// and settings that averages have no use for: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or gone on from.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
-        let Self { mut simulation, discarded, targets, stop } = self;
-        let observed = simulation.take_observables()?;
-        let (h, stride) = simulation.spacing();
-        let mut tally = Tally::new(observed, stride, discarded, &targets)?;
-        let stop = || stop.as_ref().is_some_and(|stop| stop());
-        let end = simulation.visit(&mut tally, &stop)?;
+        let Self { simulation, discarded, targets, stop } = self;
+        let (simulation, observed, [start, h], stride) = simulation.without_path()?;
+        let tally = Tally::new(observed, stride, [start, discarded], &targets)?;
+        let run = simulation.observed_by(tally);
+        let ((path, error), tally) = run.run_until(stop.as_ref().map(|stop| &**stop))?;
+        let is_partial = matches!(error, Some(Error::Stopped(_)));
+        if let Some(error) = error.filter(|_| !is_partial) {
+            return Err(error);
+        }
         let met_targets = (!targets.is_empty()).then(|| tally.meets_targets());
         let average = |(name, batches): (&String, &BatchMeans)| TimeAverage {
             name: name.clone(),
@@ -150,14 +153,15 @@ where
             degrees: batches.degrees(),
             time: batches.time() * (h * stride as f64).abs(),
         };
+        let (steps, exchanged) = path.taken();
         Ok(TimeAverages {
             averages: tally.batches().map(average).collect(),
-            last: end.last,
-            steps: end.steps,
-            exchanged: end.exchanged,
+            last: path.last().clone(),
+            steps,
+            exchanged,
             met_targets,
-            is_partial: end.is_stopped,
-            unsaved: end.unsaved,
+            is_partial,
+            unsaved: path.unsaved().cloned(),
         })
     }
 }

@@ -1,13 +1,13 @@
 //! Averages in the making: what a run that keeps no path is left with.
 
-use std::ops::ControlFlow;
-
 use super::BatchMeans;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, UnknownName};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::path::Error;
+use crate::path::checkpoint::checksum;
 use crate::path::options::Observable;
+use crate::path::simulate::{Node, Observer};
 
 /// Observables, and the errors that are small enough for them.
 pub(super) type Targets = Vec<(String, f64)>;
@@ -22,8 +22,9 @@ const LOOKS: u64 = 64;
 pub(crate) struct Tally<'a, V> {
     names: Vec<String>,
     functions: Vec<Observable<'a, V>>,
-    pub(crate) stride: u64,
-    /// Time that is left out.
+    stride: u64,
+    /// The time of the start, and how long from there is left out.
+    start: f64,
     discarded: f64,
     /// The errors that are small enough, infinite where none was asked for.
     wanted: Vec<f64>,
@@ -37,7 +38,7 @@ impl<'a, V> Tally<'a, V> {
     pub(super) fn new(
         (names, functions): Observed<'a, V>,
         stride: u64,
-        discarded: f64,
+        [start, discarded]: [f64; 2],
         targets: &Targets,
     ) -> Result<Self, Error> {
         let mut wanted = vec![f64::INFINITY; names.len()];
@@ -52,28 +53,7 @@ impl<'a, V> Tally<'a, V> {
             wanted[place] = wanted[place].min(*target);
         }
         let batches = vec![BatchMeans::new(); names.len()];
-        Ok(Self { names, functions, stride, discarded, wanted, batches, looked: 0 })
-    }
-
-    /// The values at a node, at this time after the start; whether that is enough.
-    pub(crate) fn see(&mut self, state: &State<V>, time: f64) -> ControlFlow<()> {
-        if time.abs() < self.discarded {
-            return ControlFlow::Continue(());
-        }
-        for (batches, function) in self.batches.iter_mut().zip(&self.functions) {
-            batches.add(function(state));
-        }
-        let count = self.count();
-        if count - self.looked >= LOOKS.max(self.looked / 50) {
-            self.looked = count;
-        }
-        if self.has_enough() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-
-    /// Whether the errors were looked at after the last value, and were small enough.
-    pub(crate) fn has_enough(&self) -> bool {
-        let has_targets = self.wanted.iter().any(|wanted| wanted.is_finite());
-        has_targets && self.looked == self.count() && self.meets_targets()
+        Ok(Self { names, functions, stride, start, discarded, wanted, batches, looked: 0 })
     }
 
     /// Whether all errors are small enough.
@@ -90,20 +70,48 @@ impl<'a, V> Tally<'a, V> {
     fn count(&self) -> u64 {
         self.batches.first().map_or(0, BatchMeans::count)
     }
+}
 
-    /// What it takes of a path, for a checkpoint to compare, and its values at a state.
-    pub(crate) fn settings(&self, start: &State<V>) -> (Vec<(String, String)>, Vec<f64>) {
+impl<V> Observer<V> for Tally<'_, V> {
+    const AVERAGES: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn observe(&mut self, state: &State<V>, node: &Node<'_>) {
+        let is_seen = node.step > 0 && node.step.is_multiple_of(self.stride);
+        if !is_seen || (state.t - self.start).abs() < self.discarded {
+            return;
+        }
+        for (batches, function) in self.batches.iter_mut().zip(&self.functions) {
+            batches.add(function(state));
+        }
+        let count = self.count();
+        if count - self.looked >= LOOKS.max(self.looked / 50) {
+            self.looked = count;
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&self, node: u64) -> u64 {
+        (node / self.stride + 1).saturating_mul(self.stride)
+    }
+
+    /// Whether the errors were looked at after the last value, and were small enough.
+    fn has_enough(&self) -> bool {
+        let has_targets = self.wanted.iter().any(|wanted| wanted.is_finite());
+        has_targets && self.looked == self.count() && self.meets_targets()
+    }
+
+    fn described(&self, start: &State<V>) -> Vec<(String, String)> {
+        let values = self.functions.iter().map(|function| function(start).to_bits());
         let fields = [
             ("the averages of", self.names.join(", ")),
             ("the nodes from one value to the next", self.stride.to_string()),
             ("the time that is discarded", format!("{:?}", self.discarded)),
+            ("what is averaged, at the start (checksum)", checksum(values)),
         ];
-        let values = self.functions.iter().map(|function| function(start)).collect();
-        (fields.map(|(name, value)| (name.to_owned(), value)).into(), values)
+        fields.map(|(name, value)| (name.to_owned(), value)).into()
     }
-}
 
-impl<V> Numbers for Tally<'_, V> {
     fn pass(&mut self, tape: &mut Tape) {
         tape.word(&mut self.looked);
         self.batches.pass(tape);

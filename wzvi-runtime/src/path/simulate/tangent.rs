@@ -10,11 +10,11 @@ use crate::algebra::memory::Threads;
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
-use crate::increments::{Interval, Noise};
+use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::{Subdivision, Whole};
 use crate::path::step::StepInfo;
-use crate::path::steps::{Single, TakeStep, Unmonitored, take_steps};
+use crate::path::steps::{Single, Step, TakeStep, take_each};
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
 use crate::scheme::system::{
@@ -121,11 +121,10 @@ where
             state: &mut state,
             noise: &mut noise,
             dw: &mut dw,
-            start: grid.start,
-            h,
+            first: grid.first(),
             account: &mut (),
         };
-        take_steps(&mut path, 0..grid.steps, &mut Unmonitored)?;
+        take_each(&mut path, 0..grid.steps, |_, _| Ok(()))?;
         let named = parameters.map_or(0, <[&str]>::len);
         Ok(Tangent {
             by_start: matrix(&stepper.by_start, degrees, 0..2 * degrees),
@@ -296,15 +295,10 @@ fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
 }
 
 impl<H: Discretized<E>, E> TakeStep<H::Vector> for Varied<'_, H, E> {
-    fn take_step<N: Noise>(
-        &mut self,
-        state: &mut State<H::Vector>,
-        interval: &Interval,
-        noise: &mut Option<N>,
-        dw: &mut [f64],
-    ) -> Result<StepInfo, Error> {
+    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
         copy_state(&mut self.before, state);
-        let info = self.whole.take_step(state, interval, noise, dw)?;
+        let info = self.whole.take_step(Step { state, interval, noise, dw })?;
         let (step, t, h) = (interval.step, self.before.t, self.h);
         self.vary(step, state, dw).map_err(|cause| StepError { step, t, h, cause })?;
         Ok(info)
