@@ -305,15 +305,15 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         }
         let t = self.time(step);
         if !self.apart.is_empty() {
-            return self.one_by_one(step, t);
+            return self.one_by_one(None, step, t);
         }
         let gathered = self.gathered.as_ref().filter(|_| P::ARE_OWN);
         let at = At { t, h: job.h, q: &mut self.q, p: &mut self.p, dw: self.increments.of(step) };
         let outcome = advance::<H, E, L>(job.system, &job.prepared, gathered, at, &mut self.memory);
         match outcome {
             Ok(_) => Ok(()),
-            Err(StepFailure::Lanes(failed)) => self.in_part(failed, step, t),
-            Err(_) => self.one_by_one(step, t),
+            Err(StepFailure::Lanes(failed)) => self.one_by_one(Some(failed), step, t),
+            Err(_) => self.one_by_one(None, step, t),
         }
     }
 

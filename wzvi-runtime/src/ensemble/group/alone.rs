@@ -18,36 +18,13 @@ use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
-    /// The step of those lanes that could not take it the short way.
+    /// The step of these lanes, or of all, one after the other: each as it goes alone.
     #[cold]
     #[inline(never)]
-    pub(super) fn in_part(&mut self, are_left: FailedLanes, step: u64, t: f64) -> Result<(), Error> {
-        for lane in are_left.lanes() {
-            if !self.failed[lane] {
-                let mut memory = self.memory_of(lane)?;
-                self.by_itself(lane, step, t, &mut memory)?;
-                self.remember(lane, Tape::write(|tape| memory.pass(tape)))?;
-            }
-        }
-        // Lanes that follow another one remember what it does.
-        let Some(living) = self.living().filter(|_| self.any_failed) else { return Ok(()) };
-        for lane in 0..L {
-            if !self.failed[lane] {
-                continue;
-            }
-            let words = Tape::split(living, |tape| self.memory.pass(tape));
-            self.remember(lane, words)?;
-        }
-        Ok(())
-    }
-
-    /// The step of all lanes, one after the other.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn one_by_one(&mut self, step: u64, t: f64) -> Result<(), Error> {
+    pub(super) fn one_by_one(&mut self, lanes: Option<FailedLanes>, step: u64, t: f64) -> Result<(), Error> {
         self.split()?;
         for lane in 0..L {
-            if self.failed[lane] {
+            if self.failed[lane] || lanes.is_some_and(|lanes| !lanes.has(lane)) {
                 continue;
             }
             let mut memory = self.apart.get_mut(lane).map(std::mem::take).unwrap_or_default();
@@ -254,19 +231,6 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         other
     }
 
-    /// What the steps before left of one lane.
-    fn memory_of(&mut self, lane: usize) -> Result<MemoryOf<H, E, Lanes<1>>, InternalError> {
-        let words = Tape::split(lane, |tape| self.memory.pass(tape));
-        let mut memory = MemoryOf::<H, E, _>::default();
-        Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-        Ok(memory)
-    }
-
-    /// One lane remembers this.
-    fn remember(&mut self, lane: usize, words: Vec<u64>) -> Result<(), InternalError> {
-        Tape::place(lane, words, |tape| self.memory.pass(tape)).ok_or_else(other_memory)
-    }
-
     /// From now on, each lane remembers by itself.
     fn split(&mut self) -> Result<(), InternalError> {
         // With noise as well: what a step leaves may say how the next one is solved.
@@ -274,7 +238,9 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             return Ok(());
         }
         for lane in 0..L {
-            let memory = self.memory_of(lane)?;
+            let words = Tape::split(lane, |tape| self.memory.pass(tape));
+            let mut memory = MemoryOf::<H, E, _>::default();
+            Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
             self.apart.push(memory);
         }
         Ok(())
