@@ -163,8 +163,7 @@ fn the_coarsest_level_is_the_ensemble() {
     };
     let levels = estimate.levels();
     let same = run(levels[0].h(), levels[0].paths());
-    // Summed in other blocks.
-    assert!((levels[0].mean() - same).abs() < 1e-14);
+    assert_eq!(levels[0].mean(), same);
     assert!((levels[1].fine_mean() - run(levels[1].h(), levels[1].paths())).abs() > 1e-4);
 }
 

@@ -1,5 +1,9 @@
 //! Averages, correlations and temperatures along paths, against exact laws.
 
+use std::thread::sleep;
+use std::time::Duration;
+
+use wzvi::checkpoint::Checkpoint;
 use wzvi::error::{Error, PathError};
 use wzvi::prelude::*;
 use wzvi::series::{Autocorrelation, SeriesError};
@@ -112,6 +116,46 @@ fn a_long_path_ends_when_its_average_is_exact_enough() {
     let run = run.observe("q2", |state| state.q[0].powi(2)).steps(100).time_averages();
     let averages = run.until_error("q2", 1e-9).run().expect("averages");
     assert_eq!((averages.met_targets, averages.steps), (Some(false), 100));
+}
+
+/// Another thread stops averages: they are those of the steps that were taken, and go on from their checkpoint.
+#[test]
+fn a_handle_stops_averages() {
+    let file = fixtures::folder!("averages").join("file");
+    let run = |steps| {
+        let run = WELL.simulate::<Baoab>(H).start(State::new([3.0], [0.0])).noise(StepNormals::seed(1));
+        run.observe("q2", |state| state.q[0].powi(2)).steps(steps)
+    };
+    let kept = |steps| run(steps).checkpoint(Checkpoint::to(&file));
+    let handle = Handle::new();
+    let stopped = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while handle.progress().done < 10_000 {
+                sleep(Duration::from_millis(1));
+            }
+            handle.stop();
+        });
+        kept(1 << 40).handle(&handle).time_averages().run().expect("averages")
+    });
+    let done = stopped.steps;
+    assert!(stopped.is_partial && done >= 10_000 && handle.progress().all == 1 << 40, "{stopped:?}");
+    let whole = run(done).time_averages().run().expect("averages");
+    assert_eq!((whole.averages, whole.last, whole.is_partial), (stopped.averages, stopped.last, false));
+    let resumed = kept(done + 5000).time_averages().run().expect("averages");
+    let whole = run(done + 5000).time_averages().run().expect("averages");
+    assert_eq!((whole.averages, whole.last), (resumed.averages, resumed.last));
+    let none = run(1 << 40).time_averages().stop_when(|| true).run().expect("averages");
+    assert!(none.is_partial && none.steps < 1 << 40);
+}
+
+/// A path is stopped by a function, too, and is kept up to there.
+#[test]
+fn a_function_stops_a_path() {
+    let run = WELL.simulate::<Baoab>(H).start(State::new([3.0], [0.0])).noise(StepNormals::seed(1));
+    let run = run.steps(1 << 40).record_every(0).stop_when(|| true);
+    let (path, error) = run.run_partial().expect("a path");
+    let Some(Error::Stopped(stopped)) = error else { panic!("{error:?}") };
+    assert!(stopped.done > 0 && path.last().t == stopped.done as f64 * H, "{stopped:?}");
 }
 
 #[test]

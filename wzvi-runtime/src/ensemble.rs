@@ -22,7 +22,6 @@ mod chunk;
 pub mod cluster;
 mod control;
 mod draws;
-pub(crate) mod execution;
 mod group;
 mod halt;
 mod increments;
@@ -57,17 +56,12 @@ use starts::ByPath;
 pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 
 use crate::algebra::state::State;
-use crate::ensemble::execution::Execution;
 use crate::error::ConfigError;
 use crate::increments::Noise;
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 use crate::path::Error;
-use crate::path::checkpoint::Keeping;
-use crate::path::options::{Observables, OwnObservable, elsewhere, options};
-use crate::path::recording::Request;
+use crate::path::options::{self, Observables, OwnObservable, elsewhere, options};
 use crate::path::retry::{Halved, Retry, Serves, Whole};
-use crate::path::section::Sections;
-use crate::path::span::Span;
 pub use crate::saving::table::{Column, Table};
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::AnyStatistic;
@@ -85,29 +79,39 @@ pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSy
 }
 
 /// What was said so far.
-struct Setup<'a, H: Hamiltonian> {
-    system: &'a H,
-    h: f64,
-    span: Span<H::Vector>,
-    /// Of each path its own, unless `span` has one that was said later.
+type Setup<'a, H> = options::Setup<'a, H, Many<'a, H>>;
+
+/// What ensembles alone are told.
+struct Many<'a, H: Hamiltonian> {
+    /// Of each path its own, unless the span has one that was said later.
     starts: Option<ByPath<'a, State<H::Vector>>>,
     systems: Option<ByPath<'a, H>>,
     paths: Option<u64>,
     source: Option<Source<'a>>,
     settings: Settings,
-    recorded: Request,
-    observables: Observables<'a, H::Vector>,
-    /// Those that read the system of the path, by number.
+    /// Observables that read the system of the path, by number.
     own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
     events: Observables<'a, H::Vector>,
-    sections: Sections<'a, H::Vector>,
     wanted: Extras,
     inspector: Option<Inspector<'a, H::Vector>>,
-    execution: Execution<'a>,
-    keeping: Keeping,
-    retry: Retry,
-    is_watched: bool,
     control: Control,
+}
+
+impl<H: Hamiltonian> Default for Many<'_, H> {
+    fn default() -> Self {
+        Self {
+            starts: None,
+            systems: None,
+            paths: None,
+            source: None,
+            settings: Settings::default(),
+            own: Vec::new(),
+            events: Observables::default(),
+            wanted: Extras::default(),
+            inspector: None,
+            control: Control::default(),
+        }
+    }
 }
 
 /// Scheme, noise, whether steps may be halved, and whether each path has its own system.
@@ -131,33 +135,6 @@ struct Extras {
     added: Vec<Box<dyn AnyStatistic>>,
 }
 
-impl<'a, H: Hamiltonian> Setup<'a, H> {
-    fn new(system: &'a H, h: f64) -> Self {
-        Self {
-            system,
-            h,
-            span: Span::default(),
-            starts: None,
-            systems: None,
-            paths: None,
-            source: None,
-            settings: Settings::default(),
-            recorded: Request::default(),
-            observables: Observables::default(),
-            own: Vec::new(),
-            events: Observables::default(),
-            sections: Sections::default(),
-            wanted: Extras::default(),
-            inspector: None,
-            execution: Execution::default(),
-            keeping: Keeping::default(),
-            retry: Retry::never(),
-            is_watched: true,
-            control: Control::default(),
-        }
-    }
-}
-
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// Paths of `system` in steps of size `h`.
     pub fn new(system: &'a H, h: f64) -> Self {
@@ -170,14 +147,14 @@ impl<'a, H: Hamiltonian, E, R, P> Ensemble<'a, H, E, StepNormals, R, P> {
     /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds, and no truncation elsewhere. Other noises have
     /// a truncation of their own, as in `Wiener::seed(7).truncated(4)`.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
-        self.setup.settings.truncation = truncation;
+        self.setup.more.settings.truncation = truncation;
         self
     }
 
     /// Runs paths `2k` and `2k + 1` as pairs with negated normals. An observable that is odd in the noise then has the exact mean; one that
     /// is even gains nothing. Standard errors are those of independent pairs ([`StatisticsNode::standard_error`]).
     pub fn antithetic(mut self) -> Self {
-        self.setup.settings.is_antithetic = true;
+        self.setup.more.settings.is_antithetic = true;
         self
     }
 }
@@ -194,7 +171,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     where
         H: Sync,
     {
-        self.setup.own.push((self.setup.observables.len(), Arc::new(observable)));
+        self.setup.more.own.push((self.setup.observables.len(), Arc::new(observable)));
         self.observe(name, elsewhere)
     }
 
@@ -207,7 +184,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// pendulum.ensemble::<Midpoint>(0.1).starts(starts).paths(10_000).seed(7).until(50.0).run()?
     /// ```
     pub fn starts(mut self, start: impl Fn(&mut Draw) -> State<H::Vector> + Send + Sync + 'a) -> Self {
-        (self.setup.span.start, self.setup.starts) = (None, Some(ByPath::Drawn(Box::new(start))));
+        (self.setup.span.start, self.setup.more.starts) = (None, Some(ByPath::Drawn(Box::new(start))));
         self
     }
 
@@ -215,7 +192,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// [`Ensemble::paths`] says fewer. A list of systems must have the same length.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
         let states = ByPath::Listed(states.into_iter().collect());
-        (self.setup.span.start, self.setup.starts) = (None, Some(states));
+        (self.setup.span.start, self.setup.more.starts) = (None, Some(states));
         self
     }
 
@@ -234,7 +211,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         mut self,
         system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
     ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
-        self.setup.systems = Some(ByPath::Drawn(Box::new(system)));
+        self.setup.more.systems = Some(ByPath::Drawn(Box::new(system)));
         self.marked()
     }
 
@@ -244,19 +221,19 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         mut self,
         systems: impl IntoIterator<Item = H>,
     ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
-        self.setup.systems = Some(ByPath::Listed(systems.into_iter().collect()));
+        self.setup.more.systems = Some(ByPath::Listed(systems.into_iter().collect()));
         self.marked()
     }
 
     /// Sets the number of paths; with [`Ensemble::until_error`], the largest number.
     pub fn paths(mut self, paths: u64) -> Self {
-        self.setup.paths = Some(paths);
+        self.setup.more.paths = Some(paths);
         self
     }
 
     /// Drives the paths by `StepNormals::seed(seed)`, the fast noise.
     pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R, P> {
-        self.setup.source = Some(Source::new(StepNormals::seed(seed)));
+        self.setup.more.source = Some(Source::new(StepNormals::seed(seed)));
         self.marked()
     }
 
@@ -269,8 +246,8 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         mut self,
         noise: M,
     ) -> Ensemble<'a, H, E, M, R, P> {
-        self.setup.source = Some(Source::new(noise));
-        self.setup.settings = Settings::default();
+        self.setup.more.source = Some(Source::new(noise));
+        self.setup.more.settings = Settings::default();
         self.marked()
     }
 
@@ -288,7 +265,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Sets the fraction of paths that may fail, 0.01 by default. If more fail, the run returns a [`LossError`] with the statistics of the
     /// others. If all fail, it returns the error of the first path.
     pub fn allow_losses(mut self, fraction: f64) -> Self {
-        self.setup.control.losses = Some(fraction);
+        self.setup.more.control.losses = Some(fraction);
         self
     }
 
@@ -296,7 +273,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// order; different paths come from several threads at once. A run that is stopped early may have shown paths that its statistics do not
     /// contain.
     pub fn inspect(mut self, see: impl Fn(u64, &State<H::Vector>) + Send + Sync + 'a) -> Self {
-        self.setup.inspector = Some(Box::new(see));
+        self.setup.more.inspector = Some(Box::new(see));
         self
     }
 
@@ -307,14 +284,14 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         name: impl Into<String>,
         event: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
     ) -> Self {
-        self.setup.events.push(name.into(), event);
+        self.setup.more.events.push(name.into(), event);
         self
     }
 
     /// Sets whether covariances of all pairs of observables are computed, which is the default. Their cost in time and memory is half the
     /// square of the number of observables, at each recorded time. Variances are always computed.
     pub fn covariances(mut self, are_computed: bool) -> Self {
-        self.setup.wanted.covariances = Some(are_computed);
+        self.setup.more.wanted.covariances = Some(are_computed);
         self
     }
 
@@ -324,38 +301,38 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// friction. Each path is then stepped by itself, which takes the time of single paths. It excludes `retry`, `exactly`, and times
     /// between nodes.
     pub fn observe_work(mut self) -> Self {
-        self.setup.wanted.has_work = true;
+        self.setup.more.wanted.has_work = true;
         self
     }
 
     /// Computes quantiles of every observable at every recorded time, to a relative error of [`Quantiles::RELATIVE_ERROR`].
     pub fn quantiles(mut self) -> Self {
-        self.setup.wanted.quantiles = true;
+        self.setup.more.wanted.quantiles = true;
         self
     }
 
     /// Adds a statistic of the caller: see [`Statistic`]. [`Statistics::statistic`] returns it.
     pub fn statistic(mut self, empty: impl Statistic) -> Self {
-        self.setup.wanted.added.push(Box::new(empty));
+        self.setup.more.wanted.added.push(Box::new(empty));
         self
     }
 
     /// Computes a histogram of the observable with this name at every recorded time, with `bins` bins from `lower` to `upper`.
     pub fn histogram(mut self, observable: impl Into<String>, lower: f64, upper: f64, bins: usize) -> Self {
-        self.setup.wanted.histograms.push((observable.into(), [lower, upper], bins));
+        self.setup.more.wanted.histograms.push((observable.into(), [lower, upper], bins));
         self
     }
 
     /// Keeps all observables of every path at every recorded time ([`Statistics::paths`]), and the time of each event
     /// ([`Passages::by_path`]), if that takes at most `bytes` of memory.
     pub fn keep_paths(mut self, bytes: u64) -> Self {
-        self.setup.wanted.most_bytes = Some(bytes);
+        self.setup.more.wanted.most_bytes = Some(bytes);
         self
     }
 
     /// Keeps the first `most` crossings of each path and section with their states. By default they are only counted ([`Crossings`]).
     pub fn keep_crossings(mut self, most: u64) -> Self {
-        self.setup.wanted.most_crossings = most;
+        self.setup.more.wanted.most_crossings = most;
         self
     }
 
@@ -371,7 +348,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// The mean is then within 1.96 targets of the true one in at least 95 % of the runs. `docs/guide/ensembles.md` shows this for events of
     /// probability 0.001 and for the heavy tail of `exp(2 W)`.
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
-        self.setup.control.targets.push((observable.into(), target));
+        self.setup.more.control.targets.push((observable.into(), target));
         self
     }
 
@@ -410,8 +387,8 @@ where
     {
         let execution = std::mem::take(&mut self.setup.execution);
         let (control, keeping) =
-            (std::mem::take(&mut self.setup.control), std::mem::take(&mut self.setup.keeping));
-        let (threads, instructions) = (execution.threads()?, execution.instructions);
+            (std::mem::take(&mut self.setup.more.control), std::mem::take(&mut self.setup.keeping));
+        let (threads, instructions) = (execution.threads()?, execution.instructions());
         let stop = || execution.is_stopped();
         let job = self.job(&stop)?;
         if job.source.is_antithetic() && WIDTH % 2 == 1 {

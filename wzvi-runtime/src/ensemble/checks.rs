@@ -65,12 +65,12 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         'a: 's,
     {
         let mut setup = self.setup;
-        let (system, h) = (setup.system, setup.h);
+        let (system, h, more) = (setup.system, setup.h, setup.more);
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }
-        let seed = setup.source.as_ref().map_or(0, Source::seed);
-        let starts = setup.starts.filter(|_| setup.span.start.is_none());
+        let seed = more.source.as_ref().map_or(0, Source::seed);
+        let starts = more.starts.filter(|_| setup.span.start.is_none());
         if let Some(starts) = &starts {
             setup.span.start = starts.of(Drawn::Start, seed, 0);
             if setup.span.start.is_none() {
@@ -80,9 +80,9 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
         let listed =
-            [starts.as_ref().and_then(ByPath::listed), setup.systems.as_ref().and_then(ByPath::listed)];
-        let paths = number_of_paths(setup.paths, listed)?;
-        let systems = setup.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
+            [starts.as_ref().and_then(ByPath::listed), more.systems.as_ref().and_then(ByPath::listed)];
+        let paths = number_of_paths(more.paths, listed)?;
+        let systems = more.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
         let systems = systems.unwrap_or_default();
         starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
@@ -90,20 +90,20 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
         let processes = system.increments(start.q.components().len());
-        let source = match setup.source {
+        let source = match more.source {
             None if processes > 0 => return Err(ConfigError::Missing(SEED).into()),
             Some(source) if processes > 0 => source,
             _ => Source::new(StepNormals::seed(0)),
         };
         let first = Interval { start: start.t, h, step: 0 };
-        let source = source.prepared(setup.settings, &H::PLAN, first, (processes, grid.whole()))?;
+        let source = source.prepared(more.settings, &H::PLAN, first, (processes, grid.whole()))?;
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
             return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
         }
         let recorded = setup.recorded.checked(0, &grid)?;
         let recorded = recorded.all(&grid, MOST_NODES)?;
-        let (mut observables, mut own) = (setup.observables, setup.own);
+        let (mut observables, mut own) = (setup.observables, more.own);
         if observables.is_empty() {
             observables = coordinates(start.q.components().len(), &system.variables());
             own.push((
@@ -112,14 +112,14 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             ));
             observables.push(observables.free("energy"), elsewhere);
         }
-        let own_work = setup.wanted.has_work.then(|| observables.len());
+        let own_work = more.wanted.has_work.then(|| observables.len());
         if own_work.is_some() {
             let is_between = recorded.iter().any(|recorded| recorded.is_inside);
             check_work::<H, E>(setup.retry.most() > 0 || grid.shorter.is_some() || is_between)?;
             WORK.into_iter().for_each(|name| observables.push(name.into(), elsewhere));
         }
         let (names, observables) = observables.checked("observables")?;
-        let (event_names, events) = setup.events.checked("events")?;
+        let (event_names, events) = more.events.checked("events")?;
         if has_pairs && !events.is_empty() {
             return Err(ConfigError::Setting(
                 "first passages of antithetic paths: their errors would be those of independent ones; leave out one of the two"
@@ -132,10 +132,10 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             return Err(ConfigError::Setting(wrong.into()).into());
         }
         let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
-        let passages = passages(event_names, &grid, setup.wanted.most_bytes.is_some())?;
-        let crossings = Crossings::new(start.q.components().len(), setup.wanted.most_crossings);
+        let passages = passages(event_names, &grid, more.wanted.most_bytes.is_some())?;
+        let crossings = Crossings::new(start.q.components().len(), more.wanted.most_crossings);
         let crossings = vec![crossings; setup.sections.len()];
-        let empty = setup.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
+        let empty = more.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
         if let Some(shorter) = grid.shorter.filter(|_| processes > 0) {
             // What has no increments for the last step says so before the run.
             let last = Interval { step: grid.whole(), ..first };
@@ -162,7 +162,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             observables,
             events,
             sections: setup.sections,
-            inspector: setup.inspector,
+            inspector: more.inspector,
             empty,
             stop,
         })

@@ -75,8 +75,8 @@ where
         let guard = AbortOnPanic(&world);
         let execution = std::mem::take(&mut self.setup.execution);
         let (control, keeping) =
-            (std::mem::take(&mut self.setup.control), std::mem::take(&mut self.setup.keeping));
-        let (threads, instructions) = (execution.threads.unwrap_or(1), execution.instructions);
+            (std::mem::take(&mut self.setup.more.control), std::mem::take(&mut self.setup.keeping));
+        let (threads, instructions) = (execution.threads.unwrap_or(1), execution.instructions());
         let stop = || execution.is_stopped();
         let job = agree(&world, check_threads(threads).and_then(|()| self.job(&stop)))?;
         let described = agree(&world, described(&job))?;

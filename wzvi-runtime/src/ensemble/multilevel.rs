@@ -36,7 +36,7 @@ use super::halt::Halt;
 use super::job::Job;
 use super::source::{Settings, Source};
 use super::starts::Paired;
-use super::{Ensemble, Extras, Setup};
+use super::{Ensemble, Extras, Many, Setup};
 use crate::algebra::lanes::instructions::InstructionSet;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, InternalError};
@@ -130,14 +130,14 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 
     /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.setup.source = Some(Source::new(StepNormals::seed(seed)));
+        self.setup.more.source = Some(Source::new(StepNormals::seed(seed)));
         self
     }
 
     /// Sets whether increments are truncated. The default is `k = 4` where
     /// [`Plan::truncates_increments`](crate::scheme::plan::Plan::truncates_increments) holds.
     pub fn truncation(mut self, truncation: Truncation) -> Self {
-        self.setup.settings.truncation = truncation;
+        self.setup.more.settings.truncation = truncation;
         self
     }
 
@@ -149,7 +149,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 
     /// How many paths of each level, at most.
     pub fn paths(mut self, paths: u64) -> Self {
-        self.setup.paths = Some(paths);
+        self.setup.more.paths = Some(paths);
         self
     }
 
@@ -187,15 +187,15 @@ where
         let Levels { weak_order, finest, .. } = self.levels;
         let execution = std::mem::take(&mut self.setup.execution);
         let stop = || execution.is_stopped();
-        let (end, paths) = (self.setup.span.end, self.setup.paths);
-        self.setup.paths = Some(paths.unwrap_or(MOST_PATHS));
+        let (end, paths) = (self.setup.span.end, self.setup.more.paths);
+        self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));
         let job = Ensemble::<H, E, StepNormals, Whole, Paired> { setup: self.setup, types: PhantomData }
             .job(&stop)?;
         check_end(end, &job)?;
         let progress = execution.progress("steps");
         Run {
             levels: vec![Stage::coarsest(job)],
-            hands: (execution.threads()?, execution.instructions),
+            hands: (execution.threads()?, execution.instructions()),
             most_paths: paths.unwrap_or(MOST_PATHS),
             most_constant: paths.unwrap_or(MOST_CONSTANT),
             target,
@@ -242,8 +242,8 @@ where
 
 /// What an ensemble was told that means nothing here.
 fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
-    let Setup { span, source, settings, own, events, sections, wanted, starts, systems, .. } = setup;
-    let Setup { recorded, inspector, keeping, retry, is_watched, control, .. } = setup;
+    let Setup { span, recorded, sections, keeping, retry, is_watched, more, .. } = setup;
+    let Many { starts, systems, paths: _, source, settings, own, events, wanted, inspector, control } = more;
     let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } = wanted;
     let (Settings { is_antithetic, .. }, Control { targets, losses }) = (settings, control);
     let Request { every, times } = recorded;

@@ -7,17 +7,11 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use crate::algebra::threads::{Threads, together};
-use crate::error::ConfigError;
+use crate::algebra::threads::together;
 
 #[cfg(feature = "mpi")]
 pub(crate) use queue::PATIENCE;
 pub(crate) use queue::{Pace, Queue};
-
-/// All cores if none are asked for.
-pub(crate) fn threads(asked: Option<usize>) -> Result<usize, ConfigError> {
-    Ok(Threads::asked(asked)?.number(usize::MAX))
-}
 
 /// A queue of blocks that several threads work on.
 pub(crate) struct Shared<T> {

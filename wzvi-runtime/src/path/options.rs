@@ -6,8 +6,21 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
+#[cfg(feature = "ensemble")]
+use crate::algebra::lanes::instructions::InstructionSet;
+#[cfg(feature = "ensemble")]
+use crate::algebra::memory::Threads;
 use crate::algebra::state::State;
 use crate::error::ConfigError;
+use crate::ground::handle::Handle;
+#[cfg(feature = "ensemble")]
+use crate::ground::progress::ProgressLine;
+use crate::path::checkpoint::Keeping;
+use crate::path::recording::Request;
+use crate::path::retry::Retry;
+use crate::path::section::Sections;
+use crate::path::span::Span;
+use crate::scheme::system::Hamiltonian;
 
 /// A function of the state.
 pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
@@ -83,6 +96,84 @@ impl<'a, V> Observables<'a, V> {
             Some(twice) => Err(ConfigError::Setting(format!("two {what} have the name `{twice}`"))),
             None => Ok((names, functions)),
         }
+    }
+}
+
+/// What a run was told so far: what all runs of paths are told, and what one kind of them is told besides.
+#[derive(Clone, Debug)]
+pub(crate) struct Setup<'a, H: Hamiltonian, M = ()> {
+    pub(crate) system: &'a H,
+    pub(crate) h: f64,
+    pub(crate) span: Span<H::Vector>,
+    pub(crate) recorded: Request,
+    pub(crate) observables: Observables<'a, H::Vector>,
+    pub(crate) sections: Sections<'a, H::Vector>,
+    pub(crate) retry: Retry,
+    pub(crate) is_watched: bool,
+    pub(crate) execution: Execution<'a>,
+    pub(crate) keeping: Keeping,
+    pub(crate) more: M,
+}
+
+impl<'a, H: Hamiltonian, M: Default> Setup<'a, H, M> {
+    pub(crate) fn new(system: &'a H, h: f64) -> Self {
+        Self {
+            system,
+            h,
+            span: Span::default(),
+            recorded: Request::default(),
+            observables: Observables::default(),
+            sections: Sections::default(),
+            retry: Retry::never(),
+            is_watched: true,
+            execution: Execution::default(),
+            keeping: Keeping::default(),
+            more: M::default(),
+        }
+    }
+}
+
+/// How a run is carried out: none of it changes the result.
+#[derive(Clone, Default)]
+pub(crate) struct Execution<'a> {
+    pub(crate) threads: Option<usize>,
+    pub(crate) stop: Option<Arc<dyn Fn() -> bool + Send + Sync + 'a>>,
+    pub(crate) is_quiet: bool,
+    pub(crate) handle: Option<Handle>,
+    /// The best that the machine has if none are asked for.
+    #[cfg(feature = "ensemble")]
+    pub(crate) instructions: Option<InstructionSet>,
+}
+
+impl fmt::Debug for Execution<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut fields = f.debug_struct("Execution");
+        fields.field("threads", &self.threads).field("is_quiet", &self.is_quiet).finish_non_exhaustive()
+    }
+}
+
+#[cfg(feature = "ensemble")]
+impl Execution<'_> {
+    /// Those asked for, or all cores.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for none.
+    pub(crate) fn threads(&self) -> Result<usize, ConfigError> {
+        Ok(Threads::asked(self.threads)?.number(usize::MAX))
+    }
+
+    pub(crate) fn instructions(&self) -> InstructionSet {
+        self.instructions.unwrap_or_else(InstructionSet::best)
+    }
+
+    /// Whether the run is to end, because its handle or a function says so.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.handle.as_ref().is_some_and(Handle::is_stopped) || self.stop.as_ref().is_some_and(|stop| stop())
+    }
+
+    /// The line that shows how many of these are done.
+    pub(crate) fn progress(&self, unit: &'static str) -> ProgressLine {
+        ProgressLine::new(unit, self.is_quiet, self.handle.clone())
     }
 }
 
@@ -209,25 +300,11 @@ macro_rules! options {
         }
     };
     (@ execution) => {
+        crate::path::options::options!(@ progress);
+
         /// Sets the number of threads; the default is all cores. The result is the same.
         pub fn threads(mut self, threads: usize) -> Self {
             self.setup.execution.threads = Some(threads);
-            self
-        }
-
-        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers what is done, and says that it is
-        /// partial.
-        ///
-        /// All threads call it about every 10 ms, and after each step or observed path that takes longer. A [handle](Self::handle) also
-        /// stops a run.
-        pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
-            self.setup.execution.stop = Some(Box::new(stop));
-            self
-        }
-
-        /// Shows no progress. By default progress appears after a second if standard error is a terminal.
-        pub fn quiet(mut self) -> Self {
-            self.setup.execution.is_quiet = true;
             self
         }
 
@@ -238,11 +315,28 @@ macro_rules! options {
             self
         }
     };
+    (@ progress) => {
+        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers what is done, and says that it is
+        /// partial.
+        ///
+        /// All threads call it about every 10 ms, and after each step or observed path that takes longer; a single path calls it ten times a
+        /// second, and ends with `Error::Stopped`. A [handle](Self::handle) also stops a run.
+        pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
+            self.setup.execution.stop = Some(std::sync::Arc::new(stop));
+            self
+        }
+
+        /// Shows no progress. By default progress appears after a second if standard error is a terminal.
+        pub fn quiet(mut self) -> Self {
+            self.setup.execution.is_quiet = true;
+            self
+        }
+    };
     (@ instructions) => {
         /// Uses these vector instructions, or the baseline's where the machine does not have them. The default is the best that the machine
         /// has. The result is the same.
         pub fn instructions(mut self, set: crate::algebra::lanes::instructions::InstructionSet) -> Self {
-            self.setup.execution.instructions = set;
+            self.setup.execution.instructions = Some(set);
             self
         }
     };

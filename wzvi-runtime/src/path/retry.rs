@@ -168,8 +168,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let (mut before, mut state) = (before.clone(), before.clone());
         let mut dw = vec![0.0; self.system.increments(before.q.components().len())];
         let step = Step { state: &mut state, interval, noise, dw: &mut dw };
-        let account = &mut ();
-        let (mut path, parts) = in_parts(&mut stepper, step, halvings, account)?;
+        let (parts, account) = (numbers_of_parts(interval.step, halvings)?, &mut ());
+        let mut path = in_parts(&mut stepper, step, halvings, account);
         take_each(&mut path, parts, |path, _| {
             see(path.stepper, [&before, path.state], path.dw);
             before.clone_from(path.state);
@@ -319,26 +319,28 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_
     }
 }
 
-/// The `2^level` parts of a step, and their numbers among those of all steps.
-///
-/// # Errors
-/// [`ConfigError::Setting`] if they cannot be counted.
+/// The `2^level` parts of a step.
 fn in_parts<'s, T, V, N, A>(
     stepper: &'s mut T,
     step: Step<'s, V, N>,
     level: u32,
     account: &'s mut A,
-) -> Result<(Single<'s, T, V, N, A>, Range<u64>), ConfigError> {
-    let Step { state, interval: Interval { start, h, step }, noise, dw } = step;
-    let uncounted = || {
+) -> Single<'s, T, V, N, A> {
+    let Step { state, interval: Interval { start, h, .. }, noise, dw } = step;
+    Single { stepper, state, noise, dw, first: Interval { start, h: part_of(h, level), step: 0 }, account }
+}
+
+/// Their numbers among those of all steps.
+///
+/// # Errors
+/// [`ConfigError::Setting`] if they cannot be counted.
+fn numbers_of_parts(step: u64, level: u32) -> Result<Range<u64>, ConfigError> {
+    parts_of(step, level).ok_or_else(|| {
         let parts = 1_u64 << level;
         ConfigError::Setting(format!(
             "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
         ))
-    };
-    let numbers = parts_of(step, level).ok_or_else(uncounted)?;
-    let first = Interval { start, h: part_of(h, level), step: 0 };
-    Ok((Single { stepper, state, noise, dw, first, account }, numbers))
+    })
 }
 
 /// Takes the `2^level` parts of a step; their Newton iterations. The increments of the step become the sums of theirs, for which there is room.
@@ -352,8 +354,8 @@ fn take_parts<V, T: TakeStep<V>, N: Noise>(
     dw.fill(0.0);
     room.resize(dw.len(), 0.0);
     let mut account = Parts { dw, iterations: 0 };
-    let (mut path, numbers) =
-        in_parts(stepper, Step { state, interval, noise, dw: room }, level, &mut account)?;
+    let numbers = numbers_of_parts(interval.step, level)?;
+    let mut path = in_parts(stepper, Step { state, interval, noise, dw: room }, level, &mut account);
     take_each(&mut path, numbers, |_, _| Ok(()))?;
     Ok(account.iterations)
 }

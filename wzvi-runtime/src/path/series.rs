@@ -25,6 +25,6 @@ pub use batches::BatchMeans;
 pub use chains::Chains;
 #[cfg(feature = "correlation")]
 pub use correlation::{Autocorrelation, ByLag};
-pub(crate) use tally::Observed;
+pub(crate) use tally::Averaged;
 pub use temperature::{Equipartition, Share};
 pub(crate) use temperature::{configurational, configurational_of, kinetic, kinetic_of};

@@ -19,12 +19,11 @@ use crate::increments::{Interval, NoNoise, Noise};
 use crate::path::Error;
 use crate::path::between::{Between, Part};
 use crate::path::checkpoint::{Keeper, Keeping};
-use crate::path::options::{Observables, options};
+use crate::path::options::{Execution, Setup, options};
 use crate::path::recording::Request;
 use crate::path::retry::{Halved, Retry, Serves, Subdivision, Whole};
-use crate::path::section::Sections;
-use crate::path::series::Observed;
-use crate::path::span::{Grid, Span};
+use crate::path::series::Averaged;
+use crate::path::span::Grid;
 use crate::path::step::StepInfo;
 use crate::path::steps::{Account, Monitor, Single, take_steps};
 use crate::path::trajectory::{Recorder, Trajectory};
@@ -116,47 +115,16 @@ pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Wh
     types: PhantomData<fn() -> (E, R)>,
 }
 
-/// What was said so far, but for noise and observer.
-#[derive(Clone, Debug)]
-struct Setup<'a, H: Hamiltonian> {
-    system: &'a H,
-    h: f64,
-    span: Span<H::Vector>,
-    recorded: Request,
-    observables: Observables<'a, H::Vector>,
-    sections: Sections<'a, H::Vector>,
-    retry: Retry,
-    is_watched: bool,
-    /// All cores if none are asked for.
-    threads: Option<usize>,
-    is_quiet: bool,
-    handle: Option<Handle>,
-    keeping: Keeping,
-}
-
 impl<'a, H: Discretized<E>, E> Simulation<'a, H, E> {
     /// A path of `system` in steps of size `h`.
     pub fn new(system: &'a H, h: f64) -> Self {
-        let setup = Setup {
-            system,
-            h,
-            span: Span::default(),
-            recorded: Request::default(),
-            observables: Observables::default(),
-            sections: Sections::default(),
-            retry: Retry::never(),
-            is_watched: true,
-            threads: None,
-            is_quiet: false,
-            handle: None,
-            keeping: Default::default(),
-        };
+        let setup = Setup::new(system, h);
         Self { setup, noise: None, observer: Unobserved, types: PhantomData }
     }
 }
 
 impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
-    options!(start, end, exact, record, observe, temperatures, section, watch);
+    options!(start, end, exact, record, observe, temperatures, section, watch, progress);
 
     /// Observes a function of the system, too.
     fn observe_own(
@@ -189,20 +157,14 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// Sets the number of threads for the steps of large systems, as far as these have enough windows. The default is all cores, from a size
     /// on where that pays; 1 switches threads off. The result is the same, bit for bit.
     pub fn threads(mut self, threads: usize) -> Self {
-        self.setup.threads = Some(threads);
-        self
-    }
-
-    /// Shows no progress. By default progress appears after a second if standard error is a terminal.
-    pub fn quiet(mut self) -> Self {
-        self.setup.is_quiet = true;
+        self.setup.execution.threads = Some(threads);
         self
     }
 
     /// Lets this handle stop the run and say how far it is ([`crate::ground::handle`]). A path that is stopped ends at a node with
     /// [`Error::Stopped`]; [`Simulation::run_partial`] returns it up to there.
     pub fn handle(mut self, handle: &Handle) -> Self {
-        self.setup.handle = Some(handle.clone());
+        self.setup.execution.handle = Some(handle.clone());
         self
     }
 
@@ -220,13 +182,11 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
     }
 
-    /// The same run, of which only the ends are kept; its observables, the time of its start and its step size, and after how many steps they are wanted.
+    /// The same run, of which only the ends are kept, and what it averages instead.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for what has no use then.
-    pub(crate) fn without_path(
-        mut self,
-    ) -> Result<(Self, Observed<'a, H::Vector>, [f64; 2], u64), ConfigError>
+    pub(crate) fn without_path(mut self) -> Result<(Self, Averaged<'a, H::Vector>), ConfigError>
     where
         O: Observer<H::Vector>,
     {
@@ -242,10 +202,10 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
             return Err(ConfigError::Setting(wrong));
         }
         self.setup.recorded.every = Some(0);
-        let observed = std::mem::take(&mut self.setup.observables).checked("observables")?;
+        let (names, functions) = std::mem::take(&mut self.setup.observables).checked("observables")?;
         let start = self.setup.span.start.as_ref().map_or(f64::NAN, |start| start.t);
-        let times = [start, self.setup.h];
-        Ok((self, observed, times, every.unwrap_or(1).max(1)))
+        let (h, stride) = (self.setup.h, every.unwrap_or(1).max(1));
+        Ok((self, Averaged { names, functions, start, h, stride }))
     }
 
     /// Goes on from a checkpoint, and writes it.
@@ -299,7 +259,8 @@ where
     {
         let Self { setup, noise, mut observer, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
-        let Setup { is_watched, threads, is_quiet, handle, keeping, .. } = setup;
+        let Setup { is_watched, execution, keeping, more: (), .. } = setup;
+        let Execution { threads, is_quiet, handle, stop: asked, .. } = execution;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
@@ -324,6 +285,7 @@ where
             looks.arrive(first, &state);
         }
         let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
+        let stop = stop.or(asked.as_deref().map(|stop| stop as _));
         let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
         let mut monitor = Nodes { observer, keeper: &mut keeper, shown, stop, due: 0, grid, looks, dense };

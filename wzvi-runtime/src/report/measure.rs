@@ -3,11 +3,10 @@
 use super::Overlay;
 use super::method::{Embedded, Method};
 use crate::algebra::state::State;
-use crate::ensemble::execution::Execution;
 use crate::ground::names::short_name;
 use crate::noise::{Driver, Paths, Wiener};
 use crate::path::Error;
-use crate::path::options::options;
+use crate::path::options::{Execution, options};
 use crate::path::span::{End, Span};
 use crate::scheme::system::{Discretized, Hamiltonian};
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::BatchMeans;
-use super::tally::{Tally, Targets};
+use super::tally::{Averaged, Tally, Targets};
 use crate::algebra::state::State;
 use crate::error::{FileError, UnknownName};
 use crate::increments::Noise;
@@ -135,10 +135,10 @@ where
     /// and settings that averages have no use for: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or gone on from.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
         let Self { simulation, discarded, targets, stop } = self;
-        let (simulation, observed, [start, h], stride) = simulation.without_path()?;
-        let tally = Tally::new(observed, stride, [start, discarded], &targets)?;
-        let run = simulation.observed_by(tally);
-        let ((path, error), tally) = run.run_until(stop.as_ref().map(|stop| &**stop))?;
+        let (simulation, averaged) = simulation.without_path()?;
+        let Averaged { h, stride, .. } = averaged;
+        let run = simulation.observed_by(Tally::new(averaged, discarded, &targets)?);
+        let ((path, error), tally) = run.run_until(stop.as_deref())?;
         let is_partial = matches!(error, Some(Error::Stopped(_)));
         if let Some(error) = error.filter(|_| !is_partial) {
             return Err(error);

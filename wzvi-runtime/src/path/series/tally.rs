@@ -12,19 +12,24 @@ use crate::path::simulate::{Node, Observer};
 /// Observables, and the errors that are small enough for them.
 pub(super) type Targets = Vec<(String, f64)>;
 
-/// Names and functions of the observables of a run.
-pub(crate) type Observed<'a, V> = (Vec<String>, Vec<Observable<'a, V>>);
+/// What a run that keeps no path averages.
+pub(crate) struct Averaged<'a, V> {
+    pub(crate) names: Vec<String>,
+    pub(crate) functions: Vec<Observable<'a, V>>,
+    /// The time of its start, and its step size.
+    pub(crate) start: f64,
+    pub(crate) h: f64,
+    /// How many steps there are from one value to the next.
+    pub(crate) stride: u64,
+}
 
 /// When it is looked again whether errors are small enough: after so many values, and after a fiftieth more.
 const LOOKS: u64 = 64;
 
 /// The values of observables at every `stride`-th node.
 pub(crate) struct Tally<'a, V> {
-    names: Vec<String>,
-    functions: Vec<Observable<'a, V>>,
-    stride: u64,
-    /// The time of the start, and how long from there is left out.
-    start: f64,
+    averaged: Averaged<'a, V>,
+    /// Time from the start that is left out.
     discarded: f64,
     /// The errors that are small enough, infinite where none was asked for.
     wanted: Vec<f64>,
@@ -35,12 +40,8 @@ pub(crate) struct Tally<'a, V> {
 
 impl<'a, V> Tally<'a, V> {
     /// Of these observables.
-    pub(super) fn new(
-        (names, functions): Observed<'a, V>,
-        stride: u64,
-        [start, discarded]: [f64; 2],
-        targets: &Targets,
-    ) -> Result<Self, Error> {
+    pub(super) fn new(averaged: Averaged<'a, V>, discarded: f64, targets: &Targets) -> Result<Self, Error> {
+        let names = &averaged.names;
         let mut wanted = vec![f64::INFINITY; names.len()];
         for (name, target) in targets {
             let place = names.iter().position(|known| known == name);
@@ -53,7 +54,7 @@ impl<'a, V> Tally<'a, V> {
             wanted[place] = wanted[place].min(*target);
         }
         let batches = vec![BatchMeans::new(); names.len()];
-        Ok(Self { names, functions, stride, start, discarded, wanted, batches, looked: 0 })
+        Ok(Self { averaged, discarded, wanted, batches, looked: 0 })
     }
 
     /// Whether all errors are small enough.
@@ -64,7 +65,7 @@ impl<'a, V> Tally<'a, V> {
 
     /// With their names.
     pub(super) fn batches(&self) -> impl Iterator<Item = (&String, &BatchMeans)> {
-        self.names.iter().zip(&self.batches)
+        self.averaged.names.iter().zip(&self.batches)
     }
 
     fn count(&self) -> u64 {
@@ -77,11 +78,11 @@ impl<V> Observer<V> for Tally<'_, V> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn observe(&mut self, state: &State<V>, node: &Node<'_>) {
-        let is_seen = node.step > 0 && node.step.is_multiple_of(self.stride);
-        if !is_seen || (state.t - self.start).abs() < self.discarded {
+        let is_seen = node.step > 0 && node.step.is_multiple_of(self.averaged.stride);
+        if !is_seen || (state.t - self.averaged.start).abs() < self.discarded {
             return;
         }
-        for (batches, function) in self.batches.iter_mut().zip(&self.functions) {
+        for (batches, function) in self.batches.iter_mut().zip(&self.averaged.functions) {
             batches.add(function(state));
         }
         let count = self.count();
@@ -92,7 +93,7 @@ impl<V> Observer<V> for Tally<'_, V> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, node: u64) -> u64 {
-        (node / self.stride + 1).saturating_mul(self.stride)
+        (node / self.averaged.stride + 1).saturating_mul(self.averaged.stride)
     }
 
     /// Whether the errors were looked at after the last value, and were small enough.
@@ -102,10 +103,10 @@ impl<V> Observer<V> for Tally<'_, V> {
     }
 
     fn described(&self, start: &State<V>) -> Vec<(String, String)> {
-        let values = self.functions.iter().map(|function| function(start).to_bits());
+        let values = self.averaged.functions.iter().map(|function| function(start).to_bits());
         let fields = [
-            ("the averages of", self.names.join(", ")),
-            ("the nodes from one value to the next", self.stride.to_string()),
+            ("the averages of", self.averaged.names.join(", ")),
+            ("the nodes from one value to the next", self.averaged.stride.to_string()),
             ("the time that is discarded", format!("{:?}", self.discarded)),
             ("what is averaged, at the start (checksum)", checksum(values)),
         ];

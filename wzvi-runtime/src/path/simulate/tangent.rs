@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Setup, Simulation, Unobserved, prepared};
+use super::{Execution, Setup, Simulation, Unobserved, prepared};
 use crate::algebra::memory::Threads;
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
@@ -95,7 +95,7 @@ where
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, keeping, .. } = setup;
         // Nothing is shown, and no step is halved.
-        let Setup { is_watched, threads, is_quiet: _, retry, .. } = setup;
+        let Setup { is_watched, execution: Execution { threads, .. }, retry, .. } = setup;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
         let unused = [
