@@ -323,6 +323,8 @@ impl<'a, H: Discretized<E>, E> Stage<'a, H, E> {
     /// From the ensemble in the coarsest steps, of which the end counts.
     fn coarsest(mut job: Job<'a, H, E>) -> Self {
         job.recorded.drain(..job.recorded.len().saturating_sub(1));
+        // All chunks are whole: a level goes on after its last one.
+        job.paths = u64::MAX;
         let node = StatisticsNode::new(2, false, (false, false), Vec::new());
         let nodes = Nodes::new(&[job.grid.time(job.steps)], &node, Vec::new());
         job.empty = Statistics::new(["fine", "difference"].map(str::to_owned).into(), nodes);
