@@ -2,6 +2,7 @@
 //!
 //! A deterministic run of constant step watches its energy (docs/guide/stability.md); what is right is never refused.
 
+use fixtures::rest::ScaledWell;
 use fixtures::small::Kepler;
 use wzvi::error::{StepError, StepFailure};
 use wzvi::prelude::*;
@@ -213,18 +214,6 @@ fn rounding_is_no_alarm() {
 #[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [Midpoint, Gauss<8>])]
 struct Oscillator {
     omega: f64,
-}
-
-/// Two minima at `±scale`.
-#[hamiltonian(
-    drift = |q, p| {
-        let x = q / scale;
-        0.5 * p * p + 0.25 * scale * scale * (x * x - 1.0) * (x * x - 1.0)
-    },
-    embedding = Midpoint,
-)]
-struct ScaledWell {
-    scale: f64,
 }
 
 /// What rounding does to the energy is no alarm, be it as large as the motion: nearly at rest, and where a step turns by nearly half a turn, its stages are next to nothing.
