@@ -126,11 +126,6 @@ impl Embedding {
         )
     }
 
-    /// Whether the step backwards undoes the step forwards, of schemes of the library that are composed.
-    pub(crate) fn is_symmetric(&self) -> bool {
-        matches!(self, Self::Midpoint | Self::Verlet | Self::Gauss(_))
-    }
-
     /// The order in `h` without noise.
     pub(crate) fn order(&self) -> u32 {
         match self {

@@ -53,6 +53,7 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Conservative, DVector, Facts, Labels, Listed, Number, Option,
         Range, Scalar, Sized, Variables, bool, f64, isize, str, u32, usize,
+        compose::General,
         elements::{
             Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Quadrature,
             Row, Run, Slopes, Stage, Sums, Unknowns,
@@ -69,6 +70,7 @@ const _: () = {
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
+        type Structure = General;
         type Vector = DVector<f64>;
         fn variables(&self) -> Variables {
             Variables {

@@ -46,7 +46,7 @@ const _: () = {
         self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Knowledge, Lift,
         Listed, NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain, Plan,
         Reals, Result, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
-        StraightLine, bool, f64, str, usize,
+        StraightLine, bool, f64, str, usize, compose::General,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
@@ -59,6 +59,7 @@ const _: () = {
             conserves_energy: Knowledge::Refuted,
             ..Facts::autonomous(1)
         };
+        type Structure = General;
         type Vector = SVector<f64, 1>;
         fn noises(&self) -> usize {
             1

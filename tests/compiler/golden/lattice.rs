@@ -51,7 +51,7 @@ pub struct Lattice<const N: usize> {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Conservative, DVector, Facts, Labels, Listed, Number, Option, Ord,
-        Scalar, Sized, Variables, bool, f64, isize, str, u32, usize,
+        Scalar, Sized, Variables, bool, f64, isize, str, u32, usize, compose::General,
         elements::{
             Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
             Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
@@ -65,6 +65,7 @@ const _: () = {
             has_one_velocity: true,
             ..Facts::autonomous((N) * 2usize)
         };
+        type Structure = General;
         type Vector = DVector<f64>;
         fn variables(&self) -> Variables {
             Variables {

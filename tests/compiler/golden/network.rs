@@ -46,7 +46,7 @@ pub struct Network {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Conservative, DVector, Facts, Listed, None, Number, Ord, Range,
-        Scalar, Sized, Some, bool, f64, i128, isize, str, u32, usize,
+        Scalar, Sized, Some, bool, f64, i128, isize, str, u32, usize, compose::General,
         elements::{
             Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
             Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
@@ -63,6 +63,7 @@ const _: () = {
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
+        type Structure = General;
         type Vector = DVector<f64>;
         const PLACES: Places = Places {
             components: 1,

@@ -45,18 +45,18 @@ pub struct HenonHeiles;
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Extrapolation,
-        Facts, Labels, Lift, Listed, Number, Of, Ok, Over, Plain, Plan, Reals, Result,
-        Rounded, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
-        StraightLine, Variables, bool, f64, str, usize,
-        compose::{Composes, Equations, General, Many, ROOM, Structure},
+        Facts, Inputs, Labels, Lift, Listed, Number, Of, Ok, Over, Plain, Plan, Reals,
+        Result, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
+        StraightLine, Variables, bool, f64, str, usize, compose::General,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
-        embedding::{Composed, Midpoint},
+        embedding::Midpoint,
     };
     #[automatically_derived]
     impl Elements for HenonHeiles {
         const FACTS: Facts = Facts::autonomous(2);
+        type Structure = General;
         type Vector = SVector<f64, 2>;
         fn variables(&self) -> Variables {
             Variables {
@@ -117,47 +117,43 @@ const _: () = {
         }
     }
     /// The equations of a block, and their Jacobian by rows.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equations<S: Over<K>, K: Constant>(
-        given: [S; 4],
-        constants: [K; 3],
-        iterate: [S; 2],
-    ) -> ([S; 2], [[S; 2]; 2]) {
-        let (
-            [x,
-            y,
-            px,
-            py,
-            ],
-            [half_h,
-            quarter_h_squared,
-            half_h_squared,
-            ],
+    struct Equations;
+    impl Block<4, 0, 3, 0, 2> for Equations {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn equations<S: Over<K>, K: Constant>(
+            (
+                [x,
+                y,
+                px,
+                py,
+                ],
+                [],
+                [half_h,
+                quarter_h_squared,
+                half_h_squared,
+                ],
+                [],
+            ): Inputs<S, K, 4, 0, 3, 0>,
             [delta_px,
             delta_py,
-            ],
-        ) = (given, constants, iterate);
-        let stage_y = y + (py + delta_py) * half_h;
-        let twice_stage_y = stage_y * 2.0;
-        let sum = twice_stage_y + 1.0;
-        let stage_x = x + (px + delta_px) * half_h;
-        let product = stage_x * half_h_squared;
-        (
-            [
-                delta_px + sum * stage_x * half_h,
-                delta_py + (stage_y * (-stage_y + 1.0) + stage_x * stage_x) * half_h,
-            ],
-            [
-                [sum * quarter_h_squared + 1.0, product],
-                [product, (-twice_stage_y + 1.0) * quarter_h_squared + 1.0],
-            ],
-        )
-    }
-    /// The equations of a block at all numbers that round to `iterate`.
-    #[cold]
-    #[inline(never)]
-    fn rounded(given: [f64; 4], constants: [f64; 3], iterate: [f64; 2]) -> [Rounded; 2] {
-        equations(given.map(Rounded::exact), constants, iterate.map(Rounded::nearest)).0
+            ]: [S; 2],
+        ) -> ([S; 2], [[S; 2]; 2]) {
+            let stage_y = y + (py + delta_py) * half_h;
+            let twice_stage_y = stage_y * 2.0;
+            let sum = twice_stage_y + 1.0;
+            let stage_x = x + (px + delta_px) * half_h;
+            let product = stage_x * half_h_squared;
+            (
+                [
+                    delta_px + sum * stage_x * half_h,
+                    delta_py + (stage_y * (-stage_y + 1.0) + stage_x * stage_x) * half_h,
+                ],
+                [
+                    [sum * quarter_h_squared + 1.0, product],
+                    [product, (-twice_stage_y + 1.0) * quarter_h_squared + 1.0],
+                ],
+            )
+        }
     }
     #[automatically_derived]
     impl StraightLine<Midpoint, 2, 0> for HenonHeiles {
@@ -191,33 +187,17 @@ const _: () = {
         ) -> Result<(), StepFailure> {
             let ([x, y], [px, py]) = (coordinates, momenta);
             let [half_h, quarter_h_squared, half_h_squared] = *prepared;
+            use Block as _;
             let mut unknowns = memory.guess::<true>();
-            let effort = wzvi::newton::<
+            let effort = Equations::newton::<
                 S,
-                2,
+                K,
                 true,
                 true,
                 { CAREFUL },
             >(
+                ([x, y, px, py], [], [half_h, quarter_h_squared, half_h_squared], []),
                 &mut unknowns,
-                Block {
-                    evaluate: move |iterate: &[S; 2]| equations(
-                        [x, y, px, py],
-                        [half_h, quarter_h_squared, half_h_squared],
-                        *iterate,
-                    ),
-                    rounded: move |iterate: &[S; 2], lane| {
-                        rounded(
-                            [x.lane(lane), y.lane(lane), px.lane(lane), py.lane(lane)],
-                            [
-                                half_h.lane(lane),
-                                quarter_h_squared.lane(lane),
-                                half_h_squared.lane(lane),
-                            ],
-                            iterate.map(|number| number.lane(lane)),
-                        )
-                    },
-                },
             )?;
             let [delta_px, delta_py] = unknowns;
             let node_py = py + delta_py;
@@ -239,25 +219,12 @@ const _: () = {
         const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
     }
     #[automatically_derived]
-    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for HenonHeiles {
-        type Scheme = <General as Structure<
-            Midpoint,
-        >>::Steps<Many<Midpoint, General, W>>;
-        const TEXT: &'static str = Equations::<
-            Self,
-            Midpoint,
-            General,
-            W,
-            { 1109 + ROOM },
-        >::ALL;
-    }
-    #[automatically_derived]
     impl Conservative for HenonHeiles {}
     wzvi::bindings! {
-        at by_p by_q carry constants coordinates delta_px delta_py effort factor given h
-        h_squared half_h half_h_squared increments iterate lane lift memory momenta next
-        node_px node_py number part prepared product px py quarter_h_squared stage_x
-        stage_y sum t taken twice_stage_y unknowns wanted weight x x_squared y y_squared
+        at by_p by_q carry coordinates delta_px delta_py effort factor h h_squared half_h
+        half_h_squared increments lift memory momenta next node_px node_py part prepared
+        product px py quarter_h_squared stage_x stage_y sum t taken twice_stage_y
+        unknowns wanted weight x x_squared y y_squared
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

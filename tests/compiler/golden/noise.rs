@@ -80,12 +80,11 @@ const _: () = {
         self as wzvi, Carry, ConfigError, Constant, Effort, Err, Facts, Lift, Listed,
         NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain, Plan, Reals,
         Result, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
-        StraightLine, bool, f64, str, usize,
-        compose::{Composes, Equations, General, Many, ROOM, Structure},
+        StraightLine, bool, f64, str, usize, compose::General,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
-        embedding::{Composed, DeltaPlus, Midpoint, Uncorrected},
+        embedding::{DeltaPlus, Midpoint, Uncorrected},
     };
     #[automatically_derived]
     impl Elements for Kubo {
@@ -94,6 +93,7 @@ const _: () = {
             integrals: 3,
             ..Facts::autonomous(1)
         };
+        type Structure = General;
         type Vector = SVector<f64, 1>;
         fn noises(&self) -> usize {
             1
@@ -277,19 +277,6 @@ const _: () = {
     impl Listed<Uncorrected<DeltaPlus>> for Kubo {
         type Scheme = Straight<Uncorrected<DeltaPlus>, 1, 1>;
         const TEXT: &'static str = "Uncorrected<DeltaPlus>\n\nHamiltonians\n  H0 = a (p² + q²)/2\n  H1 = sigma (p² + q²)/2\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nFacts\n  converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving\n  {H1, H0} = 0\n  H0 is a first integral: of the system, and not kept by what the step converges to in general\n  first integral p² + q²: of the system, and not kept by what the step converges to in general\n  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one\n";
-    }
-    #[automatically_derived]
-    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Kubo {
-        type Scheme = <General as Structure<
-            Midpoint,
-        >>::Steps<Many<Midpoint, General, W>>;
-        const TEXT: &'static str = Equations::<
-            Self,
-            Midpoint,
-            General,
-            W,
-            { 903 + ROOM },
-        >::ALL;
     }
     wzvi::bindings! {
         a a_h at by_p by_q carry coordinates dw factor h half_a half_sigma increments

@@ -51,14 +51,13 @@ pub struct Bath {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, DVector, Facts, Knowledge, Listed, NoiseClass, Number, Option, Ord,
-        Range, Scalar, Sized, bool, f64, i128, isize, str, u32, usize,
-        compose::{Composes, Equations, General, Many, ROOM, Structure},
+        Range, Scalar, Sized, bool, f64, i128, isize, str, u32, usize, compose::General,
         elements::{
             Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point,
             Quadrature, Run, Slopes, Stage, Sums,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
-        embedding::{Composed, Midpoint},
+        embedding::Midpoint,
     };
     #[automatically_derived]
     impl Elements for Bath {
@@ -69,6 +68,7 @@ const _: () = {
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
+        type Structure = General;
         type Vector = DVector<f64>;
         fn noises(&self) -> usize {
             (self.sites as isize) as usize
@@ -258,19 +258,6 @@ const _: () = {
     impl Listed<Midpoint> for Bath {
         type Scheme = Loops<Midpoint>;
         const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(q[i]² + p[i]²)/2]\n  H_k = Σ_(i=0..sites - 1) [sigma q[i]]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2}) - Σ_k ΔW[k] H_k(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -q_{1/2}[i] h/2   for i = 0..n - 1\n    -sigma ΔW[i]/2   for i = 0..sites - 1\n\nStep\n  solve for v (then Δq): linear; a band is factored once, a wide matrix is iterated\n\nFacts\n  converges to the Stratonovich system; D = 0\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H_k, H0} = Σ_(i=0..sites - 1) [-sigma p[i]]\n  the noises commute up to a constant\n  H0 is not a first integral\n";
-    }
-    #[automatically_derived]
-    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Bath {
-        type Scheme = <General as Structure<
-            Midpoint,
-        >>::Steps<Many<Midpoint, General, W>>;
-        const TEXT: &'static str = Equations::<
-            Self,
-            Midpoint,
-            General,
-            W,
-            { 1044 + ROOM },
-        >::ALL;
     }
     wzvi::bindings! {
         at b0 by_p by_q factor first0 i0 i1 index into len outer p_i part place q_i range

@@ -42,19 +42,19 @@ pub struct Pendulum {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Err,
-        Extrapolation, Facts, Lift, Listed, Number, Of, Ok, Option, Over, Plain, Plan,
-        Reals, Result, Rounded, SVector, Scalar, Sized, Solution, Solver, StepFailure,
-        Straight, StraightLine, bool, f64, str, usize,
-        compose::{Composes, Equations, General, Many, ROOM, Structure},
+        Extrapolation, Facts, Inputs, Lift, Listed, Number, Of, Ok, Option, Over, Plain,
+        Plan, Reals, Result, SVector, Scalar, Sized, Solution, Solver, StepFailure,
+        Straight, StraightLine, bool, f64, str, usize, compose::General,
         elements::{
             Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes,
             Stage, Sums, Usual,
         },
-        embedding::{Composed, Midpoint},
+        embedding::Midpoint,
     };
     #[automatically_derived]
     impl Elements for Pendulum {
         const FACTS: Facts = Facts::autonomous(1);
+        type Structure = General;
         type Vector = SVector<f64, 1>;
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
             [("omega", self.omega)].get(index).copied()
@@ -104,26 +104,18 @@ const _: () = {
         }
     }
     /// The equations of a block, and their Jacobian by rows.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equations<S: Over<K>, K: Constant>(
-        given: [S; 2],
-        constants: [K; 3],
-        iterate: [S; 1],
-    ) -> ([S; 1], [[S; 1]; 1]) {
-        let ([q, p], [half_h, product, product2], [delta_p]) = (
-            given,
-            constants,
-            iterate,
-        );
-        let stage_q = q + (p + delta_p) * half_h;
-        let (sin_stage_q, cos_stage_q) = stage_q.sin_cos();
-        ([delta_p + sin_stage_q * product], [[cos_stage_q * product2 + 1.0]])
-    }
-    /// The equations of a block at all numbers that round to `iterate`.
-    #[cold]
-    #[inline(never)]
-    fn rounded(given: [f64; 2], constants: [f64; 3], iterate: [f64; 1]) -> [Rounded; 1] {
-        equations(given.map(Rounded::exact), constants, iterate.map(Rounded::nearest)).0
+    struct Equations;
+    impl Block<2, 0, 3, 0, 1> for Equations {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn equations<S: Over<K>, K: Constant>(
+            ([q, p], [], [half_h, product, product2], []): Inputs<S, K, 2, 0, 3, 0>,
+            [delta_p,
+            ]: [S; 1],
+        ) -> ([S; 1], [[S; 1]; 1]) {
+            let stage_q = q + (p + delta_p) * half_h;
+            let (sin_stage_q, cos_stage_q) = stage_q.sin_cos();
+            ([delta_p + sin_stage_q * product], [[cos_stage_q * product2 + 1.0]])
+        }
     }
     #[automatically_derived]
     impl StraightLine<Midpoint, 1, 0> for Pendulum {
@@ -161,30 +153,15 @@ const _: () = {
         ) -> Result<(), StepFailure> {
             let ([q], [p]) = (coordinates, momenta);
             let [half_h, product, product2] = *prepared;
+            use Block as _;
             let mut unknowns = memory.guess::<true>();
-            let effort = wzvi::newton::<
+            let effort = Equations::newton::<
                 S,
-                1,
+                K,
                 false,
                 true,
                 { CAREFUL },
-            >(
-                &mut unknowns,
-                Block {
-                    evaluate: move |iterate: &[S; 1]| equations(
-                        [q, p],
-                        [half_h, product, product2],
-                        *iterate,
-                    ),
-                    rounded: move |iterate: &[S; 1], lane| {
-                        rounded(
-                            [q.lane(lane), p.lane(lane)],
-                            [half_h.lane(lane), product.lane(lane), product2.lane(lane)],
-                            iterate.map(|number| number.lane(lane)),
-                        )
-                    },
-                },
-            )?;
+            >(([q, p], [], [half_h, product, product2], []), &mut unknowns)?;
             let [delta_p] = unknowns;
             let node_p = p + delta_p;
             *next = Solution::new(
@@ -204,25 +181,11 @@ const _: () = {
         const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
     }
     #[automatically_derived]
-    impl<W: Composes<Midpoint, General>> Listed<Composed<Midpoint, W>> for Pendulum {
-        type Scheme = <General as Structure<
-            Midpoint,
-        >>::Steps<Many<Midpoint, General, W>>;
-        const TEXT: &'static str = Equations::<
-            Self,
-            Midpoint,
-            General,
-            W,
-            { 658 + ROOM },
-        >::ALL;
-    }
-    #[automatically_derived]
     impl Conservative for Pendulum {}
     wzvi::bindings! {
-        at by_p by_q carry constants coordinates cos_stage_q delta_p effort factor given
-        h half_h increments index iterate lane lift memory momenta next node_p number
-        omega omega_squared p part prepared product product2 q sin_stage_q stage_q t
-        taken unknowns wanted weight
+        at by_p by_q carry coordinates cos_stage_q delta_p effort factor h half_h
+        increments index lift memory momenta next node_p omega omega_squared p part
+        prepared product product2 q sin_stage_q stage_q t taken unknowns wanted weight
     }
 };
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]

@@ -42,7 +42,7 @@ pub(super) fn emit(
     for (embedding, stages, text) in texts.staged() {
         let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         let gauss = quote!(__wzvi::embedding::Gauss<#stages>);
-        generated.extend(listed(&system.item, &system.item.generics, &scheme, &gauss, text));
+        generated.extend(listed(&system.item, &scheme, &gauss, text));
     }
     generated
 }

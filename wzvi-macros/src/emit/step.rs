@@ -122,6 +122,6 @@ pub(crate) fn emit(
         false => quote!(const _: () = { #step };),
     };
     let straight = quote!(__wzvi::Straight<#embedding, #d, #n>);
-    let listed = listed(item, &item.generics, &embedding, &straight, &text);
+    let listed = listed(item, &embedding, &straight, text);
     quote!(#step #listed)
 }

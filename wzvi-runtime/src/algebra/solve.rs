@@ -4,6 +4,9 @@
 //! numbers), is in `newton` and `dense`; lanes of trajectories are decided one by one, in `lanes`.
 
 mod banded;
+mod block;
+#[cfg(test)]
+mod closures;
 mod convergence;
 mod damped;
 mod dense;
@@ -16,6 +19,7 @@ mod newton;
 mod sparse;
 
 pub use banded::Banded;
+pub use block::{Block, Inputs};
 pub(crate) use damped::{Problem, Room, damped};
 pub use dense::{Factor, SymmetricFactor, prepared, reciprocal_above_one};
 pub use extrapolation::Extrapolation;
@@ -25,7 +29,7 @@ pub use graph::reverse_cuthill_mckee;
 pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};
 pub use lanes::LaneByLane;
-pub use newton::{Block, Effort, Equations};
+pub use newton::{Effort, Equations};
 pub(crate) use newton::{astray, larger};
 pub use sparse::Sparse;
 

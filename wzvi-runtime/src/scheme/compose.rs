@@ -33,6 +33,7 @@ pub(crate) mod windowed;
 
 use std::marker::PhantomData;
 
+use crate::scheme::elements::Elements;
 use crate::scheme::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
 use crate::scheme::gauss::Gauss;
 use text::{DRIFT_KICK, turns};
@@ -45,7 +46,7 @@ pub use pair::Pair;
 #[doc(hidden)]
 pub use parts::{Form, PartFlows, Parts};
 #[doc(hidden)]
-pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows};
+pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows, WholeOf};
 #[doc(hidden)]
 pub use substeps::{Half, Many, One, Substep, Substeps};
 pub use tables::{
@@ -53,7 +54,7 @@ pub use tables::{
     TakahashiImada4, Yoshida4, Yoshida6,
 };
 #[doc(hidden)]
-pub use text::{Equations, Listing, ROOM};
+pub use text::Listing;
 
 /// [`DeltaPlus`] over half the step, then [`DeltaMinus`] over the other half: the Störmer-Verlet scheme, symmetric and of order two. For
 /// `T(p) + V(q, t)` it is explicit: kick, drift, kick, with one evaluation of the force for each step. For any other Hamiltonian it is the
@@ -99,7 +100,9 @@ pub struct Table<W>(PhantomData<W>);
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
     note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
 )]
-pub trait Symmetric {
+pub trait Symmetric: Sized {
+    /// What steps of the scheme take advantage of.
+    type Structure<H: Elements>: Structure<Self>;
     /// The scheme itself, or the first half of it.
     type First;
     /// The scheme itself, or the second half of it.
@@ -111,6 +114,7 @@ pub trait Symmetric {
 impl Symmetric for Midpoint {
     type First = Self;
     type Second = Self;
+    type Structure<H: Elements> = General;
     fn substeps(weight: f64, into: &mut Vec<Substep>) {
         into.push((Half::First, weight));
     }
@@ -119,6 +123,7 @@ impl Symmetric for Midpoint {
 impl<const S: usize> Symmetric for Gauss<S> {
     type First = Self;
     type Second = Self;
+    type Structure<H: Elements> = General;
     fn substeps(weight: f64, into: &mut Vec<Substep>) {
         into.push((Half::First, weight));
     }
@@ -127,6 +132,7 @@ impl<const S: usize> Symmetric for Gauss<S> {
 impl Symmetric for Verlet {
     type First = Uncorrected<DeltaPlus>;
     type Second = Uncorrected<DeltaMinus>;
+    type Structure<H: Elements> = H::Structure;
     fn substeps(weight: f64, into: &mut Vec<Substep>) {
         into.extend([(Half::First, 0.5 * weight), (Half::Second, 0.5 * weight)]);
     }

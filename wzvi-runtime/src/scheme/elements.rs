@@ -73,6 +73,7 @@ use crate::algebra::scalar::{Number, Scalar};
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
+use crate::scheme::compose::{Structure, Verlet};
 use crate::scheme::plan::Facts;
 use crate::scheme::system::no_nan;
 
@@ -155,6 +156,9 @@ pub trait Elements: Sized {
 
     /// What the compiler found out of the system.
     const FACTS: Facts;
+
+    /// What steps of `Verlet` take advantage of.
+    type Structure: Structure<Verlet>;
 
     /// What the elements read and the compiler has not shown to be there.
     #[doc(hidden)]

@@ -7,10 +7,10 @@ use super::flow::{Flow, Solve};
 use super::given::Given;
 use super::memory::part;
 use super::prepare::{Prepared, rows};
+use crate::emit::Printer;
 use crate::emit::names::Names;
 use crate::emit::program::Op;
 use crate::emit::system::count;
-use crate::emit::{Printer, f64_type};
 
 /// What the arguments of a step are called.
 pub(super) struct Arguments {
@@ -153,21 +153,23 @@ impl SolveBody<'_> {
 
         let names = self.names(unknowns);
         let given = Given::new(program, &self.printer, &roots, unknowns);
-        let call = self.equations(&given, &names, &roots, residual, jacobian);
+        let equations = self.equations(&given, &names, &roots, residual, jacobian);
         let used = self.uses_memory();
         let memory = part(self.records.len(), self.flow.newton_sizes().len());
         self.records.push(quote!(#memory.record_where::<#used>(__taken, [#(#names),*]);));
-        let (n, effort) = (count(names.len()), self.printer.other("effort"));
+        let (given, effort) = (given.tokens(), self.printer.other("effort"));
         let code = quote! {
             #statements
+            use __wzvi::Block as _;
             let mut __unknowns = #memory.guess::<#used>();
-            let #effort = __wzvi::newton::<__S, #n, #symmetric, #used, __CAREFUL>(&mut __unknowns, #call)?;
+            let #effort =
+                #equations::newton::<__S, __K, #symmetric, #used, __CAREFUL>(#given, &mut __unknowns)?;
             let [#(#names),*] = __unknowns;
         };
         (code, effort)
     }
 
-    /// Adds the functions of a block; returns how they are passed on.
+    /// Adds the equations of a block; returns the type that has them.
     fn equations(
         &mut self,
         given: &Given,
@@ -175,50 +177,32 @@ impl SolveBody<'_> {
         roots: &[Op],
         residual: &[Op],
         jacobian: &[Vec<Op>],
-    ) -> TokenStream {
+    ) -> Ident {
         let mut inner = self.printer.clone();
         let shared = inner.bind(roots, &self.flow.program.uses(roots), &|_| false);
         let values: Vec<TokenStream> = residual.iter().map(|&op| inner.scalar_value(op)).collect();
         let rows = rows(jacobian, |entry| inner.scalar_value(entry));
-        let number = match self.flow.newton_sizes().len() {
-            1 => String::new(),
-            _ => self.records.len().to_string(),
+        let name = match self.flow.newton_sizes().len() {
+            1 => format_ident!("__Equations"),
+            _ => format_ident!("__Equations{}", self.records.len()),
         };
-        let (equations, rounded) = (format_ident!("__equations{number}"), format_ident!("__rounded{number}"));
-        let (parameters, parameters_of_one) = (given.parameters(), given.parameters_of_one());
-        let (passed, lifted, of_lane) = (given.passed(), given.lifted(), given.of_lane());
-        let (n, f64, open) = (count(names.len()), f64_type(), given.open(names));
-        let generics = match given.has_constants() {
-            true => quote!(__S: __wzvi::Over<__K>, __K: __wzvi::Constant),
-            false => quote!(__S: __wzvi::Scalar),
-        };
+        let (n, lengths, given) = (count(names.len()), given.lengths(), given.tokens());
         self.functions.extend(quote! {
             /// The equations of a block, and their Jacobian by rows.
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn #equations<#generics>(
-                #parameters
-                __iterate: [__S; #n],
-            ) -> ([__S; #n], [[__S; #n]; #n]) {
-                #open
-                #shared
-                ([#(#values),*], [#(#rows),*])
-            }
+            struct #name;
 
-            /// The equations of a block at all numbers that round to `iterate`.
-            #[cold]
-            #[inline(never)]
-            fn #rounded(#parameters_of_one __iterate: [#f64; #n]) -> [__wzvi::Rounded; #n] {
-                #equations(#lifted __iterate.map(__wzvi::Rounded::nearest)).0
+            impl __wzvi::Block<#(#lengths),*, #n> for #name {
+                #[cfg_attr(not(debug_assertions), inline(always))]
+                fn equations<__S: __wzvi::Over<__K>, __K: __wzvi::Constant>(
+                    #given: __wzvi::Inputs<__S, __K, #(#lengths),*>,
+                    [#(#names),*]: [__S; #n],
+                ) -> ([__S; #n], [[__S; #n]; #n]) {
+                    #shared
+                    ([#(#values),*], [#(#rows),*])
+                }
             }
         });
-        quote! {
-            __wzvi::Block {
-                evaluate: move |__iterate: &[__S; #n]| #equations(#passed *__iterate),
-                rounded: move |__iterate: &[__S; #n], __lane| {
-                    #rounded(#of_lane __iterate.map(|__number| __number.lane(__lane)))
-                },
-            }
-        }
+        name
     }
 
     /// Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start, but

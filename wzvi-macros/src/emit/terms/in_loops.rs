@@ -25,8 +25,7 @@ pub(crate) fn emit(
     let (item, embedding) = (&model.item, embedding.path(&quote!(__wzvi)));
     let name = &item.ident;
     let (generics, arguments, filter) = item.generics.split_for_impl();
-    let listed =
-        listed(item, &item.generics, &embedding, &quote!(__wzvi::elements::Loops<#embedding>), &text);
+    let listed = listed(item, &embedding, &quote!(__wzvi::elements::Loops<#embedding>), text);
     quote! {
         #[automatically_derived]
         impl #generics __wzvi::elements::InLoops<#embedding> for #name #arguments #filter {

@@ -31,6 +31,7 @@ use crate::discretise::quadrature::Quadrature;
 use crate::discretise::sums::{Sum, Weighted, unweighted};
 use crate::elements::parts::{PartElements, parts, scale_momenta};
 use crate::elements::plan::{Step, Unknowns};
+use crate::emit::compose::structure;
 use crate::emit::step::mentions;
 use crate::emit::{count, f64_type};
 use crate::input::{Length, Shape};
@@ -48,7 +49,8 @@ pub(crate) fn terms(
     steps: &[Step<'_>],
     texts: &Texts,
 ) -> TokenStream {
-    let mut generated = elements(model, listed, facts, steps.iter().any(|step| needs_curvature(facts, step)));
+    let has_curvature = steps.iter().any(|step| needs_curvature(facts, step));
+    let mut generated = elements(model, listed, facts, has_curvature, &structure(texts));
     generated.extend(parts::emit(model, texts));
     generated.extend(bath::emit(model));
     generated
@@ -328,6 +330,7 @@ fn elements(
     listed: Option<&[Parameter]>,
     facts: &Facts,
     has_curvature: bool,
+    structure: &TokenStream,
 ) -> TokenStream {
     let declared = hamiltonian::emit(model, listed);
     let mut parts = parts(model, facts);
@@ -359,6 +362,7 @@ fn elements(
         #[automatically_derived]
         impl #generics #elements::Elements for #name #arguments #filter {
             const FACTS: __wzvi::Facts = #known;
+            type Structure = #structure;
             #declared
             #places
 

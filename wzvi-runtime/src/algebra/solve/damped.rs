@@ -338,7 +338,7 @@ impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Probl
 
 #[cfg(test)]
 mod tests {
-    use super::super::Block;
+    use super::super::closures::Closures;
     use super::*;
     use crate::algebra::scalar::Rounded;
 
@@ -358,7 +358,7 @@ mod tests {
             ([residual], [[slope]])
         };
         let rounded = |&[x]: &[f64; 1], _| [Rounded { value: equation(x).0, error: f64::EPSILON }];
-        solve::<_, 1>([start], Block { evaluate, rounded }).map(|([x], effort)| (x, effort))
+        solve::<_, 1>([start], Closures { evaluate, rounded }).map(|([x], effort)| (x, effort))
     }
 
     #[test]
@@ -395,7 +395,7 @@ mod tests {
             let (residual, errors) = (equations(z).0, [1e100, 1e-100]);
             std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
         };
-        let ([x, y], _) = solve::<_, 2>([0.0; 2], Block { evaluate: equations, rounded }).unwrap();
+        let ([x, y], _) = solve::<_, 2>([0.0; 2], Closures { evaluate: equations, rounded }).unwrap();
         assert!((x * 1e200 - 2.8).abs() < 1e-14 && y * 1e-200 == 2.0, "{x} {y}");
     }
 

@@ -40,31 +40,6 @@ pub trait Equations<S, const N: usize>: Copy {
     fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N];
 }
 
-/// [`Equations`] of two closures.
-#[derive(Clone, Copy, Debug)]
-pub struct Block<E, R> {
-    /// [`Equations::evaluate`]
-    pub evaluate: E,
-    /// [`Equations::rounded`]
-    pub rounded: R,
-}
-
-impl<S, E, R, const N: usize> Equations<S, N> for Block<E, R>
-where
-    E: Fn(&[S; N]) -> ([S; N], [[S; N]; N]) + Copy,
-    R: Fn(&[S; N], usize) -> [Rounded; N] + Copy,
-{
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn evaluate(&self, x: &[S; N]) -> ([S; N], [[S; N]; N]) {
-        (self.evaluate)(x)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N] {
-        (self.rounded)(x, lane)
-    }
-}
-
 /// What a solution took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
@@ -466,10 +441,11 @@ mod tests {
     use super::*;
     use crate::algebra::lanes::Lanes;
     use crate::algebra::solve::Solve as _;
+    use crate::algebra::solve::closures::Closures;
 
     /// An equation and its slope, with the rounding of a value of the size of 1.
     fn one(equation: impl Fn(f64) -> (f64, f64) + Copy) -> impl Equations<f64, 1> {
-        Block {
+        Closures {
             evaluate: move |&[x]: &[f64; 1]| {
                 let (residual, slope) = equation(x);
                 ([residual], [[slope]])
@@ -543,7 +519,7 @@ mod tests {
             let (residual, errors) = (equations(z).0, [1e12, 1e-12]);
             std::array::from_fn(|i| Rounded { value: residual[i], error: f64::EPSILON * errors[i] })
         };
-        let block = Block { evaluate: equations, rounded };
+        let block = Closures { evaluate: equations, rounded };
         let ([x, y], _) = solved::<2, false, false>([0.0; 2], block).unwrap();
         assert_eq!((x, y), (1e12, 1e-12));
         let ([x, y], _) = solved::<2, false, true>([0.0; 2], block).unwrap();
@@ -586,7 +562,7 @@ mod tests {
     fn the_first_correction_from_zero_is_all_of_it() {
         fn parabola<S: Scalar>(c: S, k: S) -> impl Equations<S, 1> {
             let residual = move |x: S| x - c - k * x * (x / c) * 0.25;
-            Block {
+            Closures {
                 evaluate: move |&[x]: &[S; 1]| ([residual(x)], [[S::from_f64(1.0) - k * (x / c) * 0.5]]),
                 rounded: move |&[x]: &[S; 1], lane| {
                     [Rounded { value: residual(x).lane(lane), error: f64::EPSILON * c.lane(lane).abs() }]

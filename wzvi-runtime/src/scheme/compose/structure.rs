@@ -4,9 +4,11 @@ use std::marker::PhantomData;
 
 use super::flows::KickDrift;
 use super::pair::Pair;
-use super::substeps::{Half, Substep};
-use super::text::DRIFT_KICK;
-use super::{Symmetric, Verlet};
+use super::substeps::{Half, One, Substep};
+use super::text::{DRIFT_KICK, Equations};
+use super::{Composed, Composes, Symmetric, Verlet};
+use crate::scheme::elements::Elements;
+use crate::scheme::system::{Listed, Scheme};
 
 /// The structure of a system, as far as steps of `E` take advantage of it.
 pub trait Structure<E> {
@@ -35,6 +37,20 @@ pub struct Nystrom;
 /// `H_A + H_B` with the flows of both, as the user has parted it; the sum has the structure `K`.
 #[derive(Clone, Copy, Debug)]
 pub struct Parted<K>(PhantomData<K>);
+
+impl<H, E, W> Listed<Composed<E, W>> for H
+where
+    E: Symmetric,
+    H: Elements + Listed<E>,
+    W: Composes<E, E::Structure<H>, Steps: Scheme<H>>,
+{
+    type Scheme = W::Steps;
+    const TEXT: &'static str = Equations::<H, E, W>::ALL;
+}
+
+/// What takes single steps of `E`.
+pub type WholeOf<H, E> =
+    <<E as Symmetric>::Structure<H> as Structure<E>>::Steps<One<E, <E as Symmetric>::Structure<H>>>;
 
 /// Structures with a kinetic energy that is a quadratic form with constant coefficients.
 pub trait QuadraticKinetic {}

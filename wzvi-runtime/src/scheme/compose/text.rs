@@ -2,7 +2,8 @@
 
 use std::marker::PhantomData;
 
-use super::{Composes, Partitioned, Structure};
+use super::{Composes, Partitioned, Symmetric};
+use crate::scheme::elements::Elements;
 use crate::scheme::system::Listed;
 
 /// What a step of a composition is made of, for people.
@@ -33,18 +34,22 @@ pub(super) const fn turns<W: Partitioned>([first, second]: [&'static str; 2], no
 /// Coefficients that are listed; whoever has more does not read them.
 const LISTED: usize = 100;
 
-/// Room for the listing: lines of a name and of a number.
-pub const ROOM: usize = 60 * LISTED + 1000;
+/// How many bytes a text has at most.
+const ROOM: usize = 1 << 16;
 
-/// `EQUATIONS` of steps of `E` with the weights `W`, for the system `H` of the structure `K`; `N` is the length of those of `E` and [`ROOM`].
-#[derive(Clone, Copy, Debug)]
-pub struct Equations<H, E, K, W, const N: usize>(PhantomData<(H, E, K, W)>);
+/// `EQUATIONS` of steps of `E` with the weights `W`, for the system `H`.
+pub(super) struct Equations<H, E, W>(PhantomData<(H, E, W)>);
 
-impl<H: Listed<E>, E, K: Structure<E>, W: Composes<E, K>, const N: usize> Equations<H, E, K, W, N> {
-    const TEXT: Text<N> = Text::of(&W::LISTING, H::TEXT);
+impl<H, E, W> Equations<H, E, W>
+where
+    E: Symmetric,
+    H: Elements + Listed<E>,
+    W: Composes<E, E::Structure<H>>,
+{
+    const TEXT: Text<ROOM> = Text::of(&W::LISTING, H::TEXT);
     /// The text.
-    pub const ALL: &'static str = {
-        let text: &'static Text<N> = &Self::TEXT;
+    pub(super) const ALL: &'static str = {
+        let text: &'static Text<ROOM> = &Self::TEXT;
         text.as_str()
     };
 }
@@ -86,7 +91,8 @@ impl<const N: usize> Text<N> {
             Listing::Steps(_) => "of\n\n",
             Listing::Turns { .. } => "where the flows are those in\n\n",
         });
-        text.push(base);
+        // The scheme that is composed has its own constant, whatever its length.
+        text.push(if text.length + base.len() <= N { base } else { "its own EQUATIONS\n" });
         text
     }
 
@@ -179,5 +185,15 @@ mod tests {
         let mut text = Text::<40> { bytes: [0; 40], length: 0 };
         text.push_number(-0.25);
         assert_eq!(text.as_str(), "-0.25");
+    }
+
+    #[test]
+    fn a_text_without_room_refers_to_that_of_the_scheme() {
+        let listing = Listing::Steps(&[1.0]);
+        let long = "a long text\n".repeat(20);
+        let whole = Text::<400>::of(&listing, &long);
+        assert!(whole.as_str().ends_with(&long));
+        let short = Text::<200>::of(&listing, &long);
+        assert!(short.as_str().ends_with("  1 h\nof\n\nits own EQUATIONS\n"), "{}", short.as_str());
     }
 }

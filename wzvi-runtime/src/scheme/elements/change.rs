@@ -201,6 +201,7 @@ mod tests {
     use super::super::{Alone, Curvature, Given, MomentumUpdate, Point, Quadrature, Slopes, Sums};
     use super::*;
     use crate::algebra::scalar::Number;
+    use crate::scheme::compose::General;
 
     /// `Σ p_i² / 2 m_i + Σ k_i (d_i²/2 + d_i⁴/4)`, `d_i = q_i - q_{i-1}`
     struct Chain {
@@ -210,6 +211,7 @@ mod tests {
 
     impl Elements for Chain {
         const FACTS: Facts = Facts { has_one_velocity: true, ..Facts::autonomous(usize::MAX) };
+        type Structure = General;
         type Vector = DVector<f64>;
         type Exact = Alone;
         type Usual = Alone;
