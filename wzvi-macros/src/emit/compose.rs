@@ -4,23 +4,19 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
-use super::listed::listed;
+use super::listed::{implementation, listed};
 use crate::describe::Texts;
 use crate::discretise::facts::flows::Flows;
 use crate::embedding::Embedding;
 
 /// What the run time reads of the flows that `Verlet` is made of.
 pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: &TokenStream) -> TokenStream {
-    let name = &item.ident;
-    let (generics, arguments, filter) = item.generics.split_for_impl();
     let reads_time = flows.force_reads_time;
-    quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::compose::Flows for #name #arguments #filter {
-            const FORCE_READS_TIME: __wzvi::bool = #reads_time;
-            #in_windows
-        }
-    }
+    let body = quote! {
+        const FORCE_READS_TIME: __wzvi::bool = #reads_time;
+        #in_windows
+    };
+    implementation(item, &quote!(__wzvi::compose::Flows), &body)
 }
 
 /// What steps of `Verlet` take advantage of.

@@ -7,7 +7,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::compose;
-use super::listed::listed;
+use super::listed::{implementation, listed};
 use super::names::Names;
 use super::print::f64_type;
 use super::program::Level;
@@ -75,12 +75,8 @@ fn field(
     let (by_q, by_p) = values.split_at(degrees);
     let (degrees, noises) = (count(degrees), count(dw.len()));
     let stiffness = stiffness(graph, line, &slopes);
-    let name = &item.ident;
-    let (generics, arguments, filter) = item.generics.split_for_impl();
     let bool = quote!(__wzvi::bool);
-    quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::gauss::Field for #name #arguments #filter {
+    let body = quote! {
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = true;
             type Shape = __wzvi::gauss::Fixed<#degrees>;
@@ -121,8 +117,8 @@ fn field(
                     __by_p.copy_from_slice(&[#(#by_p),*]);
                 }
             }
-        }
-    }
+    };
+    implementation(item, &quote!(__wzvi::gauss::Field), &body)
 }
 
 /// The matrix of the linear part of the force, where there is one.

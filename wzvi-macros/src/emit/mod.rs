@@ -21,6 +21,7 @@ use crate::discretise::facts::Facts;
 use crate::elements::plan::Step;
 use crate::model::{StraightLine, System};
 
+pub(crate) use listed::{implementation, listed};
 pub(crate) use names::Names;
 use names::{Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
@@ -59,7 +60,9 @@ pub(crate) fn emit(
     }
     generated.extend(gauss::emit(system, line, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
-    generated.extend(facts.is_conservative.then(|| conservative(&system.item)));
+    // It says that there is a modified energy.
+    let conservative = || implementation(&system.item, &quote!(__wzvi::Conservative), &TokenStream::new());
+    generated.extend(facts.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
     let listed = parameters.unwrap_or_default().iter().map(|parameter| &parameter.tokens);
     let generated = readable(
@@ -80,16 +83,6 @@ pub(crate) fn emit(
         #type_checks
     };
     Expansion { doc: documentation(texts), item: system.item.clone(), implementations }
-}
-
-/// `impl Conservative`, which says that there is a modified energy.
-fn conservative(item: &syn::ItemStruct) -> TokenStream {
-    let name = &item.ident;
-    let (parameters, arguments, filter) = item.generics.split_for_impl();
-    quote! {
-        #[automatically_derived]
-        impl #parameters __wzvi::Conservative for #name #arguments #filter {}
-    }
 }
 
 /// What implementations name of the user's: the struct with its generics, and what `read` reads. The type of a constant

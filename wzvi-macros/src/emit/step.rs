@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::listed::listed;
+use super::listed::{implementation, listed};
 use super::names::Names;
 use super::plan::plan;
 use super::system::{Letters, count};
@@ -71,14 +71,8 @@ pub(crate) fn emit(
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
     let quadrature = terms::quadrature(facts, &scheme.embedding, strategy, false);
     let plan = plan(scheme);
-    let name = &item.ident;
-    let (generics, arguments, filter) = item.generics.split_for_impl();
     let embedding = scheme.embedding.path(&quote!(__wzvi));
-    let step = quote! {
-        #functions
-
-        #[automatically_derived]
-        impl #generics __wzvi::StraightLine<#embedding, #d, #n> for #name #arguments #filter {
+    let body = quote! {
             const PLAN: __wzvi::Plan = #plan;
             const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
             type Prepared = #prepared_type;
@@ -114,8 +108,9 @@ pub(crate) fn emit(
                 #open
                 #statements
             }
-        }
     };
+    let step = implementation(item, &quote!(__wzvi::StraightLine<#embedding, #d, #n>), &body);
+    let step = quote!(#functions #step);
     // Equations have names of their own in each scheme.
     let step = match is_alone || functions.is_empty() {
         true => step,

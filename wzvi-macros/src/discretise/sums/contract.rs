@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::solve::{Equation, Meeting, Placement, solve};
 use super::{Groups, Space, Sum, Weighted, variable};
 use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Element, Half, Local, Slot};
+use crate::model::{Element, Half};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// What becomes of the increments of two sums.
@@ -21,52 +21,27 @@ pub(crate) enum Increments {
 
 /// An element with its loop variables out of the way of another's, and its slopes.
 struct Factor {
-    loops: Vec<Loop>,
-    locals: Vec<Local>,
+    element: Element,
     increments: Vec<Index>,
-    value: Expr,
     slopes: HashMap<Symbol, Expr>,
 }
 
 impl Factor {
     fn new(weighted: &Weighted, shift: u32) -> Option<Self> {
-        let Weighted { element: Element { loops, locals, value }, increments } = weighted;
+        let loops = &weighted.element.loops;
         let moved = |index: &Index| {
-            let mut index = index.clone();
-            for known in loops {
-                index = index.with(known.variable, &variable(known.variable + shift))?;
-            }
-            Some(index)
-        };
-        let range = |known: &Loop| {
-            Some(Loop {
-                variable: known.variable + shift,
-                start: moved(&known.start)?,
-                end: moved(&known.end)?,
+            loops.iter().try_fold(index.clone(), |index, known| {
+                index.with(known.variable, &variable(known.variable + shift))
             })
         };
-        let local = |Local { symbol, slot }: &Local| Some(Local { symbol: *symbol, slot: slot.map(moved)? });
-        Some(Self {
-            locals: locals.iter().map(local).collect::<Option<_>>()?,
-            increments: increments.iter().map(moved).collect::<Option<_>>()?,
-            loops: loops.iter().map(range).collect::<Option<_>>()?,
-            value: *value,
-            slopes: HashMap::new(),
-        })
+        let Weighted { mut element, increments } = weighted.moved(&moved, &moved)?;
+        element.loops.iter_mut().for_each(|known| known.variable += shift);
+        Some(Self { element, increments, slopes: HashMap::new() })
     }
 
     fn slope(&mut self, graph: &mut Graph, symbol: Symbol) -> Expr {
-        let value = self.value;
+        let value = self.element.value;
         *self.slopes.entry(symbol).or_insert_with(|| graph.derivative(value, symbol))
-    }
-
-    /// The variables of one half of the phase space.
-    fn variables(&self, half: Half) -> Vec<(Symbol, Index)> {
-        let of_half = |local: &Local| match &local.slot {
-            Slot::State(own, index) if *own == half => Some((local.symbol, index.clone())),
-            _ => None,
-        };
-        self.locals.iter().filter_map(of_half).collect()
     }
 }
 
@@ -82,13 +57,13 @@ impl Readers {
     fn of(factors: &[Factor], half: Half) -> Self {
         let mut readers = Self::default();
         for (number, factor) in factors.iter().enumerate() {
-            for (symbol, index) in factor.variables(half) {
+            for (symbol, index) in factor.element.of_half(half) {
                 match index.as_integer() {
                     Some(known) => {
                         readers.at.entry(known).or_default().push((number, symbol));
-                        readers.fixed.push((number, symbol, index));
+                        readers.fixed.push((number, symbol, index.clone()));
                     }
-                    None => readers.moving.push((number, symbol, index)),
+                    None => readers.moving.push((number, symbol, index.clone())),
                 }
             }
         }
@@ -125,7 +100,8 @@ impl Space {
         let readers = Readers::of(&second, other);
         let mut groups = Groups::default();
         for one in &mut first {
-            for (x, place) in one.variables(by) {
+            let read: Vec<_> = one.element.of_half(by).map(|(x, place)| (x, place.clone())).collect();
+            for (x, place) in read {
                 for (number, y, there) in readers.meeting(&place) {
                     let two = &mut second[number];
                     let (slope, speed) = (one.slope(graph, x), two.slope(graph, y));
@@ -155,8 +131,8 @@ impl Space {
                 equations.push(Equation { difference: a.subtract(b)?, is_of_slots: false });
             }
         }
-        if one.loops.is_empty()
-            && two.loops.is_empty()
+        if one.element.loops.is_empty()
+            && two.element.loops.is_empty()
             && equations.iter().all(|e| e.difference == Index::default())
         {
             let numbers = joined(&one.increments, &two.increments, increments);
@@ -164,7 +140,7 @@ impl Space {
             groups.add(Vec::new(), numbers, product, Rational::ONE);
             return Some(());
         }
-        let loops = [one.loops.as_slice(), &two.loops].concat();
+        let loops = [one.element.loops.as_slice(), &two.element.loops].concat();
         let Meeting::At(placement) = solve(self, loops, equations, 3 * self.beyond())? else {
             return Some(());
         };
@@ -177,7 +153,7 @@ impl Space {
         let mut value = Vec::new();
         for (factor, part) in [(one, slope), (two, speed)] {
             let mut images = HashMap::new();
-            for local in &factor.locals {
+            for local in &factor.element.locals {
                 let slot = local.slot.map(|index| placed.moved(&placement.image(self, index)?))?;
                 let symbol = self.symbol(graph, &slot);
                 if symbol != local.symbol {
@@ -198,8 +174,8 @@ impl Space {
     /// The indices of the state that the factors read at a placement.
     fn images(&self, placement: &Placement, factors: &[&Factor]) -> Option<Vec<Index>> {
         let halves = [Half::Coordinates, Half::Momenta];
-        let read = factors.iter().flat_map(|factor| halves.map(|half| factor.variables(half)));
-        read.flatten().map(|(_, index)| placement.image(self, &index)).collect()
+        let read = factors.iter().flat_map(|factor| halves.map(|half| factor.element.of_half(half)));
+        read.flatten().map(|(_, index)| placement.image(self, index)).collect()
     }
 }
 
@@ -245,11 +221,7 @@ impl Placed {
     }
 
     fn moved(&self, index: &Index) -> Option<Index> {
-        let mut moved = index.clone();
-        for (own, by) in &self.by {
-            moved = moved.with(*own, by)?;
-        }
-        Some(moved)
+        self.by.iter().try_fold(index.clone(), |index, (own, by)| index.with(*own, by))
     }
 }
 

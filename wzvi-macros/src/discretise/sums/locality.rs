@@ -15,8 +15,8 @@
 //! With `n = 1 .. 10 w + 5` all sizes are decided.
 
 use super::{Space, Sum, Weighted};
+use crate::model::Slot;
 use crate::model::index::{Atom, Index, Loop, Operation};
-use crate::model::{Element, Slot};
 
 /// Loops up to this length, if it is a literal, count as so many placements.
 const SHORT: i128 = 8;
@@ -57,25 +57,8 @@ impl Space {
     /// The sum of a system of literal size `n` as one of a family for all sizes: what is nearer to `n` than to 0 is counted
     /// from there.
     pub(super) fn generalised(&self, sum: &Sum, n: i128) -> Option<(Self, Sum)> {
-        let lift = |index: &Index| lifted(index, n, 1);
-        let lift_range =
-            |known: &Loop| Some(Loop { start: lift(&known.start)?, end: lift(&known.end)?, ..known.clone() });
-        let lift_slot = |slot: &Slot| match slot {
-            Slot::State(_, _) => slot.map(|index| lifted(index, n, self.components)),
-            _ => slot.map(lift),
-        };
-        let lift_one = |Weighted { element, increments }: &Weighted| {
-            let locals = element.locals.iter().map(|local| {
-                Some(crate::model::Local { symbol: local.symbol, slot: lift_slot(&local.slot)? })
-            });
-            Some(Weighted {
-                element: Element {
-                    loops: element.loops.iter().map(lift_range).collect::<Option<_>>()?,
-                    locals: locals.collect::<Option<_>>()?,
-                    value: element.value,
-                },
-                increments: increments.iter().map(lift).collect::<Option<_>>()?,
-            })
+        let lift_one = |weighted: &Weighted| {
+            weighted.moved(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))
         };
         let sum = sum.iter().map(lift_one).collect::<Option<Sum>>()?;
         let space = Self { size: Index::atom(Atom::Size), ..self.renamed(self.names.clone()) };

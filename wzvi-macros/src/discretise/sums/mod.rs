@@ -39,6 +39,30 @@ pub(crate) struct Weighted {
     pub(crate) increments: Vec<Index>,
 }
 
+type Moved<'m> = &'m dyn Fn(&Index) -> Option<Index>;
+
+impl Weighted {
+    /// With every index moved, those of places of the state in a way of their own; `None` on overflow.
+    fn moved(&self, index: Moved<'_>, place: Moved<'_>) -> Option<Self> {
+        let Self { element: Element { loops, value, locals }, increments } = self;
+        let range = |known: &Loop| {
+            Some(Loop { start: index(&known.start)?, end: index(&known.end)?, ..known.clone() })
+        };
+        let local = |Local { symbol, slot }: &Local| {
+            let is_place = matches!(slot, Slot::State(..));
+            Some(Local { symbol: *symbol, slot: slot.map(if is_place { place } else { index })? })
+        };
+        Some(Self {
+            element: Element {
+                loops: loops.iter().map(range).collect::<Option<_>>()?,
+                value: *value,
+                locals: locals.iter().map(local).collect::<Option<_>>()?,
+            },
+            increments: increments.iter().map(index).collect::<Option<_>>()?,
+        })
+    }
+}
+
 /// A sum of elements.
 pub(crate) type Sum = Vec<Weighted>;
 

@@ -59,10 +59,8 @@ enum Outcome {
 impl Placement {
     /// An index of one of the elements at this placement.
     pub(super) fn image(&self, space: &Space, index: &Index) -> Option<Index> {
-        let mut image = index.clone();
-        for (own, by) in &self.solved {
-            image = image.with(*own, by)?;
-        }
+        let mut solved = self.solved.iter();
+        let image = solved.try_fold(index.clone(), |index, (own, by)| index.with(*own, by))?;
         simplified(space, &image, &self.loops)
     }
 }

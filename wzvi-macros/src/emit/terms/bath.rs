@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::parts::Numbers;
 use crate::discretise::facts::kinetic::Kinetic;
-use crate::emit::count;
+use crate::emit::{count, implementation};
 use crate::model::System;
 
 /// For a thermostat, if there is friction for one.
@@ -21,17 +21,13 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
         let number = count(numbers.temperature);
         quote!(const TEMPERATURE: __wzvi::Option<__wzvi::usize> = __wzvi::Some(#number);)
     });
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let bool = quote!(__wzvi::bool);
-    quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::bath::Damped for #name #arguments #filter {
-            const IS_MATRIX: #bool = #is_matrix;
-            const PER_STATE: #bool = #is_per_state;
-            const HAS_DIAGONAL_MASSES: #bool = #is_diagonal;
-            const FRICTION: __wzvi::usize = #number;
-            #temperature
-        }
-    }
+    let body = quote! {
+        const IS_MATRIX: #bool = #is_matrix;
+        const PER_STATE: #bool = #is_per_state;
+        const HAS_DIAGONAL_MASSES: #bool = #is_diagonal;
+        const FRICTION: __wzvi::usize = #number;
+        #temperature
+    };
+    implementation(&model.item, &quote!(__wzvi::bath::Damped), &body)
 }

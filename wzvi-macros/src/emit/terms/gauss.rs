@@ -3,6 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use crate::emit::implementation;
 use crate::model::System;
 
 /// `impl Field`
@@ -12,23 +13,19 @@ pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
     let reads_time =
         terms.flat_map(|term| &term.elements).any(|e| model.graph.depends_on(e.value, &[model.t]));
     let in_lanes = !reads_time;
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let bool = quote!(__wzvi::bool);
-    quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::gauss::Field for #name #arguments #filter {
-            const IS_NYSTROM: #bool = #is_nystrom;
-            const IN_LANES: #bool = #in_lanes;
-            type Shape = __wzvi::gauss::Dynamic;
-            type Noises = __wzvi::gauss::Dynamic;
-            type Parameters = __wzvi::Reals<0>;
+    let body = quote! {
+        const IS_NYSTROM: #bool = #is_nystrom;
+        const IN_LANES: #bool = #in_lanes;
+        type Shape = __wzvi::gauss::Dynamic;
+        type Noises = __wzvi::gauss::Dynamic;
+        type Parameters = __wzvi::Reals<0>;
 
-            fn parameters<__K: __wzvi::Constant>(&self, _: __wzvi::Lift<'_, __K>) -> [__K; 0] {
-                []
-            }
+        fn parameters<__K: __wzvi::Constant>(&self, _: __wzvi::Lift<'_, __K>) -> [__K; 0] {
+            []
         }
-    }
+    };
+    implementation(&model.item, &quote!(__wzvi::gauss::Field), &body)
 }
 
 /// Flows of large systems, window by window.

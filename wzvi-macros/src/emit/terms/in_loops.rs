@@ -7,8 +7,7 @@ use crate::discretise::facts::Facts;
 use crate::discretise::quadrature::{Quadrature, Stage};
 use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
-use crate::emit::count;
-use crate::emit::listed::listed;
+use crate::emit::{count, implementation, listed};
 use crate::model::System;
 
 /// `impl InLoops<E>`
@@ -23,19 +22,14 @@ pub(crate) fn emit(
     let quadrature = quadrature(facts, embedding, strategy, model.noise.is_empty() && !is_explicit);
     let (order, is_consistent) = (Literal::u32_unsuffixed(embedding.order()), facts.converges(embedding));
     let (item, embedding) = (&model.item, embedding.path(&quote!(__wzvi)));
-    let name = &item.ident;
-    let (generics, arguments, filter) = item.generics.split_for_impl();
+    let body = quote! {
+        const ORDER: __wzvi::u32 = #order;
+        const IS_CONSISTENT: __wzvi::bool = #is_consistent;
+        const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
+    };
+    let step = implementation(item, &quote!(__wzvi::elements::InLoops<#embedding>), &body);
     let listed = listed(item, &embedding, &quote!(__wzvi::elements::Loops<#embedding>), text);
-    quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::elements::InLoops<#embedding> for #name #arguments #filter {
-            const ORDER: __wzvi::u32 = #order;
-            const IS_CONSISTENT: __wzvi::bool = #is_consistent;
-            const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
-        }
-
-        #listed
-    }
+    quote!(#step #listed)
 }
 
 /// What the run time needs to know of the scheme, and whether past steps start its iteration.

@@ -33,7 +33,7 @@ use crate::elements::parts::{PartElements, parts, scale_momenta};
 use crate::elements::plan::{Step, Unknowns};
 use crate::emit::compose::structure;
 use crate::emit::step::mentions;
-use crate::emit::{count, f64_type};
+use crate::emit::{count, f64_type, implementation};
 use crate::input::{Length, Shape};
 use crate::model::index::Index;
 use crate::model::{Element, Parameter, System};
@@ -355,12 +355,8 @@ fn elements(
     ];
     let known = crate::emit::plan::facts(model, facts, others);
     let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
-    quote! {
-        #[automatically_derived]
-        impl #generics #elements::Elements for #name #arguments #filter {
+    let body = quote! {
             const FACTS: __wzvi::Facts = #known;
             type Structure = #structure;
             #declared
@@ -401,8 +397,8 @@ fn elements(
             }
 
             #curvature
-        }
-    }
+    };
+    implementation(&model.item, &quote!(#elements::Elements), &body)
 }
 
 /// The code of parts by their numbers.

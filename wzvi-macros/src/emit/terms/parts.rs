@@ -8,7 +8,7 @@ use crate::describe::Texts;
 use crate::discretise::facts::split::Form;
 use crate::discretise::quadrature::Part;
 use crate::discretise::sums::unweighted;
-use crate::emit::count;
+use crate::emit::{count, implementation};
 use crate::model::{Friction, System};
 
 /// The numbers of what stands behind the parts of the step Hamiltonian: the parts of the drift, friction, temperature, first integrals.
@@ -83,14 +83,10 @@ pub(super) fn emit(model: &System, texts: &Texts) -> TokenStream {
         }
         None => quote!(__wzvi::gauss::Dynamic),
     };
-    let name = &model.item.ident;
-    let (generics, arguments, filter) = model.item.generics.split_for_impl();
-    quote! {
-        #[automatically_derived]
-        impl #generics __wzvi::compose::Parts for #name #arguments #filter {
-            const FORMS: [__wzvi::compose::Form; 2] = [#(#forms),*];
-            const FIRST: __wzvi::usize = #first;
-            type Shape = #shape;
-        }
-    }
+    let body = quote! {
+        const FORMS: [__wzvi::compose::Form; 2] = [#(#forms),*];
+        const FIRST: __wzvi::usize = #first;
+        type Shape = #shape;
+    };
+    implementation(&model.item, &quote!(__wzvi::compose::Parts), &body)
 }
