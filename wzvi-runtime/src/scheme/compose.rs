@@ -71,6 +71,11 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 /// The build checks that they are a palindrome of sum 1, and that the sums of those odd powers vanish that the order needs. With `const _:
 /// () = check_weights::<Own>();` ([`check_weights`]) `cargo check` does so, too. The other conditions of the order are not checked.
 /// docs/guide/cookbook-parts.md has an example.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot compose this scheme",
+    label = "not for this scheme",
+    note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`"
+)]
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;
