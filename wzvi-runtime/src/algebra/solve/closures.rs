@@ -5,11 +5,11 @@ use crate::algebra::scalar::Rounded;
 
 /// [`Equations`] of two closures.
 #[derive(Clone, Copy, Debug)]
-pub struct Closures<E, R> {
+pub(super) struct Closures<E, R> {
     /// [`Equations::evaluate`]
-    pub evaluate: E,
+    pub(super) evaluate: E,
     /// [`Equations::rounded`]
-    pub rounded: R,
+    pub(super) rounded: R,
 }
 
 impl<S, E, R, const N: usize> Equations<S, N> for Closures<E, R>
