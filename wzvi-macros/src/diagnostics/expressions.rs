@@ -49,6 +49,8 @@ messages! {
         total + ...`";
     long_for_loop(found) = "a `for` loop whose length is known at run time can only add to its variables: \
         `total += ...`";
+    too_many_loops(found, most: usize) = "sums are inside of each other more than {most} times; write what they add \
+        up to, or fewer of them";
     too_many_cases(found, most: usize) = "the conditions on the indices of this loop split it into more than \
         {most} ranges";
     index_negative(found, index: &str) = "index {index} is out of range: it becomes negative";

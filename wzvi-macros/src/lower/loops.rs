@@ -14,6 +14,9 @@ use crate::model::Slot;
 use crate::model::index::{Atom, Bounds, Index, Loop};
 use crate::symbolic::{Expr, Rational, Relation};
 
+/// Loops, and sums, inside of each other: a sum over so many indices of a handful of places each would never end.
+const MOST_NESTED: usize = 16;
+
 /// Parts that one loop may be split into.
 const MOST_CASES: usize = 64;
 
@@ -214,6 +217,9 @@ impl<'a> Interpreter<'a, '_> {
         if length.as_integer().is_some_and(|length| length <= 0) {
             return Some(self.graph.integer(0));
         }
+        if self.now.loops.active.len() >= MOST_NESTED {
+            return self.refuse(expressions::too_many_loops(at, MOST_NESTED));
+        }
         // Evaluated once, however many turns there are.
         let variable = self.symbols.variable(self.now.loops.active.len());
         let whole = Loop { variable, start: Index::default(), end: length.clone() };
@@ -267,6 +273,9 @@ impl<'a> Interpreter<'a, '_> {
                 range.end.subtract(&range.start).and_then(|d| d.as_integer()).is_some_and(|d| d <= 0);
             if self.graph.is_zero(value) || is_empty {
                 continue;
+            }
+            if self.symbols.depth(&self.graph, value) >= MOST_NESTED {
+                return self.refuse(expressions::too_many_loops(at, MOST_NESTED));
             }
             let symbol = self.symbols.sum(&mut self.graph, range, value);
             terms.push((self.graph.symbol(symbol), Rational::ONE));

@@ -288,3 +288,20 @@ fn independent_mistakes_are_reported_together() {
         ],
     );
 }
+
+#[test]
+fn sums_in_sums() {
+    let nested = |times: usize| {
+        let line = "let a = (0..q.len()).map(|i| a * q[i] * p[i]).sum::<f64>();";
+        format!(
+            "drift = |q: &[f64], p: &[f64]| {{ let a = 1.0; {} a }}, embedding = Midpoint",
+            line.repeat(times)
+        )
+    };
+    assert_messages(&nested(16), STRUCT, &[]);
+    let found = messages(&nested(40), STRUCT);
+    assert!(
+        found.iter().any(|(_, text)| text.contains("inside of each other more than 16 times")),
+        "{found:?}"
+    );
+}

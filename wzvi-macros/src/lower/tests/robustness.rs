@@ -375,6 +375,14 @@ fn integers_are_bounded() {
         "q[0] * (p.len() * (-170141183460469231731687303715884105727 - 1)) as f64".to_owned(),
         "(0..q.len()).map(|i| q[i * (-170141183460469231731687303715884105727 - 1)]).sum()".to_owned(),
         "q[0].r#match() + f64::r#type(q[0])".to_owned(),
+        format!(
+            "{{ let a = 1.0; {} a * p[0] }}",
+            "let a = (0..q.len()).map(|i| a * q[i]).sum::<f64>();".repeat(1500)
+        ),
+        format!(
+            "{{ let f = |x| x; {} f(q[0]) * p[0] }}",
+            "let f = |x| (0..q.len()).map(|i| f(x * q[i])).sum::<f64>();".repeat(1500)
+        ),
     ];
     let item = "struct System { n: i32, a_few: usize, some: usize, next: Vec<usize> }";
     for body in bodies {
