@@ -60,7 +60,8 @@ fn build(name: &str, source: &str) -> PathBuf {
     std::fs::create_dir_all(folder.join("src")).unwrap();
     let manifest = format!(
         "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n\
-         [dependencies]\nwzvi = {{ path = {:?} }}\n",
+         [dependencies]\nwzvi = {{ path = {:?} }}\n\n\
+         [profile.dev]\ndebug = \"none\"\nincremental = false\ncodegen-units = 4\n",
         root()
     );
     std::fs::write(folder.join("Cargo.toml"), manifest).unwrap();
@@ -69,8 +70,8 @@ fn build(name: &str, source: &str) -> PathBuf {
     std::fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock")).unwrap();
     // That of the workspace, where most of what it depends on is.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
-    cargo(&folder, &["build", "--offline", "--release", "--target-dir", target.to_str().unwrap()]);
-    target.join("release").join(name)
+    cargo(&folder, &["build", "--offline", "--target-dir", target.to_str().unwrap()]);
+    target.join("debug").join(name)
 }
 
 #[test]

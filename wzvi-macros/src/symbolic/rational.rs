@@ -29,7 +29,7 @@ impl Rational {
         let (n, d) = (n / divisor, d / divisor);
         let sign = (numerator.signum() * denominator.signum()) as i64;
         let is_small = d > 0 && n.max(d) <= LIMIT.unsigned_abs();
-        is_small.then_some(Self { numerator: sign * n as i64, denominator: d as i64 })
+        is_small.then(|| Self { numerator: sign * n as i64, denominator: d as i64 })
     }
 
     pub(crate) const fn integer(value: i32) -> Self {
