@@ -152,8 +152,8 @@ fn schemes() {
         ("Lambda<N, 2>", "N", "integer literals"),
         ("Lambda<1>", "Lambda<1>", "`Lambda<1, 3>`"),
         ("Midpoint<1>", "Midpoint<1>", "`Midpoint`"),
-        ("Corrected<Uncorrected<DeltaPlus>>", "Uncorrected<DeltaPlus>", "around a whole scheme"),
-        ("Mixed<Corrected<DeltaPlus>, Midpoint>", "Corrected<DeltaPlus>", "around a whole scheme"),
+        ("Corrected<Uncorrected<DeltaPlus>>", "Uncorrected<DeltaPlus>", "wrap a whole scheme"),
+        ("Mixed<Corrected<DeltaPlus>, Midpoint>", "Corrected<DeltaPlus>", "wrap a whole scheme"),
         ("Mixed<Mixed<DeltaPlus, Midpoint>, Midpoint>", "Mixed<DeltaPlus, Midpoint>", "arguments of `Mixed`"),
         ("[u8; 3]", "[u8; 3]", "expected an embedding"),
     ];
