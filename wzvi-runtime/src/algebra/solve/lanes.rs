@@ -174,17 +174,17 @@ pub(super) fn iterate<const L: usize, const N: usize>(
         }
         level = Lanes::select(done, level, uprightness(&jacobian, is_symmetric));
         if convergence.done().all() {
-            return (
-                accepted(x, level, &convergence, is_symmetric, equations),
-                Effort::fast(convergence.iterations),
-            );
+            if are_upright::<L, N>(level, is_guess).all() {
+                return (x, Effort::fast(convergence.iterations));
+            }
+            break;
         }
     }
     let (x, iterations) = resumed(x, level, convergence, is_symmetric, equations);
     (x, Effort::fast(iterations))
 }
 
-/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the last thing that the caller does:
+/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals, or its solution another look. A call by value, and the last thing that the caller does:
 /// its loop stays in vector registers.
 #[cold]
 #[inline(never)]
@@ -197,7 +197,7 @@ fn resumed<const L: usize, const N: usize>(
 ) -> ([Lanes<L>; N], u32) {
     convergence.claim_nothing(&x);
     let mut lost = LaneMask::from_bool(false);
-    loop {
+    while !convergence.done().all() {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
         let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
@@ -210,11 +210,12 @@ fn resumed<const L: usize, const N: usize>(
         }
         level = Lanes::select(done | astray, level, uprightness(&jacobian, is_symmetric));
         lost = lost | astray;
-        if convergence.done().all() {
-            let x = accepted(x, level, &convergence, is_symmetric, equations);
-            return (x.map(|x| Lanes::select(lost, poison(), x)), convergence.iterations);
-        }
     }
+    let is_usual = are_upright::<L, N>(level, convergence.is_guess) & !convergence.is_astray;
+    if !is_usual.all() {
+        x = confirmed(x, level, is_usual, convergence.is_guess, is_symmetric, equations);
+    }
+    (x.map(|x| Lanes::select(lost, poison(), x)), convergence.iterations)
 }
 
 /// `newton::corrected_end`, by lane.
@@ -238,20 +239,7 @@ fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symme
     if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
 }
 
-/// The solutions of which the Jacobian says enough, as `newton::is_upright`, and the start; others are looked at again.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn accepted<const L: usize, const N: usize>(
-    x: [Lanes<L>; N],
-    level: Lanes<L>,
-    convergence: &LaneConvergence<L>,
-    is_symmetric: bool,
-    equations: impl Equations<Lanes<L>, N>,
-) -> [Lanes<L>; N] {
-    let (is_guess, is_astray) = (convergence.is_guess, convergence.is_astray);
-    let is_usual = are_upright::<L, N>(level, is_guess) & !is_astray;
-    if is_usual.all() { x } else { confirmed(x, level, is_usual, is_guess, is_symmetric, equations) }
-}
-
+/// Of which solutions the Jacobian says enough, as `newton::is_upright`; others are looked at again.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn are_upright<const L: usize, const N: usize>(level: Lanes<L>, is_guess: bool) -> LaneMask<L> {
     match N {
@@ -264,8 +252,6 @@ fn are_upright<const L: usize, const N: usize>(level: Lanes<L>, is_guess: bool) 
 }
 
 /// `newton::confirm`, by lane.
-#[cold]
-#[inline(never)]
 fn confirmed<const L: usize, const N: usize>(
     x: [Lanes<L>; N],
     level: Lanes<L>,

@@ -126,6 +126,10 @@ impl<'a> Sums<f64> for Window<'a> {
         }
         points
     }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
+        self.run(place, 1).add(0, value);
+    }
 }
 
 /// A stretch of a window.
@@ -136,9 +140,13 @@ pub(super) struct Gathered<'r> {
 
 impl Run<f64> for Gathered<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
+        let sum = if self.is_fresh { nothing() } else { self.sums[place] };
+        self.sums[place] = (T::of(sum) + value).kept();
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_part<T: Number<f64>>(&mut self, place: usize, part: usize, value: T) {
-        let sum = &mut self.sums[place + part];
-        *sum = (T::of(if self.is_fresh { nothing() } else { *sum }) + value).kept();
+        self.add(place + part, value);
     }
 }
 

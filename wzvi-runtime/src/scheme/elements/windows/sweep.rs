@@ -291,17 +291,17 @@ impl<H: Elements + Sync> Kernel for Start<'_, '_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
-        let Self { step, windows, portion, mut part, past, known } = self;
+        let Self { step, windows, portion, part: Part { first, lists }, past, known } = self;
+        let [all_x, _, momenta, all_u, all_next] = lists;
         let [point, _] = step.weights();
         for number in portion.windows.clone() {
             let strip = windows.strip(number);
-            let (places, own) = (strip.start..strip.end, part.own(strip));
-            let [all_x, _, momenta, all_u, all_next] = &mut part.lists;
+            let (places, own) = (strip.start..strip.end, strip.start - first..strip.end - first);
             let p = &step.p[places.clone()];
             let past = past.map(|past| past.get(places.clone()).unwrap_or(&[]));
             let (x, momentum) = (&mut all_x[own.clone()], &mut momenta[own.clone()]);
             in_blocks::<L>(p.len(), &mut Guess { past, known, p, x, momentum });
-            let momenta = Stretch { numbers: momenta, first: part.first, degrees: step.degrees() };
+            let momenta = Stretch { numbers: momenta, first, degrees: step.degrees() };
             let velocities =
                 step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
             let (u, next) = (&mut all_u[own.clone()], &mut all_next[own]);
@@ -336,7 +336,8 @@ impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Found {
-        let Self { step, windows, portion, mut part, now, before, inverses } = self;
+        let Self { step, windows, portion, part: Part { first, lists }, now, before, inverses } = self;
+        let [all_x, corrections, momenta, all_u, all_next] = lists;
         let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
         let factor = match step.scheme.update {
             MomentumUpdate::Multiple(factor) => factor,
@@ -346,8 +347,7 @@ impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
             (Largest::<HALF>::default(), Largest::<HALF>::default(), Seen::<HALF>::new());
         for number in portion.windows.clone() {
             let strip = windows.strip(number);
-            let (places, own) = (strip.start..strip.end, part.own(strip));
-            let [all_x, corrections, momenta, all_u, all_next] = &mut part.lists;
+            let (places, own) = (strip.start..strip.end, strip.start - first..strip.end - first);
             let p = &step.p[places.clone()];
             let forces = step.window::<H::Usual, _>(strip, now, Slopes::BY_COORDINATES, &mut portion.sums);
             let (x, correction) = (&mut all_x[own.clone()], &mut corrections[own.clone()]);
@@ -356,7 +356,7 @@ impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
             let mut kick = Kick { forces, weight, inverses, p, x, correction, momentum, size, corrected };
             in_blocks::<HALF>(places.len(), &mut kick);
             (size, corrected) = (kick.size, kick.corrected);
-            let momenta = Stretch { numbers: momenta, first: part.first, degrees: step.degrees() };
+            let momenta = Stretch { numbers: momenta, first, degrees: step.degrees() };
             let velocities =
                 step.window::<H::Usual, _>(strip, &momenta, Slopes::BY_MOMENTA, &mut portion.sums);
             let (u, next) = (&mut all_u[own.clone()], &mut all_next[own.clone()]);

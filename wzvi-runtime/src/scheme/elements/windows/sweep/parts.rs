@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::super::layout::{Strip, Windows};
+use super::super::layout::Windows;
 use super::super::share::halves;
 use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
@@ -36,12 +36,6 @@ pub(super) struct Part<'a, const N: usize> {
 }
 
 impl<const N: usize> Part<'_, N> {
-    /// Where the places of a window are.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn own(&self, strip: Strip<'_>) -> Range<usize> {
-        strip.start - self.first..strip.end - self.first
-    }
-
     /// What is before a place, and what is from it on.
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { first, lists } = self;
