@@ -52,7 +52,7 @@ pub trait Flows: Field {
     }
 }
 
-/// The drifts and kicks `W` in turn; `SQUARES` where kicks are by potentials with the [square of the force](super::gradient).
+/// The drifts and kicks `W` in turn; `SQUARES` where kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
