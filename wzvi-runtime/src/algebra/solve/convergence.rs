@@ -33,8 +33,6 @@ pub(crate) struct Convergence {
     pub(crate) iterations: u32,
     /// What the correction after the first has to be below.
     second: f64,
-    /// Whether the first one was of an extrapolated start, and too large for that.
-    is_astray: bool,
     /// Whether corrections need only halve.
     is_patient: bool,
     /// Whether `curved` follows from unknowns beyond rounding only.
@@ -57,12 +55,7 @@ impl Convergence {
         let (curved, second) = if is_guess { (GUIDED, ASTRAY) } else { (0.0, FIRST) };
         let enough = ROUNDING * ROUNDING * ROUNDING;
         let (unseen, iterations, is_patient, is_beyond_rounding) = (UNSEEN, 0, false, false);
-        Self { curved, enough, unseen, iterations, second, is_astray: false, is_patient, is_beyond_rounding }
-    }
-
-    /// Whether the iteration began at an extrapolated start that was no guide.
-    pub(super) fn is_astray(&self) -> bool {
-        self.is_astray
+        Self { curved, enough, unseen, iterations, second, is_patient, is_beyond_rounding }
     }
 
     /// An extrapolated start that turned out to be zero claims nothing: there was no solution to extrapolate.
@@ -81,7 +74,6 @@ impl Convergence {
         self.iterations = 1;
         self.expect(relative * relative);
         self.curved = self.second;
-        self.is_astray = self.second < FIRST;
     }
 
     /// The verdict on the largest correction relative to its unknown, where that is all it takes; `None`, and nothing is noted, where it

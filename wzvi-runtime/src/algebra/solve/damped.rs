@@ -4,8 +4,7 @@
 //! Near a solution the next correction is a part of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x - c)| <= Θ |c|`. If the
 //! Kantorovich number of the start is at most 1/2, there is one solution around it, and `Θ <= 1/4` there (P. Deuflhard, *Newton Methods for
 //! Nonlinear Problems*, sections 2.1 and 5.1: a solution that is followed in parts stays the same one). Half of that is asked of the first
-//! correction, since it is seen at one point only, and one half of the later ones. Otherwise the solution is reported as doubtful, and so it is where the Jacobian at
-//! its end contradicts that number ([`RETURN`]). Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
+//! correction, since it is seen at one point only, and one half of the later ones. Otherwise the solution is reported as doubtful. Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
 //! they are tried first. Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`:
 //! the natural monotonicity test, which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for
 //! Nonlinear Problems*, Springer 2011, section 3.3).
@@ -28,10 +27,6 @@ const SHORTEST: f64 = 1.0 / 64.0;
 const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
 /// Nor do later ones below this fraction of the one before.
 const SAFE_CONTRACTION: f64 = 0.5;
-/// What is left of the way back from the end of the iteration, with the Jacobian there, at most: `J_1⁻¹ r_0` for `d = x_0 - x_1`. From a start of the
-/// Kantorovich number `ω |c| = 1/4`, of which an eighth is left, `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and
-/// 2.2 there). The end of another branch, where one contraction was small by accident, has a Jacobian of its own.
-const RETURN: f64 = 0.5 * (std::f64::consts::SQRT_2 - 1.0);
 /// The part of the longer one by which a correction differs from that of the identity, at most, where the Jacobian is about that: half of what it
 /// takes to turn.
 const ABOUT_IDENTITY: f64 = 0.5;
@@ -74,8 +69,6 @@ pub(crate) trait Problem {
 #[derive(Debug, Default)]
 pub(crate) struct Room<V> {
     x: V,
-    /// `r` at the start.
-    first: V,
     /// `c = J⁻¹r` at `x`.
     correction: V,
     /// `x - λc`
@@ -89,8 +82,8 @@ pub(crate) struct Room<V> {
 impl<V: Clone> Room<V> {
     /// Room for vectors such as this one.
     pub(crate) fn of(start: &V) -> Self {
-        let [x, first, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
-        Self { x, first, correction, trial, residual, next }
+        let [x, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
+        Self { x, correction, trial, residual, next }
     }
 
     /// What was found.
@@ -99,8 +92,8 @@ impl<V: Clone> Room<V> {
     }
 
     fn start(&mut self, start: &V) {
-        let Self { x, first, correction, trial, residual, next } = self;
-        [x, first, correction, trial, residual, next].into_iter().for_each(|vector| vector.clone_from(start));
+        let Self { x, correction, trial, residual, next } = self;
+        [x, correction, trial, residual, next].into_iter().for_each(|vector| vector.clone_from(start));
     }
 }
 
@@ -115,7 +108,7 @@ pub(crate) fn damped<P: Problem>(
 ) -> Result<Effort, StepFailure> {
     let mut attempt = |shortens: bool| {
         room.start(start);
-        Search { problem: &mut *problem, room: &mut *room }.run(start, shortens)
+        Search { problem: &mut *problem, room: &mut *room }.run(shortens)
     };
     attempt(false).or_else(|_| attempt(true))
 }
@@ -128,15 +121,15 @@ struct Search<'a, P: Problem> {
 
 impl<P: Problem> Search<'_, P> {
     /// With whole corrections, or shortened ones.
-    fn run(mut self, start: &P::Vector, shortens: bool) -> Result<Effort, StepFailure> {
+    fn run(mut self, shortens: bool) -> Result<Effort, StepFailure> {
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };
         let mut convergence = Convergence::patient(P::UNSEEN);
         let (mut doubtful, mut shortened) = (shortens, 0);
-        self.problem.residual(&self.room.x, &mut self.room.first);
-        self.room.correction.clone_from(&self.room.first);
+        self.problem.residual(&self.room.x, &mut self.room.correction);
+        self.room.residual.clone_from(&self.room.correction);
         self.problem.factor()?;
         self.problem.correct(&mut self.room.correction)?;
-        let is_far = !is_about(self.room.correction.as_ref(), self.room.first.as_ref());
+        let is_far = !is_about(self.room.correction.as_ref(), self.room.residual.as_ref());
         loop {
             self.go(1.0);
             let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
@@ -149,7 +142,6 @@ impl<P: Problem> Search<'_, P> {
                     let (is_reversed, is_indefinite) =
                         (self.problem.is_reversed(), self.problem.is_indefinite());
                     let iterations = convergence.iterations;
-                    let doubtful = doubtful || !self.returns(start);
                     return Ok(Effort { iterations, doubtful, is_far, is_reversed, is_indefinite });
                 }
                 Verdict::Straying => size.is_nan() || convergence.iterations >= most,
@@ -200,31 +192,6 @@ impl<P: Problem> Search<'_, P> {
                 // A singular matrix at the end of every way down is the cause.
                 return Err(solved.err().unwrap_or(lost));
             }
-        }
-    }
-
-    /// Whether the Jacobian at the end leads back to the start as far as one that hardly changes on the way does; unknowns whose equations are at rounding
-    /// at the start do not count.
-    fn returns(&mut self, start: &P::Vector) -> bool {
-        self.room.next.clone_from(&self.room.first);
-        if self.problem.correct(&mut self.room.next).is_err() {
-            return false;
-        }
-        let Room { next, trial, .. } = &*self.room;
-        let leads = |counts: &dyn Fn(usize) -> bool| {
-            let ends = start.as_ref().iter().zip(trial.as_ref()).zip(next.as_ref()).enumerate();
-            let (mut left, mut way) = (0.0, 0.0);
-            for (_, ((&from, &to), &back)) in ends.filter(|&(k, _)| counts(k)) {
-                let own = from - to;
-                let size = from.magnitude() + own.magnitude().max(back.magnitude());
-                left = larger(left, (back - own).magnitude().relative_to(size));
-                way = larger(way, own.magnitude().relative_to(size));
-            }
-            left <= RETURN * way
-        };
-        leads(&|_| true) || {
-            let is_settled = self.problem.are_settled(start);
-            leads(&|k| !is_settled(k))
         }
     }
 

@@ -9,7 +9,7 @@ use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, all
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
-use super::newton::{Effort, Equations, SAFE_DETERMINANT, UPRIGHT, are_linear, beyond, steepest};
+use super::newton::{Effort, Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
 use super::{Solve, Together};
 use crate::algebra::lanes::{LaneMask, Lanes};
 use crate::algebra::scalar::{Mask, Scalar, nearly_inverse};
@@ -36,8 +36,6 @@ struct LaneConvergence<const L: usize> {
     iterations: u32,
     is_guess: bool,
     second: Lanes<L>,
-    /// `convergence::Convergence::is_astray`
-    is_astray: LaneMask<L>,
     is_beyond_rounding: LaneMask<L>,
 }
 
@@ -50,7 +48,6 @@ impl<const L: usize> LaneConvergence<L> {
             iterations: 0,
             is_guess,
             second: Lanes::from_f64(if is_guess { ASTRAY } else { FIRST }),
-            is_astray: LaneMask::from_bool(false),
             is_beyond_rounding: LaneMask::from_bool(false),
         }
     }
@@ -137,7 +134,6 @@ impl<const L: usize> LaneConvergence<L> {
         }
         self.expect(done | !good, relative * relative);
         self.curved = Lanes::select(first, self.second, self.curved);
-        self.is_astray = self.is_astray | (first & self.second.less(Lanes::from_f64(FIRST)));
         !good
     }
 }
@@ -174,17 +170,14 @@ pub(super) fn iterate<const L: usize, const N: usize>(
         }
         level = Lanes::select(done, level, uprightness(&jacobian, is_symmetric));
         if convergence.done().all() {
-            if are_upright::<L, N>(level, is_guess).all() {
-                return (x, Effort::fast(convergence.iterations));
-            }
-            break;
+            return accepted(x, level, convergence.iterations);
         }
     }
     let (x, iterations) = resumed(x, level, convergence, is_symmetric, equations);
     (x, Effort::fast(iterations))
 }
 
-/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals, or its solution another look. A call by value, and the last thing that the caller does:
+/// The iteration from `x` on, where a lane needs a pivot or a look at its residuals. A call by value, and the last thing that the caller does:
 /// its loop stays in vector registers.
 #[cold]
 #[inline(never)]
@@ -197,7 +190,7 @@ fn resumed<const L: usize, const N: usize>(
 ) -> ([Lanes<L>; N], u32) {
     convergence.claim_nothing(&x);
     let mut lost = LaneMask::from_bool(false);
-    while !convergence.done().all() {
+    loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
         let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
@@ -210,12 +203,11 @@ fn resumed<const L: usize, const N: usize>(
         }
         level = Lanes::select(done | astray, level, uprightness(&jacobian, is_symmetric));
         lost = lost | astray;
+        if convergence.done().all() {
+            let (x, effort) = accepted(x, level, convergence.iterations);
+            return (x.map(|x| Lanes::select(lost, poison(), x)), effort.iterations);
+        }
     }
-    let is_usual = are_upright::<L, N>(level, convergence.is_guess) & !convergence.is_astray;
-    if !is_usual.all() {
-        x = confirmed(x, level, is_usual, convergence.is_guess, is_symmetric, equations);
-    }
-    (x.map(|x| Lanes::select(lost, poison(), x)), convergence.iterations)
 }
 
 /// `newton::corrected_end`, by lane.
@@ -239,41 +231,21 @@ fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symme
     if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
 }
 
-/// Of which solutions the Jacobian says enough, as `newton::is_upright`; others are looked at again.
+/// An infinite slope corrects nothing, and a determinant that is not that of no step at all leads to another solution.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn are_upright<const L: usize, const N: usize>(level: Lanes<L>, is_guess: bool) -> LaneMask<L> {
-    match N {
-        1 => {
-            Lanes::from_f64(UPRIGHT).less_equal(level) & level.less_equal(Lanes::from_f64(steepest(is_guess)))
-        }
-        2 => Lanes::from_f64(0.0).less(level),
-        _ => LaneMask::from_bool(true),
-    }
-}
-
-/// `newton::confirm`, by lane.
-fn confirmed<const L: usize, const N: usize>(
-    x: [Lanes<L>; N],
+fn accepted<const L: usize, const N: usize>(
+    mut x: [Lanes<L>; N],
     level: Lanes<L>,
-    is_usual: LaneMask<L>,
-    is_guess: bool,
-    is_symmetric: bool,
-    equations: impl Equations<Lanes<L>, N>,
-) -> [Lanes<L>; N] {
-    let mut is_right = are_upright::<L, N>(level, false) & LaneMask::from_bool(is_guess);
-    let (residual, jacobian) = equations.evaluate(&[Lanes::from_f64(0.0); N]);
-    let correction = correction(&jacobian, &residual, is_symmetric);
-    let mut are_near = [LaneMask::from_bool(true); N];
-    for i in 0..N {
-        are_near[i] = ratio(x[i] + correction[i], x[i]).less_equal(Lanes::from_f64(FIRST));
+    iterations: u32,
+) -> ([Lanes<L>; N], Effort) {
+    if N == 1 {
+        let is_upright = Lanes::from_f64(UPRIGHT).less_equal(level) & level.is_finite();
+        x[0] = Lanes::select(is_upright, x[0], poison());
+    } else if N == 2 {
+        let is_upright = Lanes::from_f64(0.0).less(level);
+        x = x.map(|x| Lanes::select(is_upright, x, poison()));
     }
-    let is_near = are_near.iter().fold(LaneMask::from_bool(true), |all, &near| all & near);
-    for lane in (0..L).filter(|&lane| !is_near.lane(lane)) {
-        let are_linear = are_linear((&residual, &jacobian), is_symmetric, &x, equations, lane);
-        let is_same = (0..N).all(|i| are_near[i].lane(lane) || are_linear[i]);
-        is_right.set(lane, is_right.lane(lane) & is_same);
-    }
-    x.map(|x| Lanes::select(is_usual | is_right, x, poison()))
+    (x, Effort::fast(iterations))
 }
 
 /// [`correction`], where no lane needs a pivot that others do not.

@@ -14,15 +14,14 @@
 //! This is the way that nearly every step takes: no damping, and given up as soon as the corrections do not shrink as
 //! they do near a solution, or where the Jacobian says that it is not the one that continues the state. Then the step is
 //! solved again with `CAREFUL`, which is [`damped`](super::damped). From zero the first correction, which is the whole step, is no sign of anything, and the
-//! second one has to be an eighth of it. An extrapolated start that turns out to be no guide may be anywhere: what follows has to be a thousandth of the step,
-//! and an iteration from zero has to lead to the same solution ([`continues_zero`]).
+//! second one has to be an eighth of it. An extrapolated start that turns out to be no guide may be anywhere: what follows has to be a thousandth of the step.
 //!
 //! The Jacobian is the identity for no step at all, whatever the units are, and singular where two branches of solutions meet: on the one that
 //! continues the state its determinant is positive, and it is definite where it is symmetric. Of one unknown it has to be above one half.
 
 use std::ops::Add;
 
-use super::convergence::{Convergence, FIRST, Verdict};
+use super::convergence::{Convergence, Verdict};
 use super::damped::{Dense, Room, damped};
 use super::dense::{Factor, SymmetricFactor, is_definite};
 use crate::algebra::scalar::{Mask, Rounded, Scalar};
@@ -180,14 +179,9 @@ pub(super) fn newton<
             let (end, largest) = corrected_end(x, &correction);
             match convergence.glance(largest) {
                 Some(Verdict::Contracting) => *x = end,
-                Some(_) if is_upright::<S, N, SYMMETRIC, GUESS>(&jacobian) => {
-                    *x = end;
-                    return Ok(Effort::fast(convergence.iterations));
-                }
-                // Once more, where there is time for a doubt.
                 Some(_) => {
-                    convergence.iterations -= 1;
-                    break;
+                    *x = end;
+                    return accepted::<S, N, SYMMETRIC>(&jacobian, convergence);
                 }
                 None if !GUESS && N > 2 && convergence.iterations == 0 && largest.is_finite() => {
                     *x = end;
@@ -198,7 +192,7 @@ pub(super) fn newton<
         }
     }
     // Taken apart: the common way writes to no memory that the call knows.
-    let (end, iterations) = resumed::<S, N, SYMMETRIC, GUESS>(*x, convergence, equations)?;
+    let (end, iterations) = resumed::<S, N, SYMMETRIC>(*x, convergence, equations)?;
     *x = end;
     Ok(Effort::fast(iterations))
 }
@@ -226,7 +220,7 @@ fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
 /// its loop nothing has to leave its register.
 #[cold]
 #[inline(never)]
-fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool>(
+fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     mut x: [S; N],
     mut convergence: Convergence,
     equations: impl Equations<S, N>,
@@ -244,10 +238,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool>(
         let beyond = || beyond_in_any_lane(equations, &x, &correction, &end);
         match convergence.judge(largest, beyond) {
             Verdict::Converged => {
-                if convergence.is_astray() || !is_upright::<S, N, SYMMETRIC, GUESS>(&jacobian) {
-                    confirm::<S, N, SYMMETRIC, GUESS>(&end, &jacobian, equations)?;
-                }
-                return Ok((end, convergence.iterations));
+                return Ok((end, accepted::<S, N, SYMMETRIC>(&jacobian, convergence)?.iterations));
             }
             Verdict::Contracting => x = end,
             Verdict::Straying => {
@@ -273,83 +264,30 @@ fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> 
 /// A determinant of at least this, of one unknown: half of what it is for no step at all.
 pub(super) const UPRIGHT: f64 = 0.5;
 
-/// The largest slope of one unknown that says enough of a solution: from an extrapolated start one that is as far from that of no step at all as [`UPRIGHT`] is.
-/// Where the force is so steep it may turn within the step, which the past does not tell. An infinite slope corrects nothing.
-pub(super) const fn steepest(is_guess: bool) -> f64 {
-    if is_guess { 2.0 - UPRIGHT } else { f64::MAX }
-}
-
 /// Whether the solution is the one that continues the state, as far as the Jacobian tells. Of more than one unknown each correction has told, but that a
 /// symmetric pair of positive determinant is definite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool>(
-    jacobian: &[[S; N]; N],
-) -> bool {
+fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; N]; N]) -> bool {
     match N {
+        // An infinite slope corrects nothing. With more unknowns the factorisation says so.
         1 => {
             let slope = jacobian[0][0];
-            let steepest = S::from_f64(const { steepest(GUESS) });
-            S::from_f64(UPRIGHT).less_equal(slope).all() && slope.less_equal(steepest).all()
+            S::from_f64(UPRIGHT).less_equal(slope).all() && slope.less_equal(S::from_f64(f64::MAX)).all()
         }
         2 if SYMMETRIC => S::from_f64(0.0).less(jacobian[0][0]).all(),
         _ => true,
     }
 }
 
-/// That a solution of which the Jacobian, or its start, does not say enough is the one that continues the state.
-fn confirm<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: bool>(
-    end: &[S; N],
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn accepted<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     jacobian: &[[S; N]; N],
-    equations: impl Equations<S, N>,
-) -> Result<(), StepFailure> {
-    let is_finite = N > 1 || jacobian[0][0].magnitude() <= f64::MAX;
-    let is_upright = is_finite && is_upright::<S, N, SYMMETRIC, false>(jacobian);
-    match is_upright && GUESS && continues_zero::<S, N, SYMMETRIC>(end, equations) {
-        true => Ok(()),
-        false => Err(turned(is_finite)),
+    convergence: Convergence,
+) -> Result<Effort, StepFailure> {
+    match is_upright::<S, N, SYMMETRIC>(jacobian) {
+        true => Ok(Effort::fast(convergence.iterations)),
+        false => Err(turned(N > 1 || jacobian[0][0].magnitude() <= f64::MAX)),
     }
-}
-
-/// Whether an iteration from zero would lead to this solution as it has to: what is left after its first correction is at most [`FIRST`]. Then the Jacobian stays
-/// definite between both, and so it does along the step, where it is between that and the identity.
-///
-/// An unknown does not count whose equation is linear on that way as far as rounding tells ([`are_linear`]). At rest all of the way is rounding.
-fn continues_zero<S: Scalar, const N: usize, const SYMMETRIC: bool>(
-    end: &[S; N],
-    equations: impl Equations<S, N>,
-) -> bool {
-    let (residual, jacobian) = equations.evaluate(&[S::from_f64(0.0); N]);
-    let correction = corrected::<S, N, SYMMETRIC>(&jacobian, residual);
-    let Some(correction) = correction.or_else(|| pivoted::<S, N, SYMMETRIC>(jacobian, residual).ok()) else {
-        return false;
-    };
-    let are_near: [bool; N] =
-        std::array::from_fn(|i| (end[i] + correction[i]).nearly_relative_to(end[i]) <= FIRST);
-    are_near.iter().all(|&is_near| is_near)
-        || (0..S::LANES).all(|lane| {
-            let are_linear = are_linear((&residual, &jacobian), SYMMETRIC, end, equations, lane);
-            (0..N).all(|i| are_near[i] || are_linear[i])
-        })
-}
-
-/// Where an equation is linear between zero and the end of an iteration as far as rounding tells: with the slopes at zero, what is left of it at the end is not more than
-/// the roundings of both values, `|r(0) + J x| <= e(0) + e(x)`. What its unknown is off by is then no sign of curvature. Another solution than zero, where that is one, is not
-/// so excused: all of `J x` is left.
-#[cold]
-pub(super) fn are_linear<S: Scalar, const N: usize>(
-    (residual, jacobian): (&[S; N], &[[S; N]; N]),
-    is_symmetric: bool,
-    end: &[S; N],
-    equations: impl Equations<S, N>,
-    lane: usize,
-) -> [bool; N] {
-    let at = [[S::from_f64(0.0); N], *end].map(|x| equations.rounded(&x, lane));
-    std::array::from_fn(|i| {
-        let slope = |j: usize| if is_symmetric { jacobian[i.max(j)][i.min(j)] } else { jacobian[i][j] };
-        let left =
-            (0..N).fold(residual[i].lane(lane), |left, j| left + slope(j).lane(lane) * end[j].lane(lane));
-        left.abs() <= at[0][i].error + at[1][i].error
-    })
 }
 
 #[cold]
