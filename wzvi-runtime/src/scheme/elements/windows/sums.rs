@@ -139,6 +139,7 @@ pub(super) struct Gathered<'r> {
 }
 
 impl Run<f64> for Gathered<'_> {
+    // Written out: by the default, a step of `Verlet` on a lattice takes 10 % longer.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         let sum = if self.is_fresh { nothing() } else { self.sums[place] };
