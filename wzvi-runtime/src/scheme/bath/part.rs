@@ -127,7 +127,8 @@ impl<S: Scalar> Memory<S> {
                     None => Own::new(system, degrees, h, shares)?,
                 };
                 // What knows no size is prepared of one system, without derivatives.
-                same(&self.own.insert(own).relaxation).ok_or(StepFailure::NonFinite)?
+                same(&self.own.insert(own).relaxation)
+                    .ok_or(StepFailure::Internal(StepPromise::PlainConstants))?
             }
         };
         let per_part = (expected - noises) / shares.parts;

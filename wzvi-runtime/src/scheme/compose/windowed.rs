@@ -7,8 +7,8 @@ use crate::algebra::memory::Threads;
 use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::{
-    Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Slopes, Sums, Taken, WindowPlan, Word,
-    add_flow,
+    Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Slopes, Sums, Taken, WindowPlan,
+    Word, add_flow,
 };
 use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
 
@@ -151,25 +151,24 @@ impl<'a, A> FlowList<'a, A> {
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
         Flow { t: self.t + node * self.h, h: share * self.h, dw }
     }
+}
 
-    /// [`Word::origin`]
+impl<A> Moves for FlowList<'_, A> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn origin(&self, number: usize) -> Option<Origin> {
+    fn count(&self) -> usize {
+        self.stages.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
         let Flow { t, h, dw } = self.flow(number);
         let is_kept = self.stages[number].is_end && dw.is_empty();
         is_kept.then(|| Origin { t: self.reads_time.then_some(t), h })
     }
 
-    /// [`Word::add_slopes`]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn add_slopes<H, T, V, S>(
-        &self,
-        system: &H,
-        number: usize,
-        state: &V,
-        wanted: Slopes,
-        into: &mut S,
-    ) where
+    fn add_slopes<H, T, V, S>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut S)
+    where
         H: Elements + Sync,
         T: Number<f64>,
         V: Given<f64> + ?Sized,
@@ -196,28 +195,12 @@ impl Word for FlowList<'_, Act> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        self.stages.len()
+    fn moves(&self) -> &impl Moves {
+        self
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kind(&self, number: usize) -> Move {
         Self::kind(self, number, self.stages[number].act.0)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<Origin> {
-        Self::origin(self, number)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_slopes<H, T, V, S>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut S)
-    where
-        H: Elements + Sync,
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        S: Sums<f64>,
-    {
-        Self::add_slopes::<H, T, V, S>(self, system, number, state, wanted, into);
     }
 }

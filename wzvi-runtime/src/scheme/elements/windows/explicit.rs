@@ -1,6 +1,6 @@
 //! The moves of a scheme with one quadrature point at a node.
 
-use super::{Kick, LEAST_IN_WINDOWS, Move, Taken, WindowPlan, Word, advance};
+use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Taken, WindowPlan, Word, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
 use crate::scheme::elements::step::Step;
@@ -69,7 +69,6 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
     }
 }
 
-/// The system of a step is its own.
 impl<H: Elements + Sync> Word for Step<'_, H, f64> {
     type Share<'s>
         = Self
@@ -87,10 +86,9 @@ impl<H: Elements + Sync> Word for Step<'_, H, f64> {
         [self; 2]
     }
 
-    /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        if kicks_first(self.scheme) { 2 } else { 3 }
+    fn moves(&self) -> &impl Moves {
+        self
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -100,6 +98,15 @@ impl<H: Elements + Sync> Word for Step<'_, H, f64> {
             1 => Move::Drift,
             _ => Move::Kick(Kick::MinusFromZero),
         }
+    }
+}
+
+/// The system of a step is its own.
+impl<H: Elements + Sync> Moves for Step<'_, H, f64> {
+    /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count(&self) -> usize {
+        if kicks_first(self.scheme) { 2 } else { 3 }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -60,6 +60,27 @@ pub enum Move {
     State,
 }
 
+/// What the kicks and drifts of a word add.
+pub trait Moves {
+    /// How many parts there are.
+    fn count(&self) -> usize;
+
+    /// What the force of a kick depends on besides the coordinates, if it is one at the end of a step, which the next begins with.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        let _ = number;
+        None
+    }
+
+    /// Adds the slopes of a kick by the coordinates, which are `state`, or those of a drift by the momenta, which are it.
+    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        H: Elements + Sync,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>;
+}
+
 /// The parts of a step, each of which moves the state that those before it have left.
 pub trait Word {
     /// The same parts for the time of a step, which threads may have.
@@ -80,26 +101,11 @@ pub trait Word {
     where
         Self: Sized;
 
-    /// How many parts there are.
-    fn count(&self) -> usize;
+    /// How many parts there are, and what kicks and drifts add.
+    fn moves(&self) -> &impl Moves;
 
     /// What a part is.
     fn kind(&self, number: usize) -> Move;
-
-    /// What the force of a kick depends on besides the coordinates, if it is one at the end of a step, which the next begins with.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<Origin> {
-        let _ = number;
-        None
-    }
-
-    /// Adds the slopes of a kick by the coordinates, which are `state`, or those of a drift by the momenta, which are it.
-    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
-    where
-        H: Elements + Sync,
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>;
 
     /// Changes the momenta of some places one by one, and may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
