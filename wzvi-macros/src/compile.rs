@@ -3,18 +3,20 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::backend::generate;
 use crate::check::check;
-use crate::diagnostics::{Diagnostics, internal};
+use crate::describe::{Texts, derived};
+use crate::diagnostics::{Diagnostics, Located, internal};
 use crate::discretise::facts::Facts;
-use crate::emit::Expansion;
+use crate::discretise::plan::Step;
+use crate::embedding::Embedding;
 use crate::emit::stubs::Stubs;
+use crate::emit::{Expansion, emit};
 use crate::functions;
 use crate::input::{self, Library};
 use crate::lower::lower;
 use crate::passes::collect::collect;
 use crate::passes::friction::friction;
-use crate::passes::unroll::unroll;
+use crate::passes::unroll::{unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
 /// with the struct and stubs, so that `rustc` adds nothing to them.
@@ -95,8 +97,25 @@ fn compile(
         return None;
     }
 
-    // derive, emit
-    Some(generate(&mut system, &facts))
+    // derive, describe, emit
+    let line = written_out(&mut system);
+    let (line, listed) = (line.as_ref(), values(&system.embeddings));
+    let steps: Vec<Step<'_>> =
+        derived(&listed).iter().map(|embedding| Step::of(&mut system, line, &facts, embedding)).collect();
+    let texts = Texts::new(&mut system, line, &facts, &listed, &steps);
+    Some(emit(&mut system, line, &facts, &steps, &texts))
+}
+
+/// The schemes, and those inside of thermostats.
+fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
+    let mut values = Vec::new();
+    for Located { value, .. } in embeddings {
+        if let Embedding::Thermostat(inner) = value {
+            values.push(Embedding::Isolated(inner.clone()));
+        }
+        values.push(value.clone());
+    }
+    values
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! The texts of the schemes that were listed, from those of the schemes that were derived.
 
-use crate::discretise::describe::{describe, hamiltonians, properties};
+use crate::discretise::describe::{describe, hamiltonians, properties, staged, sweep};
 use crate::discretise::facts::Facts;
 use crate::discretise::facts::flows::Flows;
 use crate::discretise::facts::split::{self, Form};
-use crate::elements::plan::Step;
-use crate::elements::{self, staged};
+use crate::discretise::plan::Step;
 use crate::embedding::{Embedding, Kind};
 use crate::model::{StraightLine, System};
 use crate::symbolic::Rational;
@@ -82,9 +81,7 @@ impl Texts {
 fn of_step(system: &mut System, facts: &Facts, step: &Step<'_>) -> String {
     match step {
         Step::StraightLine(line, scheme) => describe(system, line, facts, scheme),
-        Step::InLoops(embedding, strategy) => {
-            elements::describe::describe(system, facts, embedding, *strategy)
-        }
+        Step::InLoops(embedding, strategy) => sweep::describe(system, facts, embedding, *strategy),
     }
 }
 

@@ -3,13 +3,11 @@
 //! Data flows one way: `input` reads what was declared, `lower` turns the closures into symbolic expressions,
 //! `discretise` derives the discrete Euler-Lagrange equations and `emit` writes them as Rust.
 
-mod backend;
 mod check;
 mod compile;
 mod describe;
 mod diagnostics;
 mod discretise;
-mod elements;
 mod embedding;
 mod emit;
 mod functions;

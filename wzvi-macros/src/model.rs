@@ -122,9 +122,18 @@ impl Element {
         self.of_half(Half::Momenta)
     }
 
-    /// Those of the displacements: a covector has some, a Hamiltonian none.
     pub(crate) fn displacements(&self) -> impl Iterator<Item = (Symbol, &Index)> {
         self.of_half(Half::Displacements)
+    }
+
+    /// Whether it is a part of a covector: a Hamiltonian has no displacements.
+    pub(crate) fn is_covector(&self) -> bool {
+        self.displacements().next().is_some()
+    }
+
+    /// The variables of the state: coordinates, then momenta.
+    pub(crate) fn state(&self) -> Vec<Symbol> {
+        self.coordinates().chain(self.momenta()).map(|(symbol, _)| symbol).collect()
     }
 
     pub(crate) fn reads(&self) -> Reads {
@@ -236,6 +245,13 @@ impl System {
         let noise = self.noise.iter().map(|noise| &noise.term);
         let bath = self.friction.iter().map(|friction| &friction.term).chain(&self.temperature);
         [&self.drift].into_iter().chain(noise).chain(&self.invariants).chain(&self.force).chain(bath)
+    }
+
+    /// The elements of what moves the system, for derivatives: the drift, the force beside it, the noises.
+    pub(crate) fn acting(&self) -> impl Iterator<Item = &Element> {
+        let noise = self.noise.iter().map(|noise| &noise.term);
+        let terms = [&self.drift].into_iter().chain(&self.force).chain(noise);
+        terms.flat_map(|term| &term.elements)
     }
 
     /// The degrees of freedom, where they are known and no element has loops.

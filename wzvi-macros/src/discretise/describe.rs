@@ -1,5 +1,8 @@
 //! The derivation as text: what `EQUATIONS` and the rustdoc of the struct say.
 
+pub(crate) mod staged;
+pub(crate) mod sweep;
+
 use std::fmt::Write;
 
 use crate::discretise::Scheme;

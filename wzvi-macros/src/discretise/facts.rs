@@ -156,7 +156,7 @@ impl Facts {
             Hamiltonians::of(system, |term| &term.values);
         let System { graph, drift: Term { elements, .. }, noise: declared, force, .. } = system;
         let parted = declared.iter().flat_map(|noise| &noise.term.elements);
-        let is_covector = |element: &&Element| element.displacements().next().is_some();
+        let is_covector = |element: &&Element| element.is_covector();
         let covectors =
             || force.iter().flat_map(|force| &force.elements).chain(parted.clone().filter(is_covector));
         let of_noise_forces: Vec<&Element> = parted.clone().filter(is_covector).collect();
@@ -340,7 +340,7 @@ fn is_family(noise: &Sum) -> bool {
 /// Where branches meet, wherever the state and time can go.
 fn boundaries_of(graph: &mut Graph, hamiltonian: &Sum, t: Symbol) -> Vec<Boundary> {
     let of_element = |Weighted { element, .. }: &Weighted| {
-        let mut state = state_of(element);
+        let mut state = element.state();
         state.push(t);
         boundaries(graph, element.value, &state)
     };
@@ -354,10 +354,6 @@ fn kept_across(name: &str, boundary: &Boundary) -> Knowledge {
         Crossing::Jump(witness) => Knowledge::Refuted(witness.clone()),
         Crossing::Undecided => Knowledge::Unknown(format!("{name} may jump where {}", boundary.place)),
     }
-}
-
-fn state_of(element: &Element) -> Vec<Symbol> {
-    element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect()
 }
 
 fn noise_class(graph: &mut Graph, noise: &[&Element], forces: &[&Element], is_absent: bool) -> NoiseClass {
@@ -379,7 +375,7 @@ fn noise_class(graph: &mut Graph, noise: &[&Element], forces: &[&Element], is_ab
 }
 
 fn is_affine(graph: &mut Graph, element: &Element) -> bool {
-    let state = state_of(element);
+    let state = element.state();
     !graph.has_pieces(element.value, &state)
         && state.iter().all(|&symbol| {
             let slope = graph.derivative(element.value, symbol);

@@ -12,6 +12,8 @@ pub(crate) mod facts;
 pub(crate) mod gauss;
 pub(crate) mod lagrangian;
 pub(crate) mod modified;
+pub(crate) mod parts;
+pub(crate) mod plan;
 pub(crate) mod quadrature;
 pub(crate) mod structure;
 pub(crate) mod sums;

@@ -18,7 +18,7 @@ use quote::{ToTokens, quote};
 use crate::describe::{Texts, stepped};
 use crate::discretise::facts::Facts;
 
-use crate::elements::plan::Step;
+use crate::discretise::plan::Step;
 use crate::model::{StraightLine, System};
 
 pub(crate) use listed::{implementation, listed};

@@ -25,12 +25,10 @@ pub(crate) fn facts(
         NoiseClass::Multiplicative => Some(quote!(__wzvi::NoiseClass::Multiplicative)),
     };
     let is_damped = system.friction.is_some() || system.conformal.is_some();
-    let terms =
-        [&system.drift].into_iter().chain(&system.force).chain(system.noise.iter().map(|noise| &noise.term));
-    let has_pieces = terms.flat_map(|term| &term.elements).any(|element| {
-        let read: Vec<_> = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
+    let has_pieces = system.acting().any(|element| {
+        let read = element.state();
         // A force pushes another place than it reads.
-        let may_couple = read.len() > 1 || element.displacements().next().is_some();
+        let may_couple = read.len() > 1 || element.is_covector();
         may_couple && system.graph.has_pieces(element.value, &read)
     });
     let known = [

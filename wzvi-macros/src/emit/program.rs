@@ -198,6 +198,16 @@ impl Program {
         (0..marked.len()).filter(|&op| marked[op]).collect()
     }
 
+    /// Where what `roots` need ends at operations of which `stop` holds: these, in order.
+    pub(crate) fn frontier(&self, roots: &[Op], stop: &dyn Fn(Op) -> bool) -> Vec<Op> {
+        let inside = self.needed(roots, stop).into_iter();
+        let read = inside.flat_map(|op| self.operations[op].operands()).chain(roots.iter().copied());
+        let mut found: Vec<Op> = read.filter(|&op| stop(op)).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// How often each operation is an operand in what `roots` need, or a root.
     pub(crate) fn uses(&self, roots: &[Op]) -> Vec<u32> {
         let mut uses = vec![0; self.operations.len()];

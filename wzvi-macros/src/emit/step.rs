@@ -10,7 +10,7 @@ use super::system::{Letters, count};
 use super::terms;
 use crate::discretise::Scheme;
 use crate::discretise::facts::{Facts, NoiseClass};
-use crate::elements::plan::{Strategy, Unknowns};
+use crate::discretise::plan::{Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
 

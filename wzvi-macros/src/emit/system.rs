@@ -98,13 +98,11 @@ pub(crate) fn evaluation_over(
     let mut lowering = Lowering::new(graph, inputs.definitions.clone());
     let mut bound: Vec<(Op, Ident)> = Vec::new();
     for (symbol, name, level) in &inputs.names {
-        lowering.program.declare(*symbol, *level);
-        bound.push((lowering.program.input(*symbol), name.clone()));
+        bound.push((lowering.input(*symbol, *level), name.clone()));
     }
     let mut reads = Vec::new();
     for (number, (name, parameter)) in letters.parameters.iter().zip(parameters).enumerate() {
-        lowering.program.declare(parameter.symbol, Level::Prepared);
-        let op = lowering.program.input(parameter.symbol);
+        let op = lowering.input(parameter.symbol, Level::Prepared);
         reads.push((op, Read { number, name: name.clone(), tokens: parameter.tokens.clone() }));
     }
     let roots: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();

@@ -126,7 +126,7 @@ impl Shape {
     }
 
     /// The lengths of arrays in arrays, from the outside in, as far as they are literals.
-    fn lengths(&self) -> Vec<usize> {
+    pub(crate) fn lengths(&self) -> Vec<usize> {
         match self {
             Self::Array(element, Length::Literal(length)) => [vec![*length], element.lengths()].concat(),
             _ => Vec::new(),

@@ -2,14 +2,13 @@
 
 use std::rc::Rc;
 
-use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::{Expr as Syntax, ExprIndex, ExprRange, RangeLimits};
 
 use super::interpreter::Interpreter;
 use super::sequences::{Sequence, Source};
 use super::value::{Place, Value};
-use crate::diagnostics::{expressions, source};
+use crate::diagnostics::expressions;
 use crate::input::Kind;
 use crate::model::index::{Atom, Index};
 use crate::model::{Half, Slot};
@@ -37,18 +36,6 @@ pub(super) struct Array {
 }
 
 impl<'a> Interpreter<'a, '_> {
-    /// A size of the phase space or of a family, as it was written.
-    pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
-        let name = source(expr).replace(" . ", ".");
-        self.named_size(name.strip_prefix("self.").unwrap_or(&name), &expr.to_token_stream())
-    }
-
-    /// What is not negative and known by `name` to a reader.
-    pub(super) fn named_size(&mut self, name: &str, tokens: &TokenStream) -> Index {
-        let id = self.tables.add(name, tokens, true, Vec::new());
-        Index::atom(Atom::Given(id, Vec::new()))
-    }
-
     /// An integer of the struct or a constant.
     pub(super) fn given(&mut self, place: &Place) -> Index {
         let id = self.tables.add(&place.name, &place.tokens, false, Vec::new());
@@ -154,9 +141,11 @@ impl<'a> Interpreter<'a, '_> {
             let length = usize::try_from(length).unwrap_or(0);
             return self.refuse(expressions::index_out_of_range(at, k, length));
         }
-        let above = self.largest(k).and_then(|largest| largest.subtract(&array.length)?.as_integer());
+        let above = self
+            .bounded(|bounds| bounds.largest(k))
+            .and_then(|largest| largest.subtract(&array.length)?.as_integer());
         let negated = Index::default().subtract(k)?;
-        let below = self.largest(&negated).and_then(|negated| negated.as_integer());
+        let below = self.bounded(|bounds| bounds.largest(&negated)).and_then(|negated| negated.as_integer());
         let error = match (above, below) {
             (Some(excess), _) if excess >= 0 => {
                 let (index, length) = (self.display(k), self.display(&array.length));

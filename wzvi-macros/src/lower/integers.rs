@@ -69,7 +69,7 @@ impl<'a> Interpreter<'a, '_> {
             BinOp::Mul(_) => a.multiply(&b),
             BinOp::Div(_) => a.divide(&b),
             // What is known to be below the modulus wraps nowhere.
-            _ if a.as_integer().is_none() && self.is_below(&a, &b) => Some(a),
+            _ if a.as_integer().is_none() && self.bounded(|bounds| bounds.is_below(&a, &b)) => Some(a),
             _ => a.remainder(&b),
         };
         self.integer(result, at)
@@ -81,12 +81,6 @@ impl<'a> Interpreter<'a, '_> {
             Some(index) => Some(Value::index(index)),
             None => self.refuse(expressions::integer_arithmetic(at)),
         }
-    }
-
-    /// Whether `0 <= a < b` wherever the loops go.
-    fn is_below(&self, a: &Index, b: &Index) -> bool {
-        let rest = b.subtract(a).and_then(|rest| rest.shifted(-1));
-        self.is_nonnegative(a) && rest.is_some_and(|rest| self.is_nonnegative(&rest))
     }
 
     /// `difference relation 0`

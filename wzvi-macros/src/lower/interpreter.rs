@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{Block, Expr as Syntax, Stmt};
 
+use super::Space;
 use super::loops::Loops;
 use super::names::Parameters;
 use super::scope::Scope;
@@ -13,7 +14,6 @@ use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::input::{Container, Function, Kind, Library};
 use crate::model::symbols::Symbols;
-use crate::model::{Parameter, Table};
 use crate::symbolic::{Expr, Graph};
 
 /// Operations that one Hamiltonian may unroll to.
@@ -44,6 +44,7 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) root: &'a Library,
     pub(super) symbols: Symbols,
     pub(super) tables: Tables,
+    pub(super) space: Space<'a>,
     pub(super) now: Evaluation<'a>,
     diagnostics: &'d mut Diagnostics,
 }
@@ -71,22 +72,17 @@ pub(super) struct Evaluation<'a> {
 
 impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn new(
-        graph: Graph,
-        symbols: Symbols,
+        (graph, symbols, tables, space): (Graph, Symbols, Tables, Space<'a>),
         (system, root): (&'a Container, &'a Library),
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let (parameters, tables, now) = (Parameters::default(), Tables::default(), Evaluation::default());
-        Self { graph, system, parameters, root, symbols, tables, now, diagnostics }
+        let (parameters, now) = (Parameters::default(), Evaluation::default());
+        Self { graph, system, parameters, root, symbols, tables, space, now, diagnostics }
     }
 
     /// Forgets everything but the graph and what its symbols stand for: the next Hamiltonian starts.
     pub(super) fn start(&mut self) {
         self.now = Evaluation { library: Some(self.root), ..Evaluation::default() };
-    }
-
-    pub(super) fn into_parts(self) -> (Graph, Symbols, Vec<Table>, Vec<Parameter>) {
-        (self.graph, self.symbols, self.tables.into_list(), self.parameters.into_list())
     }
 
     /// Reports a mistake, unless it may be none: in a loop that can be evaluated turn by turn, what a variable cannot stand
@@ -144,7 +140,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.now.depth += 1;
         let value = self.read(syntax).unwrap_or_default();
         self.now.depth -= 1;
-        self.bounded(value, syntax).unwrap_or_default()
+        self.within_limits(value, syntax).unwrap_or_default()
     }
 
     /// Which rule reads which expression.
@@ -187,7 +183,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     /// `value`, unless it is too deep to be dropped safely, or its integers double with each `let`.
-    pub(super) fn bounded(&mut self, value: Value, at: &dyn ToTokens) -> Option<Value> {
+    pub(super) fn within_limits(&mut self, value: Value, at: &dyn ToTokens) -> Option<Value> {
         let error = match &value {
             value if value.depth() as usize > MAX_DEPTH => expressions::too_deep(at, MAX_DEPTH),
             value if value.atoms() > MAX_ATOMS => expressions::long_integer(at, MAX_ATOMS),

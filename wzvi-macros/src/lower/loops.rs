@@ -105,24 +105,17 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     pub(super) fn is_nonnegative(&self, index: &Index) -> bool {
-        // What is assumed of this part of a loop bounds its variable, too.
-        let restricted = self.restricted_loops();
-        let is_unsigned = |table: u32| self.tables.is_unsigned(table);
-        Bounds { loops: &restricted, is_unsigned: &is_unsigned }.is_nonnegative(index)
+        self.bounded(|bounds| bounds.is_nonnegative(index))
     }
 
-    /// The largest value that `index` takes, if it is linear in its loops.
-    pub(super) fn largest(&self, index: &Index) -> Option<Index> {
-        Bounds { loops: &self.restricted_loops(), is_unsigned: &|_| false }.largest(index)
-    }
-
-    /// The parts of the loops that are being evaluated.
-    fn restricted_loops(&self) -> Vec<Loop> {
+    /// What is known of the loops. What is assumed of a part of one that is being evaluated bounds its variable, too.
+    pub(super) fn bounded<T>(&self, read: impl FnOnce(&Bounds<'_>) -> T) -> T {
         let restricted = |known: &Loop| {
             let case = self.now.loops.cases.iter().rev().find(|case| case.variable == known.variable);
             case.and_then(|case| restrict(known, &case.assumed)).unwrap_or_else(|| known.clone())
         };
-        self.now.loops.active.iter().map(restricted).collect()
+        let loops: Vec<Loop> = self.now.loops.active.iter().map(restricted).collect();
+        read(&Bounds { loops: &loops, tables: self.tables.as_list() })
     }
 
     /// `difference < 0`, or `<= 0` with `or_equal`: decided, or assumed in this part of the loop, or left to the

@@ -131,7 +131,7 @@ impl<'a> Interpreter<'a, '_> {
                 if product { BinOp::Mul(Default::default()) } else { BinOp::Add(Default::default()) };
             return items.iter().try_fold(Value::integer(product.into()), |total, item| {
                 let total = self.integer_operation(&total, &operator, item, &syntax.method)?;
-                self.bounded(total, syntax)
+                self.within_limits(total, syntax)
             });
         }
         let reals: Vec<Option<Expr>> =

@@ -38,6 +38,7 @@ use crate::symbolic::{Expr, Graph, Symbol};
 use arrays::{Array, Origin};
 use interpreter::Interpreter;
 use sequences::Sequence;
+use tables::Tables;
 use value::Value;
 
 pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
@@ -74,19 +75,20 @@ pub(crate) fn lower(
     let mut symbols = Symbols::new(phase_space.names.clone());
     symbols.declare_phase(&mut graph, &phase_space.q, &phase_space.p);
     let t = graph.new_symbol(&phase_space.t);
-    let mut interpreter = Interpreter::new(graph, symbols, (&container, &declaration.library), diagnostics);
-    let space = Space::new(&mut interpreter, &phase_space.shape, t);
+    let mut tables = Tables::default();
+    let space = Space::new(&mut tables, &phase_space.shape, t);
+    let mut interpreter =
+        Interpreter::new((graph, symbols, tables, space), (&container, &declaration.library), diagnostics);
 
-    let drift = space.terms(&mut interpreter, declaration.of(Role::Drift));
+    let drift = interpreter.terms(declaration.of(Role::Drift));
     let noise = declaration.of(Role::Noise).chain(declaration.of(Role::NoiseForce));
-    let noise: Vec<_> = noise.map(|noise| space.noise(&mut interpreter, noise)).collect();
-    let force = space.terms(&mut interpreter, declaration.of(Role::Force));
-    let friction = declaration.friction.as_ref().map(|given| space.friction(&mut interpreter, given));
-    let temperature =
-        declaration.temperature.as_ref().map(|given| space.temperature(&mut interpreter, given));
-    let invariants = space.terms(&mut interpreter, declaration.of(Role::Invariant));
+    let noise: Vec<_> = noise.map(|noise| interpreter.noise(noise)).collect();
+    let force = interpreter.terms(declaration.of(Role::Force));
+    let friction = declaration.friction.as_ref().map(|given| interpreter.friction(given));
+    let temperature = declaration.temperature.as_ref().map(|given| interpreter.temperature(given));
+    let invariants = interpreter.terms(declaration.of(Role::Invariant));
 
-    let (mut graph, symbols, tables, parameters) = interpreter.into_parts();
+    let Interpreter { mut graph, symbols, tables, parameters, space, .. } = interpreter;
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape);
     let invariant_names = declaration
         .of(Role::Invariant)
@@ -110,8 +112,8 @@ pub(crate) fn lower(
         labels: phase_space.labels.clone(),
         symbols,
         t,
-        parameters,
-        tables,
+        parameters: parameters.into_list(),
+        tables: tables.into_list(),
         drift,
         parts,
         noise: noise.into_iter().flatten().collect(),
@@ -132,11 +134,7 @@ pub(crate) fn lower(
 
 /// What was declared; `None` if that was not understood.
 fn required<T>(declared: Option<Option<T>>) -> Option<Option<T>> {
-    match declared {
-        Some(None) => None,
-        Some(known) => Some(known),
-        None => Some(None),
-    }
+    declared.map_or(Some(None), |known| known.map(Some))
 }
 
 /// The phase space as closures see it.
@@ -150,116 +148,100 @@ struct Space<'s> {
 }
 
 impl<'s> Space<'s> {
-    fn new(interpreter: &mut Interpreter<'_, '_>, shape: &'s Shape, t: Symbol) -> Self {
+    fn new(tables: &mut Tables, shape: &'s Shape, t: Symbol) -> Self {
         let (size, inner) = match shape {
             Shape::Real => (Index::integer(1), Vec::new()),
             Shape::Array(point, length) => {
                 let size = match length {
                     Length::Literal(len) => Index::integer(*len as i128),
-                    Length::Named(expr) => interpreter.size(expr),
+                    Length::Named(expr) => tables.size(expr),
                     Length::RunTime => Index::atom(Atom::Size),
                 };
-                (size, inner_lengths(point))
+                (size, point.lengths().into_iter().map(|length| length as i128).collect())
             }
         };
         Self { shape, size, inner, t }
     }
 
     /// The coordinates or the momenta.
-    fn vector(&self, interpreter: &mut Interpreter<'_, '_>, half: Half) -> Value {
-        if let Shape::Real = self.shape {
-            return Value::Real(interpreter.local(Slot::State(half, Index::default())));
-        }
+    fn array(&self, half: Half) -> Array {
         let (start, length, inner) = (Index::default(), self.size.clone(), self.inner.clone());
-        Value::sequence(Sequence::array(Array {
-            origin: Origin::State(half),
-            indices: Vec::new(),
-            start,
-            length,
-            inner,
-        }))
+        Array { origin: Origin::State(half), indices: Vec::new(), start, length, inner }
+    }
+}
+
+impl<'a, 'd> Interpreter<'a, 'd> {
+    fn vector(&mut self, half: Half) -> Value {
+        match self.space.shape {
+            Shape::Real => Value::Real(self.local(Slot::State(half, Index::default()))),
+            Shape::Array(..) => Value::sequence(Sequence::array(self.space.array(half))),
+        }
     }
 
     /// A noise, or a family of them. Members that differ in more than a number are noises of their own.
-    fn noise<'a>(&self, interpreter: &mut Interpreter<'a, '_>, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
+    fn noise(&mut self, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
         let is_force = noise.role.is_covector();
         let Some(count) = &noise.family else {
-            let term = self.term(interpreter, noise, None)?;
+            let term = self.term(noise, None)?;
             return Some(vec![Noise { term, family: None, is_force }]);
         };
-        let count = family_count(interpreter, count)?;
-        let variable = interpreter.symbols.variable(0);
+        let count = self.family_count(count)?;
+        let variable = self.symbols.variable(0);
         let range = Loop { variable, start: Index::default(), end: count.clone() };
-        let term = self.term(interpreter, noise, Some(Member::Any(&range)));
-        if !interpreter.takes_turns(variable) {
+        let term = self.term(noise, Some(Member::Any(&range)));
+        if !self.takes_turns(variable) {
             return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
         }
         let count = count.as_integer()?;
         if count > MOST_MEMBERS {
-            return interpreter.refuse(expressions::too_many_members(&noise.family, MOST_MEMBERS));
+            return self.refuse(expressions::too_many_members(&noise.family, MOST_MEMBERS));
         }
         let members = (0..count).map(|member| {
-            let term = self.term(interpreter, noise, Some(Member::Known(member)))?;
+            let term = self.term(noise, Some(Member::Known(member)))?;
             Some(Noise { term, family: None, is_force })
         });
         members.collect()
     }
 
     /// Closures, each on its own.
-    fn terms<'a>(
-        &self,
-        interpreter: &mut Interpreter<'a, '_>,
-        closures: impl Iterator<Item = &'a Hamiltonian>,
-    ) -> Vec<Option<Term>> {
-        closures.map(|closure| self.term(interpreter, closure, None)).collect()
+    fn terms(&mut self, closures: impl Iterator<Item = &'a Hamiltonian>) -> Vec<Option<Term>> {
+        closures.map(|closure| self.term(closure, None)).collect()
     }
 
     /// One closure.
-    fn term<'a>(
-        &self,
-        interpreter: &mut Interpreter<'a, '_>,
-        hamiltonian: &'a Hamiltonian,
-        member: Option<Member<'_>>,
-    ) -> Option<Term> {
+    fn term(&mut self, hamiltonian: &'a Hamiltonian, member: Option<Member<'_>>) -> Option<Term> {
         let closure = &hamiltonian.closure;
         if let ReturnType::Type(_, ty) = &closure.output
             && !hamiltonian.role.is_covector()
             && !names::is_real_type(ty)
         {
-            return interpreter.refuse(messages::return_type(ty));
+            return self.refuse(messages::return_type(ty));
         }
-        self.lowered(interpreter, &closure.body, |interpreter| self.value(interpreter, hamiltonian, member))
+        self.lowered(&closure.body, |this| this.value(hamiltonian, member))
     }
 
     /// What `evaluate` makes of `body`.
-    fn lowered<'a, 'd>(
-        &self,
-        interpreter: &mut Interpreter<'a, 'd>,
+    fn lowered(
+        &mut self,
         body: &'a Syntax,
-        evaluate: impl FnOnce(&mut Interpreter<'a, 'd>) -> Option<Expr>,
+        evaluate: impl FnOnce(&mut Self) -> Option<Expr>,
     ) -> Option<Term> {
-        let mistakes = interpreter.mistakes();
-        interpreter.start();
-        let value = evaluate(interpreter);
-        let is_explained = interpreter.mistakes() > mistakes || interpreter.awaits_definitions();
-        if value.is_none() && !is_explained && !interpreter.is_abandoned() {
+        let mistakes = self.mistakes();
+        self.start();
+        let value = evaluate(self);
+        let is_explained = self.mistakes() > mistakes || self.awaits_definitions();
+        if value.is_none() && !is_explained && !self.is_abandoned() {
             // All else that fails in silence is arithmetic on indices.
-            interpreter.report(expressions::integer_arithmetic(interpreter::result_of(body)));
+            self.report(expressions::integer_arithmetic(interpreter::result_of(body)));
         }
         let extent = Extent::of(body);
         Some(Term { expression: value?, elements: Vec::new(), values: Vec::new(), extent })
     }
 
-    fn value<'a>(
-        &self,
-        interpreter: &mut Interpreter<'a, '_>,
-        hamiltonian: &'a Hamiltonian,
-        member: Option<Member<'_>>,
-    ) -> Option<Expr> {
+    fn value(&mut self, hamiltonian: &'a Hamiltonian, member: Option<Member<'_>>) -> Option<Expr> {
         let closure = &hamiltonian.closure;
-        let q = self.vector(interpreter, Half::Coordinates);
-        let p = self.vector(interpreter, Half::Momenta);
-        let mut values = vec![q, p, Value::Real(interpreter.graph.symbol(self.t))];
+        let (q, p) = (self.vector(Half::Coordinates), self.vector(Half::Momenta));
+        let mut values = vec![q, p, Value::Real(self.graph.symbol(self.space.t))];
         let (range, number) = match member {
             Some(Member::Any(range)) => (Some(range), Some(Index::atom(Atom::Loop(range.variable)))),
             Some(Member::Known(member)) => (None, Some(Index::integer(member))),
@@ -269,17 +251,43 @@ impl<'s> Space<'s> {
             values.truncate(closure.inputs.len().saturating_sub(1));
             values.push(Value::index(number));
         }
-        interpreter.inside(range, |interpreter| {
+        self.inside(range, |this| {
             for (pattern, value) in closure.inputs.iter().zip(values) {
-                interpreter.bind(pattern, value);
+                this.bind(pattern, value);
             }
-            let value = interpreter.evaluate(&closure.body);
+            let value = this.evaluate(&closure.body);
             let result = interpreter::result_of(&closure.body);
             match hamiltonian.role.is_covector() {
-                true => self.covector(interpreter, value, result),
-                false => interpreter.energy(value, result),
+                true => this.covector(value, result),
+                false => this.energy(value, result),
             }
         })
+    }
+
+    /// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
+    fn family_count(&mut self, count: &'a Syntax) -> Option<Index> {
+        let count = peeled(count);
+        let known = match count {
+            Syntax::Lit(literal) => match &literal.lit {
+                Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
+                _ => None,
+            },
+            Syntax::Path(path) => {
+                let field = path.path.get_ident().and_then(|name| self.own_field(name));
+                Some(match field {
+                    Some((name, tokens)) => self.tables.named_size(&name, &tokens),
+                    None => self.tables.size(count),
+                })
+            }
+            Syntax::Field(field) if names::is_self(&field.base) => Some(self.tables.size(count)),
+            Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
+                self.start();
+                let value = self.evaluate(count);
+                return self.as_index(&value, count);
+            }
+            _ => None,
+        };
+        known.or_else(|| self.refuse(expressions::family_count(count)))
     }
 }
 
@@ -287,45 +295,4 @@ impl<'s> Space<'s> {
 enum Member<'l> {
     Any(&'l Loop),
     Known(i128),
-}
-
-/// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
-fn family_count<'a>(interpreter: &mut Interpreter<'a, '_>, count: &'a Syntax) -> Option<Index> {
-    let count = peeled(count);
-    let known = match count {
-        Syntax::Lit(literal) => match &literal.lit {
-            Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
-            _ => None,
-        },
-        Syntax::Path(path) => {
-            let field = path.path.get_ident().and_then(|name| interpreter.own_field(name));
-            Some(match field {
-                Some((name, tokens)) => interpreter.named_size(&name, &tokens),
-                None => interpreter.size(count),
-            })
-        }
-        Syntax::Field(field) if names::is_self(&field.base) => Some(interpreter.size(count)),
-        Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
-            interpreter.start();
-            let value = interpreter.evaluate(count);
-            return interpreter.as_index(&value, count);
-        }
-        _ => None,
-    };
-    if known.is_none() {
-        interpreter.report(expressions::family_count(count));
-    }
-    known
-}
-
-/// The lengths of the arrays inside of a point.
-fn inner_lengths(shape: &Shape) -> Vec<i128> {
-    match shape {
-        Shape::Array(element, Length::Literal(len)) => {
-            let mut lengths = vec![*len as i128];
-            lengths.extend(inner_lengths(element));
-            lengths
-        }
-        _ => Vec::new(),
-    }
 }

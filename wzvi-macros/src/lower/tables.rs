@@ -3,9 +3,11 @@
 use std::collections::HashMap;
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{ToTokens, quote};
 
+use crate::diagnostics::source;
 use crate::model::Table;
+use crate::model::index::{Atom, Index};
 
 /// One table per distinct expression.
 #[derive(Default)]
@@ -39,6 +41,17 @@ impl Tables {
         })
     }
 
+    /// A size of the phase space or of a family, as it was written.
+    pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
+        let name = source(expr).replace(" . ", ".");
+        self.named_size(name.strip_prefix("self.").unwrap_or(&name), &expr.to_token_stream())
+    }
+
+    /// What is not negative and known by `name` to a reader.
+    pub(super) fn named_size(&mut self, name: &str, tokens: &TokenStream) -> Index {
+        Index::atom(Atom::Given(self.add(name, tokens, true, Vec::new()), Vec::new()))
+    }
+
     /// What `suffix` says of the entries of a list.
     pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
         let list = &mut self.list;
@@ -48,10 +61,6 @@ impl Tables {
             list.push(Table { name, tokens, suffix, is_unsigned, lengths });
             (list.len() - 1) as u32
         })
-    }
-
-    pub(super) fn is_unsigned(&self, id: u32) -> bool {
-        self.list.get(id as usize).is_some_and(|table| table.is_unsigned)
     }
 
     pub(super) fn name(&self, id: u32) -> String {

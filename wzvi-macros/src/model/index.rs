@@ -7,6 +7,8 @@
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::Table;
+
 /// What an index is made of besides integers.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) enum Atom {
@@ -289,11 +291,16 @@ impl Index {
 /// What the compiler knows of loop variables and integers while it decides about indices.
 pub(crate) struct Bounds<'a> {
     pub(crate) loops: &'a [Loop],
-    /// Whether an integer of the struct is of unsigned type.
-    pub(crate) is_unsigned: &'a dyn Fn(u32) -> bool,
+    pub(crate) tables: &'a [Table],
 }
 
 impl Bounds<'_> {
+    /// Whether `0 <= index < length` wherever the loops go.
+    pub(crate) fn is_below(&self, index: &Index, length: &Index) -> bool {
+        let rest = length.subtract(index).and_then(|rest| rest.shifted(-1));
+        self.is_nonnegative(index) && rest.is_some_and(|rest| self.is_nonnegative(&rest))
+    }
+
     /// Whether `index >= 0` wherever the loops go; `false` if that cannot be shown.
     pub(crate) fn is_nonnegative(&self, index: &Index) -> bool {
         self.proves(index, PROOF_DEPTH, &Cell::new(PROOF_STEPS))
@@ -367,7 +374,7 @@ impl Bounds<'_> {
             })
             .collect();
         let is_natural = match atom {
-            Atom::Given(table, _) => (self.is_unsigned)(*table),
+            Atom::Given(table, _) => self.tables.get(*table as usize).is_some_and(|table| table.is_unsigned),
             _ => true,
         };
         bounds.extend(is_natural.then(Index::default));
@@ -403,6 +410,10 @@ mod tests {
         Index::atom(Atom::Given(0, Vec::new()))
     }
 
+    fn natural() -> [Table; 1] {
+        [Table { is_unsigned: true, ..Table::default() }]
+    }
+
     #[test]
     fn forms_are_normal() {
         let (left, right) = (i().shifted(1).unwrap(), Index::integer(1).add(&i()).unwrap());
@@ -420,7 +431,8 @@ mod tests {
             Loop { variable: 0, start: Index::integer(1), end: n() },
             Loop { variable: 1, start: Index::default(), end: i() },
         ];
-        let bounds = Bounds { loops: &loops, is_unsigned: &|_| true };
+        let tables = natural();
+        let bounds = Bounds { loops: &loops, tables: &tables };
         let j = Index::atom(Atom::Loop(1));
         // i - 1 >= 0, n - 1 - i >= 0, i - 1 - j >= 0; i - 2 and n - 2 - i may be negative.
         assert!(bounds.is_nonnegative(&i().shifted(-1).unwrap()));
@@ -441,7 +453,8 @@ mod tests {
     fn minima_and_maxima_bound_loops() {
         let end = n().minimum(&Index::integer(1));
         let loops = [Loop { variable: 0, start: Index::default(), end }];
-        let bounds = Bounds { loops: &loops, is_unsigned: &|_| true };
+        let tables = natural();
+        let bounds = Bounds { loops: &loops, tables: &tables };
         assert!(bounds.is_nonnegative(&n().subtract(&i()).unwrap().shifted(-1).unwrap()));
         assert!(bounds.is_nonnegative(&Index::default().subtract(&i()).unwrap()));
     }

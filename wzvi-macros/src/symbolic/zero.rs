@@ -16,6 +16,19 @@ pub(crate) enum ZeroTest {
     Unknown,
 }
 
+impl ZeroTest {
+    pub(crate) fn known(self) -> Knowledge {
+        match self {
+            Self::Zero => Knowledge::Proven,
+            Self::Nonzero(witness) => Knowledge::Refuted(witness),
+            Self::Unknown => Knowledge::Unknown(
+                "it vanishes wherever it was evaluated, but by no identity that the compiler knows"
+                    .to_owned(),
+            ),
+        }
+    }
+}
+
 /// A point where the expression is certainly not zero.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Witness {

@@ -21,14 +21,11 @@ impl Flows {
         if !facts.is_separable || !is_wanted || system.conformal.is_some() {
             return None;
         }
-        let noise = system.noise.iter().map(|noise| &noise.term);
-        let terms = [&system.drift].into_iter().chain(&system.force).chain(noise);
-        let elements = terms.flat_map(|term| &term.elements);
-        let timed = elements.filter(|element| system.graph.depends_on(element.value, &[system.t]));
+        let timed = system.acting().filter(|element| system.graph.depends_on(element.value, &[system.t]));
         let read: Vec<Reads> = timed
             .map(|element| match element.reads() {
                 // A force that reads nothing else acts on the momenta as one that reads coordinates.
-                Reads::Nothing if element.displacements().next().is_some() => Reads::Coordinates,
+                Reads::Nothing if element.is_covector() => Reads::Coordinates,
                 reads => reads,
             })
             .collect();

@@ -1,6 +1,5 @@
 //! Functions of second degree, which some schemes keep exactly.
 
-use super::state_of;
 use crate::discretise::sums::Sum;
 use crate::embedding::{Embedding, Points};
 use crate::model::Element;
@@ -44,7 +43,7 @@ pub(crate) fn is_quadratic(graph: &mut Graph, element: &Element) -> bool {
 }
 
 fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
-    let state = state_of(element);
+    let state = element.state();
     let coordinates = element.coordinates().count();
     let is_momentum = |at: usize| at >= coordinates;
     !graph.has_pieces(element.value, &state)

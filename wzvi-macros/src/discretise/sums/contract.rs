@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::solve::{Equation, Meeting, Placement, solve};
+use super::solve::{Equation, Placement, solve};
 use super::{Groups, Space, Sum, Weighted, variable};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::{Element, Half};
@@ -141,7 +141,7 @@ impl Space {
             return Some(());
         }
         let loops = [one.element.loops.as_slice(), &two.element.loops].concat();
-        let Meeting::At(placement) = solve(self, loops, equations, 3 * self.beyond())? else {
+        let Some(placement) = solve(self, loops, equations, 3 * self.beyond())? else {
             return Some(());
         };
         // All indices of both, to be moved together.

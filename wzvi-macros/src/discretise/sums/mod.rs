@@ -126,13 +126,9 @@ impl Space {
         self.first + DEEPEST
     }
 
-    fn is_unsigned(&self, table: u32) -> bool {
-        self.tables.get(table as usize).is_some_and(|table| table.is_unsigned)
-    }
-
     /// Whether `index >= 0` wherever the loops go, for every size; `false` if that is not known.
     fn is_nonnegative(&self, index: &Index, loops: &[Loop]) -> bool {
-        Bounds { loops, is_unsigned: &|table| self.is_unsigned(table) }.is_nonnegative(index)
+        Bounds { loops, tables: &self.tables }.is_nonnegative(index)
     }
 
     /// The variable of a slot.

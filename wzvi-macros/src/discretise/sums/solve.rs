@@ -26,11 +26,6 @@ pub(super) struct Placement {
     solved: Vec<(u32, Index)>,
 }
 
-pub(super) enum Meeting {
-    Never,
-    At(Placement),
-}
-
 /// What must vanish.
 #[derive(Clone)]
 pub(super) struct Equation {
@@ -50,12 +45,6 @@ struct Solver<'s> {
     next: u32,
 }
 
-/// What became of an equation.
-enum Outcome {
-    Done,
-    Never,
-}
-
 impl Placement {
     /// An index of one of the elements at this placement.
     pub(super) fn image(&self, space: &Space, index: &Index) -> Option<Index> {
@@ -65,24 +54,29 @@ impl Placement {
     }
 }
 
-/// Where the loops satisfy the equations; `None` if an index is beyond this arithmetic.
-pub(super) fn solve(space: &Space, loops: Vec<Loop>, equations: Vec<Equation>, next: u32) -> Option<Meeting> {
+/// Where the loops satisfy the equations, if they do; `None` if an index is beyond this arithmetic.
+pub(super) fn solve(
+    space: &Space,
+    loops: Vec<Loop>,
+    equations: Vec<Equation>,
+    next: u32,
+) -> Option<Option<Placement>> {
     let mut solver =
         Solver { space, loops, solved: Vec::new(), pending: equations, conditions: Vec::new(), next };
     while let Some(equation) = solver.pending.pop() {
-        if let Outcome::Never = solver.treat(equation)? {
-            return Some(Meeting::Never);
+        if !solver.can_hold(equation)? {
+            return Some(None);
         }
     }
     solver.loops = in_order(std::mem::take(&mut solver.loops));
     let conditions = std::mem::take(&mut solver.conditions);
     for condition in conditions {
-        if let Outcome::Never = solver.restrict(&condition)? {
-            return Some(Meeting::Never);
+        if !solver.restrict(&condition)? {
+            return Some(None);
         }
     }
     let Solver { loops, solved, .. } = solver;
-    Some(Meeting::At(Placement { loops: in_order(loops), solved }))
+    Some(Some(Placement { loops: in_order(loops), solved }))
 }
 
 impl Solver<'_> {
@@ -94,24 +88,27 @@ impl Solver<'_> {
         index.shifted(-1).is_some_and(|index| self.is_nonnegative(&index))
     }
 
-    fn treat(&mut self, equation: Equation) -> Option<Outcome> {
+    /// Whether an equation holds anywhere; from here on only where it does.
+    fn can_hold(&mut self, equation: Equation) -> Option<bool> {
         let difference = simplified(self.space, &equation.difference, &self.loops)?;
         let divisor =
             difference.terms.iter().fold(0, |gcd, (_, coefficient)| greatest_divisor(gcd, *coefficient));
         if divisor == 0 {
-            return Some(if difference.constant == 0 { Outcome::Done } else { Outcome::Never });
+            return Some(difference.constant == 0);
         }
-        let Some((difference, 0)) = difference.divided(divisor) else { return Some(Outcome::Never) };
+        let Some((difference, 0)) = difference.divided(divisor) else { return Some(false) };
         let negated = Index::default().subtract(&difference)?;
         if self.is_positive(&difference) || self.is_positive(&negated) {
-            return Some(Outcome::Never);
+            return Some(false);
         }
         let equation = Equation { difference, ..equation };
-        if self.split_digits(&equation)? || self.eliminate(&equation)? || self.unwrap_remainders(&equation)? {
-            return Some(Outcome::Done);
+        if !(self.split_digits(&equation)?
+            || self.eliminate(&equation)?
+            || self.unwrap_remainders(&equation)?)
+        {
+            self.guard(&equation.difference)?;
         }
-        self.guard(&equation.difference)?;
-        Some(Outcome::Done)
+        Some(true)
     }
 
     /// `M x + r = 0` with `-M < r < M` as `x = 0` and `r = 0`.
@@ -301,14 +298,12 @@ impl Solver<'_> {
         self.next += 1;
     }
 
-    /// Only where `condition >= 0`.
-    fn restrict(&mut self, condition: &Index) -> Option<Outcome> {
+    /// Only where `condition >= 0`, if it is anywhere.
+    fn restrict(&mut self, condition: &Index) -> Option<bool> {
         let condition = simplified(self.space, condition, &self.loops)?;
-        if self.is_nonnegative(&condition) {
-            return Some(Outcome::Done);
-        }
-        if self.is_positive(&Index::default().subtract(&condition)?) {
-            return Some(Outcome::Never);
+        let is_given = self.is_nonnegative(&condition);
+        if is_given || self.is_positive(&Index::default().subtract(&condition)?) {
+            return Some(is_given);
         }
         let innermost = self.loops.iter().rposition(|known| condition.loops().contains(&known.variable));
         let slope = innermost.and_then(|at| condition.slope(self.loops[at].variable));
@@ -326,7 +321,7 @@ impl Solver<'_> {
             }
             _ => self.push_guard(Index::integer(1).minimum(&condition.shifted(1)?)),
         }
-        Some(Outcome::Done)
+        Some(true)
     }
 
     fn larger(&self, a: &Index, b: &Index) -> Option<Index> {

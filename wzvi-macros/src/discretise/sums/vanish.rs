@@ -12,8 +12,7 @@ use super::instance::{NotWritten, Numbers, Site};
 use super::{Increments, Space, Sum, Weighted};
 use crate::model::index::Index;
 use crate::model::{Element, Half, Local, Slot};
-use crate::symbolic::zero::Knowledge;
-use crate::symbolic::zero::{Witness, ZeroTest};
+use crate::symbolic::zero::{Knowledge, Witness, ZeroTest};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The sizes at which a witness is looked for, the first few that the indices allow.
@@ -29,30 +28,31 @@ enum Question {
 impl Space {
     /// Whether the sum is zero, for any values of the increments.
     pub(crate) fn vanishes(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments) -> Knowledge {
-        self.decide(graph, sum, increments, Question::Zero)
+        Judge { space: self, graph, increments, question: Question::Zero }.decide(sum)
     }
 
     /// Whether the sum does not depend on the state, for any values of the increments.
     pub(crate) fn is_constant(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments) -> Knowledge {
-        self.decide(graph, sum, increments, Question::Constant)
+        Judge { space: self, graph, increments, question: Question::Constant }.decide(sum)
     }
+}
 
-    fn decide(
-        &mut self,
-        graph: &mut Graph,
-        sum: &Sum,
-        increments: Increments,
-        question: Question,
-    ) -> Knowledge {
-        let mut left = Sum::new();
-        let mut verdicts = Vec::new();
+/// One question about sums of one space.
+struct Judge<'j> {
+    space: &'j mut Space,
+    graph: &'j mut Graph,
+    increments: Increments,
+    question: Question,
+}
+
+impl Judge<'_> {
+    fn decide(&mut self, sum: &Sum) -> Knowledge {
+        let (mut left, mut verdicts) = (Sum::new(), Vec::new());
         for weighted in sum {
-            match test_element(graph, &weighted.element, question) {
-                ZeroTest::Zero => {}
-                verdict => {
-                    left.push(weighted.clone());
-                    verdicts.push(verdict);
-                }
+            let verdict = self.test_element(&weighted.element);
+            if verdict != ZeroTest::Zero {
+                left.push(weighted.clone());
+                verdicts.push(verdict);
             }
         }
         if left.is_empty() {
@@ -60,65 +60,48 @@ impl Space {
         }
         // Without loops there is one element for each product of increments.
         if left.iter().all(|weighted| weighted.element.loops.is_empty()) {
-            let refuted = verdicts.into_iter().find_map(|verdict| match verdict {
-                ZeroTest::Nonzero(witness) => Some(witness),
-                _ => None,
-            });
-            return refuted.map_or_else(no_identity, Knowledge::Refuted);
+            let refuted = verdicts.into_iter().find(|verdict| matches!(verdict, ZeroTest::Nonzero(_)));
+            return refuted.unwrap_or(ZeroTest::Unknown).known();
         }
-        match self.size.as_integer() {
-            Some(size) => self.decide_at(graph, &left, size, increments, question),
-            None => self.decide_for_all(graph, &left, increments, question),
+        match self.space.size.as_integer() {
+            Some(size) => self.decide_at(&left, size),
+            None => self.decide_for_all(&left),
         }
     }
 
     /// For one size.
-    fn decide_at(
-        &mut self,
-        graph: &mut Graph,
-        sum: &Sum,
-        size: i128,
-        increments: Increments,
-        question: Question,
-    ) -> Knowledge {
-        match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
-            Ok(ZeroTest::Zero) => return Knowledge::Proven,
-            Ok(ZeroTest::Nonzero(witness)) => return Knowledge::Refuted(witness),
-            Ok(ZeroTest::Unknown) => return no_identity(),
+    fn decide_at(&mut self, sum: &Sum, size: i128) -> Knowledge {
+        match self.instance(sum, size, Numbers::Known) {
+            Ok(verdict) => return verdict.known(),
             Err(NotWritten::OutOfRange) => return Knowledge::Unknown("an index is out of range".to_owned()),
             Err(NotWritten::TooLarge) => {}
         }
-        if let Some(witness) = self.slope_that_does_not_vanish(graph, sum, size, increments, 2) {
+        if let Some(witness) = self.slope_that_does_not_vanish(sum, size, 2) {
             return Knowledge::Refuted(witness);
         }
-        let unknown = || Knowledge::Unknown(format!("it is too long to be written out for {size} points"));
-        let Some((mut space, general)) = self.generalised(sum, size) else { return unknown() };
-        let Some(first) = space.deciding_size(&general).filter(|&first| first < size) else {
-            return unknown();
-        };
-        for size in [first, first + 1] {
-            match space.instance(graph, &general, (size, Numbers::Free), increments, question) {
-                Ok(ZeroTest::Zero) => {}
-                _ => return unknown(),
-            }
+        match self.holds_in_general(sum, size) {
+            Some(true) => Knowledge::Proven,
+            _ => Knowledge::Unknown(format!("it is too long to be written out for {size} points")),
         }
-        Knowledge::Proven
+    }
+
+    /// Whether what is asked holds for this size because it does for all sizes from a smaller one on.
+    fn holds_in_general(&mut self, sum: &Sum, size: i128) -> Option<bool> {
+        let (mut space, general) = self.space.generalised(sum, size)?;
+        let first = space.deciding_size(&general).filter(|&first| first < size)?;
+        let Self { graph, increments, question, .. } = self;
+        let mut judge = Judge { space: &mut space, graph, increments: *increments, question: *question };
+        let mut holds = |size| matches!(judge.instance(&general, size, Numbers::Free), Ok(ZeroTest::Zero));
+        Some(holds(first) && holds(first + 1))
     }
 
     /// For all sizes.
-    fn decide_for_all(
-        &mut self,
-        graph: &mut Graph,
-        sum: &Sum,
-        increments: Increments,
-        question: Question,
-    ) -> Knowledge {
-        let mut tried = Vec::new();
+    fn decide_for_all(&mut self, sum: &Sum) -> Knowledge {
+        let mut tried: Vec<String> = Vec::new();
         for size in TRIED {
-            match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
-                Ok(ZeroTest::Nonzero(witness)) => return Knowledge::Refuted(witness),
-                Ok(ZeroTest::Unknown) => return no_identity(),
-                Ok(ZeroTest::Zero) => tried.push(size),
+            match self.instance(sum, size, Numbers::Known) {
+                Ok(ZeroTest::Zero) => tried.push(size.to_string()),
+                Ok(verdict) => return verdict.known(),
                 Err(NotWritten::OutOfRange) => {}
                 Err(NotWritten::TooLarge) => break,
             }
@@ -126,94 +109,93 @@ impl Space {
                 break;
             }
         }
-        let unknown = || {
-            let tried: Vec<String> = tried.iter().map(i128::to_string).collect();
+        if !tried.is_empty() && sum.iter().all(is_the_same_at_all_sizes) {
+            return Knowledge::Proven;
+        }
+        self.decide_by_few(sum).unwrap_or_else(|| {
             Knowledge::Unknown(match tried.is_empty() {
                 true => "its indices could not be resolved".to_owned(),
                 false => format!("it cancels at {} points, but no proof covers every size", tried.join(", ")),
             })
-        };
-        if !tried.is_empty() && sum.iter().all(is_the_same_at_all_sizes) {
-            return Knowledge::Proven;
-        }
-        let Some(first) = self.deciding_size(sum) else { return unknown() };
+        })
+    }
+
+    /// For all sizes, by those that decide the others.
+    fn decide_by_few(&mut self, sum: &Sum) -> Option<Knowledge> {
+        let first = self.space.deciding_size(sum)?;
         for size in 1..=first + 1 {
-            match self.instance(graph, sum, (size, Numbers::Free), increments, question) {
+            match self.instance(sum, size, Numbers::Free) {
                 Ok(ZeroTest::Zero) => {}
                 Err(NotWritten::OutOfRange) if size < first => {}
                 // Few points are a ring that meets itself: a witness, if it is none of free numbers.
                 Ok(ZeroTest::Nonzero(_)) => {
-                    return match self.instance(graph, sum, (size, Numbers::Known), increments, question) {
-                        Ok(ZeroTest::Nonzero(witness)) => Knowledge::Refuted(witness),
-                        _ => unknown(),
-                    };
+                    let verdict = self.instance(sum, size, Numbers::Known).ok()?;
+                    return matches!(verdict, ZeroTest::Nonzero(_)).then(|| verdict.known());
                 }
-                _ => return unknown(),
+                _ => return None,
             }
         }
-        Knowledge::Proven
+        Some(Knowledge::Proven)
     }
 
     /// A slope of the sum, after `depth` derivatives, that is not zero.
-    fn slope_that_does_not_vanish(
-        &mut self,
-        graph: &mut Graph,
-        sum: &Sum,
-        size: i128,
-        increments: Increments,
-        depth: usize,
-    ) -> Option<Witness> {
-        let points = [0, 1, size / 2, size - 1];
-        for point in points {
-            for component in 0..self.components.min(3) {
-                for half in [Half::Coordinates, Half::Momenta] {
-                    let index = Index::integer(point * self.components + component);
-                    let slope = self.slope(graph, sum, half, index)?;
-                    match self.instance(graph, &slope, (size, Numbers::Known), increments, Question::Zero) {
-                        Ok(ZeroTest::Nonzero(witness)) => return Some(witness),
-                        Err(NotWritten::TooLarge) if depth > 1 => {
-                            let deeper =
-                                self.slope_that_does_not_vanish(graph, &slope, size, increments, depth - 1);
-                            if deeper.is_some() {
-                                return deeper;
-                            }
-                        }
-                        _ => {}
-                    }
+    fn slope_that_does_not_vanish(&mut self, sum: &Sum, size: i128, depth: usize) -> Option<Witness> {
+        let question = std::mem::replace(&mut self.question, Question::Zero);
+        let components = self.space.components;
+        let places = [0, 1, size / 2, size - 1].into_iter().flat_map(|point| {
+            let component = (0..components.min(3)).map(move |component| point * components + component);
+            component.flat_map(|place| [Half::Coordinates, Half::Momenta].map(|half| (half, place)))
+        });
+        let mut found = None;
+        for (half, place) in places {
+            let Some(slope) = self.slope(sum, half, Index::integer(place)) else { break };
+            found = match self.instance(&slope, size, Numbers::Known) {
+                Ok(ZeroTest::Nonzero(witness)) => Some(witness),
+                Err(NotWritten::TooLarge) if depth > 1 => {
+                    self.slope_that_does_not_vanish(&slope, size, depth - 1)
                 }
+                _ => None,
+            };
+            if found.is_some() {
+                break;
             }
         }
-        None
+        self.question = question;
+        found
     }
 
     /// The derivative by one component of the state.
-    fn slope(&mut self, graph: &mut Graph, sum: &Sum, half: Half, index: Index) -> Option<Sum> {
+    fn slope(&mut self, sum: &Sum, half: Half, index: Index) -> Option<Sum> {
         let slot = Slot::State(half, index);
-        let symbol = self.symbol(graph, &slot);
-        let value = graph.symbol(symbol);
+        let symbol = self.space.symbol(self.graph, &slot);
+        let value = self.graph.symbol(symbol);
         let element = Element { loops: Vec::new(), value, locals: vec![Local { symbol, slot }] };
         let unit = vec![Weighted { element, increments: Vec::new() }];
-        self.contract(graph, (sum, half), (&unit, half), Increments::Each)
+        self.space.contract(self.graph, (sum, half), (&unit, half), Increments::Each)
     }
 
-    fn instance(
-        &mut self,
-        graph: &mut Graph,
-        sum: &Sum,
-        (size, numbers): (i128, Numbers),
-        increments: Increments,
-        question: Question,
-    ) -> Result<ZeroTest, NotWritten> {
-        let mut site = Site::new(self, size, numbers, increments);
-        let value = site.value(graph, sum, false)?;
-        let value = match question {
-            Question::Zero => value,
-            Question::Constant => {
-                let other = site.value(graph, sum, true)?;
-                graph.subtract(value, other)
-            }
-        };
-        Ok(graph.test_zero(value))
+    fn instance(&mut self, sum: &Sum, size: i128, numbers: Numbers) -> Result<ZeroTest, NotWritten> {
+        let mut site = Site::new(self.space, size, numbers, self.increments);
+        let mut value = site.value(self.graph, sum, false)?;
+        if self.question == Question::Constant {
+            let other = site.value(self.graph, sum, true)?;
+            value = self.graph.subtract(value, other);
+        }
+        Ok(self.graph.test_zero(value))
+    }
+
+    fn test_element(&mut self, element: &Element) -> ZeroTest {
+        let (graph, mut value) = (&mut *self.graph, element.value);
+        if self.question == Question::Constant {
+            let other = element.state().into_iter().map(|symbol| {
+                let other = graph.new_symbol(format!("{}'", graph.symbol_name(symbol)));
+                (symbol, graph.symbol(other))
+            });
+            let other: HashMap<Symbol, Expr> = other.collect();
+            let other = graph.substitute(&[value], &other)[0];
+            value = graph.subtract(value, other);
+        }
+        graph.test_zero(value)
     }
 }
 
@@ -223,30 +205,4 @@ fn is_the_same_at_all_sizes(weighted: &Weighted) -> bool {
     let of_loops = element.loops.iter().flat_map(|known| [&known.start, &known.end]);
     let of_slots = element.locals.iter().flat_map(|local| local.slot.indices());
     of_loops.chain(of_slots).chain(increments).all(Index::is_closed)
-}
-
-fn test_element(graph: &mut Graph, element: &Element, question: Question) -> ZeroTest {
-    let value = match question {
-        Question::Zero => element.value,
-        Question::Constant => {
-            let state: Vec<Symbol> =
-                element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
-            let other: HashMap<Symbol, Expr> = state
-                .iter()
-                .map(|&symbol| {
-                    let other = graph.new_symbol(format!("{}'", graph.symbol_name(symbol)));
-                    (symbol, graph.symbol(other))
-                })
-                .collect();
-            let other = graph.substitute(&[element.value], &other)[0];
-            graph.subtract(element.value, other)
-        }
-    };
-    graph.test_zero(value)
-}
-
-fn no_identity() -> Knowledge {
-    Knowledge::Unknown(
-        "it vanishes wherever it was evaluated, but by no identity that the compiler knows".to_owned(),
-    )
 }

@@ -42,6 +42,12 @@ impl<'a> Lowering<'a> {
         Self { graph, definitions, lowered, factored, kept, program: Program::default() }
     }
 
+    /// The operation that reads `symbol`, which is known at `level`.
+    pub(crate) fn input(&mut self, symbol: Symbol, level: Level) -> Op {
+        self.program.inputs.insert(symbol, level);
+        self.program.input(symbol)
+    }
+
     /// Keeps the terms of `sum` apart.
     pub(crate) fn keep(&mut self, sum: Expr) {
         self.kept.insert(sum);

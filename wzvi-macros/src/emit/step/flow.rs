@@ -90,22 +90,18 @@ impl Flow {
         for &sum in points.iter().chain(ends.iter().flatten()) {
             lowering.keep(sum);
         }
-        let parameter_symbols: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).collect();
-        for &symbol in parameter_symbols.iter().chain([&symbols.h]) {
-            lowering.program.declare(symbol, Level::Prepared);
-        }
         for inverse in inverses.iter().flatten() {
             lowering.program.declare(inverse.symbol, inverse.level);
         }
-        for &symbol in &symbols.dw {
-            lowering.program.declare(symbol, Level::Increments);
-        }
-        lowering.program.declare(symbols.t, Level::Time);
-        let mut inputs =
-            |of: &[Symbol]| -> Vec<Op> { of.iter().map(|&s| lowering.program.input(s)).collect() };
-        let (q0, p0, dw) = (inputs(&symbols.q0), inputs(&symbols.p0), inputs(&symbols.dw));
-        let parameters = inputs(&parameter_symbols);
-        let (h, t) = (lowering.program.input(symbols.h), lowering.program.input(symbols.t));
+        let mut inputs = |of: &[Symbol], level: Level| -> Vec<Op> {
+            of.iter().map(|&symbol| lowering.input(symbol, level)).collect()
+        };
+        let (q0, p0) = (inputs(&symbols.q0, Level::State), inputs(&symbols.p0, Level::State));
+        let dw = inputs(&symbols.dw, Level::Increments);
+        let of_system: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).collect();
+        let parameters = inputs(&of_system, Level::Prepared);
+        let h = lowering.input(symbols.h, Level::Prepared);
+        let t = lowering.input(symbols.t, Level::Time);
 
         let mut solves = Vec::new();
         for (block, inverse) in scheme.structure.blocks.iter().zip(&inverses) {
@@ -165,15 +161,8 @@ impl Flow {
         let program = &self.program;
         let roots = self.roots();
         let is_constant = |op: Op| program.level(op) == Level::Prepared;
-        let mut constants: Vec<Op> = program
-            .needed(&roots, &is_constant)
-            .into_iter()
-            .flat_map(|op| program.operation(op).operands())
-            .chain(roots.iter().copied())
-            .filter(|&op| is_constant(op) && op != self.h && !program.is_literal(op))
-            .collect();
-        constants.sort_unstable();
-        constants.dedup();
+        let mut constants = program.frontier(&roots, &is_constant);
+        constants.retain(|&op| op != self.h && !program.is_literal(op));
         constants
     }
 

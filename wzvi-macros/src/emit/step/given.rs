@@ -19,18 +19,9 @@ pub(super) struct Given {
 
 impl Given {
     pub(super) fn new(program: &Program, printer: &Printer<'_>, roots: &[Op], unknowns: &[Op]) -> Self {
-        let mut read: Vec<Op> = program
-            .needed(roots, &|op| printer.is_bound(op))
-            .into_iter()
-            .filter(|&op| !printer.is_bound(op))
-            .flat_map(|op| program.operation(op).operands())
-            .chain(roots.iter().copied())
-            .filter(|op| !unknowns.contains(op))
-            .collect();
-        read.sort_unstable();
-        read.dedup();
+        let read = program.frontier(roots, &|op| printer.is_bound(op));
         let mut given = Self::default();
-        for op in read {
+        for op in read.into_iter().filter(|op| !unknowns.contains(op)) {
             let Some(name) = printer.bound(op) else { continue };
             let list = match (printer.rank(op), program.operation(op).is_truth()) {
                 (Rank::Scalar, false) => &mut given.numbers,

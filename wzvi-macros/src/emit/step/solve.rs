@@ -142,13 +142,8 @@ impl SolveBody<'_> {
         let program = &self.flow.program;
         let roots: Vec<Op> = residual.iter().chain(jacobian.iter().flatten()).copied().collect();
         let readers = program.readers_of(unknowns);
-        let outer: Vec<Op> = program
-            .needed(&roots, &|op| !readers[op])
-            .into_iter()
-            .flat_map(|op| program.operation(op).operands())
-            .chain(roots.iter().copied())
-            .filter(|&op| !readers[op] && !program.operation(op).is_trivial())
-            .collect();
+        let mut outer = program.frontier(&roots, &|op| !readers[op]);
+        outer.retain(|&op| !program.operation(op).is_trivial());
         let statements = self.printer.bind(&outer, &self.uses, &|op| outer.contains(&op));
 
         let names = self.names(unknowns);

@@ -110,6 +110,16 @@ impl Combined {
     }
 }
 
+/// The same without combinations.
+pub(super) fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
+    let mut all = Vec::new();
+    for (a, &first) in symbols.iter().enumerate() {
+        let slope = graph.derivative(value, first);
+        all.extend(symbols[a..].iter().map(|&second| graph.derivative(slope, second)));
+    }
+    all
+}
+
 /// The coefficient of `x`.
 fn of(row: &[(Symbol, Rational)], x: Symbol) -> Rational {
     row.iter().find(|(known, _)| *known == x).map_or(Rational::ZERO, |&(_, coefficient)| coefficient)

@@ -8,11 +8,7 @@ use crate::model::System;
 
 /// `impl Field`
 pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
-    let noise = model.noise.iter().map(|noise| &noise.term);
-    let terms = [&model.drift].into_iter().chain(&model.force).chain(noise);
-    let reads_time =
-        terms.flat_map(|term| &term.elements).any(|e| model.graph.depends_on(e.value, &[model.t]));
-    let in_lanes = !reads_time;
+    let in_lanes = !model.acting().any(|element| model.graph.depends_on(element.value, &[model.t]));
     let bool = quote!(__wzvi::bool);
     let body = quote! {
         const IS_NYSTROM: #bool = #is_nystrom;

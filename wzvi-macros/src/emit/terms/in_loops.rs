@@ -4,8 +4,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::discretise::facts::Facts;
+use crate::discretise::plan::{Strategy, Unknowns};
 use crate::discretise::quadrature::{Quadrature, Stage};
-use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::emit::{count, implementation, listed};
 use crate::model::System;

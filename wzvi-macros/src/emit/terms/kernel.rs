@@ -8,14 +8,14 @@ use quote::{format_ident, quote};
 use super::Wanted;
 use super::chunk::{Beside, Chunk, Emitted, gathers, lists, partners};
 use super::indices::{Indices, variable};
+use super::weighted::{Nests, Outputs, Weight};
 use crate::diagnostics::internal::Promised;
+use crate::discretise::parts::family_of;
 use crate::discretise::sums::Weighted;
-use crate::elements::parts::family_of;
 use crate::emit::{Level, Lowering, Names, Op, Printer, count, parameter_names};
-use crate::model::Parameter;
-use crate::model::Table;
 use crate::model::index::{Atom, Index, Loop};
-use crate::symbolic::{Expr, Graph, Symbol};
+use crate::model::{Element, Half, System};
+use crate::symbolic::{Expr, Symbol};
 
 /// Where a computed value goes.
 #[derive(Clone)]
@@ -30,179 +30,166 @@ pub(super) enum Target {
     Curvature { method: Ident, row: Index, column: Index, is_diagonal: Option<bool> },
 }
 
-/// What the elements of one system share.
-pub(super) struct Context<'a> {
-    pub(super) graph: &'a mut Graph,
-    pub(super) parameters: &'a [Parameter],
-    pub(super) tables: &'a [Table],
-    pub(super) t: Symbol,
-    /// What momenta are larger by, where friction is taken in.
-    pub(super) scale: Option<Symbol>,
-    /// The symbol of the weight `c`, and what it is: a value of the scalar type, in scope of the loops.
-    pub(super) weight: Option<(Symbol, &'a TokenStream)>,
-    /// What is computed; for all but second derivatives only the noises that act count.
-    pub(super) wanted: Wanted,
-    /// Components of a point.
-    pub(super) components: i128,
-    /// Whether sums are of windows, or of columns, in which a place may not be.
-    pub(super) has_windows: bool,
-    /// What other symbols of the outputs stand for.
-    pub(super) definitions: HashMap<Symbol, Expr>,
+impl Target {
+    /// That of the slope by the place `index` of a half of the state.
+    pub(super) fn slope(half: Half, index: Index) -> Self {
+        let by = if half == Half::Momenta { "p" } else { "q" };
+        Self::Slope { vector: format_ident!("__by_{by}"), index }
+    }
 }
 
-/// What parameters are called.
-pub(super) fn parameters(graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
-    parameter_names(&mut Names::default(), graph, parameters)
+/// The arithmetic of one placement of an element.
+struct Arithmetic {
+    /// What the state does not enter, before the loops.
+    before: TokenStream,
+    inside: TokenStream,
+    /// One for each output.
+    values: Vec<TokenStream>,
+    /// What the local variables are called.
+    locals: Vec<Ident>,
+    /// Names of numbers that no loop changes.
+    constants: Vec<Ident>,
 }
 
-/// The loops of an element around what computes `outputs`.
-pub(super) fn emit(
-    context: &mut Context<'_>,
-    weighted: &Weighted,
-    outputs: &[(Expr, Target)],
-) -> TokenStream {
-    let Weighted { element, increments } = weighted;
-    if outputs.is_empty() {
-        return TokenStream::new();
-    }
-    let indices = Indices::unchecked(context.tables);
-    let (outer, inner) = match element.loops.split_last() {
-        Some((inner, outer)) => (outer, Some(inner)),
-        None => (&[][..], None),
-    };
-    let roots: Vec<Expr> = outputs.iter().map(|(root, _)| *root).collect();
-
-    let parameters = parameters(context.graph, context.parameters);
-    let mut taken = Names::default();
-    parameters.iter().for_each(|name| taken.avoid(name));
-    let slots = element.locals.iter().map(|local| context.graph.symbol_name(local.symbol));
-    let locals = taken.take_all(slots);
-
-    let mut lowering = Lowering::new(context.graph, std::mem::take(&mut context.definitions));
-    let mut inputs: Vec<(Op, Ident)> = Vec::new();
-    for (local, name) in element.locals.iter().zip(&locals) {
-        lowering.program.declare(local.symbol, Level::State);
-        inputs.push((lowering.program.input(local.symbol), name.clone()));
-    }
-    if let Some((symbol, _)) = context.weight {
-        lowering.program.declare(symbol, Level::State);
-        inputs.push((lowering.program.input(symbol), format_ident!("__factor")));
-    }
-    lowering.program.declare(context.t, Level::Time);
-    inputs.push((lowering.program.input(context.t), format_ident!("__t")));
-    if let Some(scale) = context.scale {
-        lowering.program.declare(scale, Level::Time);
-        inputs.push((lowering.program.input(scale), format_ident!("__scale")));
-    }
-    let constants = [format_ident!("__t"), format_ident!("__scale")].into_iter().chain(parameters.clone());
-    let constants: Vec<Ident> = constants.collect();
-    for (parameter, name) in context.parameters.iter().zip(parameters) {
-        lowering.program.declare(parameter.symbol, Level::Prepared);
-        inputs.push((lowering.program.input(parameter.symbol), name));
-    }
-    let ops: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();
-    let program = &lowering.program;
-    let uses = program.uses(&ops);
-    let hints = HashMap::new();
-    let mut printer = Printer::new(program, context.wanted.number(), &hints, taken);
-    for (op, name) in inputs {
-        printer.set(op, name);
-    }
-    // What the state does not enter is computed before the loops.
-    let needed = program.needed(&ops, &|_| false);
-    let is_fixed = |op: Op| program.level(op) < Level::Increments && !program.is_literal(op);
-    let mut fixed: Vec<Op> = needed
-        .iter()
-        .filter(|&&op| program.level(op) >= Level::Increments)
-        .flat_map(|&op| program.operation(op).operands())
-        .chain(ops.iter().copied())
-        .filter(|&op| is_fixed(op))
-        .collect();
-    fixed.sort_unstable();
-    fixed.dedup();
-    let before = printer.bind(&fixed, &uses, &|op| fixed.contains(&op));
-    let mut constants = constants;
-    constants.extend(fixed.iter().filter_map(|&op| printer.bound(op).cloned()));
-    constants.sort_unstable();
-    constants.dedup();
-    let inside = printer.bind(&ops, &uses, &|_| false);
-    let value = |(&op, (_, target)): (&Op, &(Expr, Target))| match target {
-        Target::Value { factor: Some(_) } => printer.scalar_factor(op),
-        _ => printer.scalar_value(op),
-    };
-    let values: Vec<TokenStream> = ops.iter().zip(outputs).map(value).collect();
-
-    // The increments of a family whose members are the innermost loop change with it.
-    let (fixed_weight, own_weight) = match (context.weight, inner) {
-        (None, _) => (quote!(), quote!()),
-        (Some((_, weight)), Some(inner))
-            if increments.iter().any(|number| number.loops().contains(&inner.variable)) =>
-        {
-            (quote!(), quote!(let __factor = #weight;))
+impl Nests<'_> {
+    /// The loops of an element around what computes those of `outputs` that are not zero.
+    pub(super) fn computed(
+        &mut self,
+        weighted: &Weighted,
+        weight: Weight<'_>,
+        (mut outputs, definitions): Outputs,
+    ) -> TokenStream {
+        outputs.retain(|(value, _)| !self.model.graph.is_zero(*value));
+        if outputs.is_empty() {
+            return TokenStream::new();
         }
-        (Some((_, weight)), _) => (quote!(let __factor = #weight;), quote!()),
-    };
-    let acting = if context.wanted == Wanted::Curvature { None } else { family_of(weighted) };
-    let range_of = |known: &Loop| match acting {
-        Some(family) if family == known.variable => {
-            let range = [indices.value(&known.start), indices.value(&known.end)];
-            acting_members(&indices, weighted, family, range)
+        let arithmetic = self.arithmetic(&weighted.element, weight, (&outputs, definitions));
+        self.in_loops(weighted, weight, &outputs, &arithmetic)
+    }
+
+    fn arithmetic(
+        &mut self,
+        element: &Element,
+        weight: Weight<'_>,
+        (outputs, definitions): (&[(Expr, Target)], HashMap<Symbol, Expr>),
+    ) -> Arithmetic {
+        let System { graph, parameters, t, scale, .. } = &mut *self.model;
+        let mut taken = Names::default();
+        let own = parameter_names(&mut taken, graph, parameters);
+        let slots = element.locals.iter().map(|local| graph.symbol_name(local.symbol));
+        let locals = taken.take_all(slots);
+        let symbols = element.locals.iter().map(|local| local.symbol);
+        let factor = weight.map(|(symbol, _)| (symbol, format_ident!("__factor")));
+        let of_state = symbols.zip(locals.iter().cloned()).chain(factor);
+        let of_time = [(*t, format_ident!("__t"))].into_iter();
+        let of_time = of_time.chain(scale.map(|scale| (scale, format_ident!("__scale"))));
+        let of_system = parameters.iter().map(|parameter| parameter.symbol).zip(own);
+        let names = of_state.map(|named| (named, Level::State));
+        let names = names.chain(of_time.map(|named| (named, Level::Time)));
+        let names = names.chain(of_system.map(|named| (named, Level::Prepared)));
+        let mut constants = vec![format_ident!("__t"), format_ident!("__scale")];
+        let mut lowering = Lowering::new(graph, definitions);
+        let mut inputs: Vec<(Op, Ident)> = Vec::new();
+        for ((symbol, name), level) in names {
+            constants.extend((level == Level::Prepared).then(|| name.clone()));
+            inputs.push((lowering.input(symbol, level), name));
         }
-        _ => [indices.sum(&known.start), indices.sum(&known.end)],
-    };
-    let start = inner.filter(|known| acting != Some(known.variable)).map(|known| known.start.clone());
-    let inner = inner.map(|known| (known.variable, range_of(known)));
-    let pairs = match context.wanted {
-        Wanted::Slopes => partners(weighted, &indices, context.components),
-        Wanted::Value | Wanted::Curvature => None,
-    };
-    let is_gathered = context.wanted == Wanted::Slopes
-        && pairs.is_none()
-        && gathers(context.graph, element, context.components);
-    let lists = if is_gathered { lists(element, context.tables) } else { Vec::new() };
-    let beside = is_gathered.then_some(Beside { constants: &constants, weight: &own_weight, lists: &lists });
-    let mut chunk = Chunk {
-        indices,
-        element,
-        inner,
-        start,
-        outputs,
-        locals: &locals,
-        components: context.components,
-        has_windows: context.has_windows,
-        wanted: context.wanted,
-        beside,
-    };
-    let Emitted { buffers, body, after } = match pairs {
-        Some(first) => chunk.row(&first, &constants, &inside, &values),
-        None if is_gathered => {
-            let beside = chunk.emit(&inside, &values);
-            chunk.beside = None;
-            let one_by_one = chunk.emit(&quote!(#own_weight #inside), &values);
-            either(&chunk, &written(outputs), beside, &one_by_one.body)
-        }
-        None => chunk.emit(&quote!(#own_weight #inside), &values),
-    };
-    let mut nest = quote! { #fixed_weight #body };
-    for (depth, known) in outer.iter().enumerate().rev() {
-        let (name, [start, end]) = (variable(known.variable), range_of(known));
-        // Literals alone have no type.
-        let is_typed = !known.start.terms.is_empty() || acting == Some(known.variable);
-        let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
-        let range = match (depth, context.wanted) {
-            (0, Wanted::Slopes) => {
-                let (number, sums) = (count(known.variable as usize), written(outputs));
-                quote!(#sums.outer(#number, #start..#end))
-            }
-            _ => quote!(#start..#end),
+        let ops: Vec<Op> = outputs.iter().map(|&(root, _)| lowering.lower(root)).collect();
+        let program = &lowering.program;
+        let (uses, hints) = (program.uses(&ops), HashMap::new());
+        let mut printer = Printer::new(program, self.wanted.number(), &hints, taken);
+        inputs.into_iter().for_each(|(op, name)| printer.set(op, name));
+        let mut fixed = program.frontier(&ops, &|op| program.level(op) < Level::Increments);
+        fixed.retain(|&op| !program.is_literal(op));
+        let before = printer.bind(&fixed, &uses, &|op| fixed.contains(&op));
+        constants.extend(fixed.iter().filter_map(|&op| printer.bound(op).cloned()));
+        constants.sort_unstable();
+        constants.dedup();
+        let inside = printer.bind(&ops, &uses, &|_| false);
+        let value = |(&op, (_, target)): (&Op, &(Expr, Target))| match target {
+            Target::Value { factor: Some(_) } => printer.scalar_factor(op),
+            _ => printer.scalar_value(op),
         };
-        nest = quote! {
-            for #name in #range {
-                #nest
-            }
-        };
+        let values = ops.iter().zip(outputs).map(value).collect();
+        Arithmetic { before, inside, values, locals, constants }
     }
-    quote!(#before #buffers #nest #after)
+
+    fn in_loops(
+        &self,
+        weighted: &Weighted,
+        weight: Weight<'_>,
+        outputs: &[(Expr, Target)],
+        Arithmetic { before, inside, values, locals, constants }: &Arithmetic,
+    ) -> TokenStream {
+        let Weighted { element, increments } = weighted;
+        let (wanted, System { graph, tables, components, .. }) = (self.wanted, &*self.model);
+        let indices = Indices::unchecked(tables);
+        let (inner, outer) = match element.loops.split_last() {
+            Some((inner, outer)) => (Some(inner), outer),
+            None => (None, &[][..]),
+        };
+        // The increments of a family whose members are the innermost loop change with it.
+        let is_own = |inner: &Loop| increments.iter().any(|number| number.loops().contains(&inner.variable));
+        let bound = weight.map(|(_, weight)| quote!(let __factor = #weight;));
+        let (fixed_weight, own_weight) =
+            if inner.is_some_and(is_own) { (None, bound) } else { (bound, None) };
+        let own_weight = quote!(#own_weight);
+        let acting = if wanted == Wanted::Curvature { None } else { family_of(weighted) };
+        let range_of = |known: &Loop| match acting {
+            Some(family) if family == known.variable => {
+                let range = [indices.value(&known.start), indices.value(&known.end)];
+                acting_members(&indices, weighted, family, range)
+            }
+            _ => [indices.sum(&known.start), indices.sum(&known.end)],
+        };
+        let is_of_slopes = wanted == Wanted::Slopes;
+        let pairs = if is_of_slopes { partners(weighted, &indices, *components) } else { None };
+        let is_gathered = is_of_slopes && pairs.is_none() && gathers(graph, element, *components);
+        let lists = if is_gathered { lists(element, tables) } else { Vec::new() };
+        let beside = is_gathered.then_some(Beside { constants, weight: &own_weight, lists: &lists });
+        let mut chunk = Chunk {
+            indices,
+            element,
+            inner: inner.map(|known| (known.variable, range_of(known))),
+            start: inner.filter(|known| acting != Some(known.variable)).map(|known| known.start.clone()),
+            outputs,
+            locals,
+            components: *components,
+            has_windows: self.model.degrees_in_straight_lines().is_none(),
+            wanted,
+            beside,
+        };
+        let Emitted { buffers, body, after } = match pairs {
+            Some(first) => chunk.row(&first, constants, inside, values),
+            None if is_gathered => {
+                let beside = chunk.emit(inside, values);
+                chunk.beside = None;
+                let one_by_one = chunk.emit(&quote!(#own_weight #inside), values);
+                either(&chunk, &written(outputs), beside, &one_by_one.body)
+            }
+            None => chunk.emit(&quote!(#own_weight #inside), values),
+        };
+        let mut nest = quote! { #fixed_weight #body };
+        for (depth, known) in outer.iter().enumerate().rev() {
+            let (name, [start, end]) = (variable(known.variable), range_of(known));
+            // Literals alone have no type.
+            let is_typed = !known.start.terms.is_empty() || acting == Some(known.variable);
+            let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
+            let range = match (depth, is_of_slopes) {
+                (0, true) => {
+                    let (number, sums) = (count(known.variable as usize), written(outputs));
+                    quote!(#sums.outer(#number, #start..#end))
+                }
+                _ => quote!(#start..#end),
+            };
+            nest = quote! {
+                for #name in #range {
+                    #nest
+                }
+            };
+        }
+        quote!(#before #buffers #nest #after)
+    }
 }
 
 /// A loop whose placements are taken beside each other if the sums say so, else one by one.

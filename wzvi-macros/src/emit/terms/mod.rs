@@ -13,33 +13,27 @@ mod places;
 mod weighted;
 mod windows;
 
-use std::collections::HashMap;
-
 use proc_macro2::{Literal, TokenStream};
-use quote::{ToTokens, format_ident, quote};
+use quote::{ToTokens, quote};
 
-use self::combine::Combined;
 pub(crate) use self::gauss::{field, in_windows};
 pub(crate) use self::in_loops::{emit as step, quadrature};
 pub(crate) use self::indices::Indices;
-use self::kernel::{Context, Target};
 use self::parts::Numbers;
 use crate::describe::Texts;
 use crate::diagnostics::internal::Promised;
 use crate::discretise::facts::Facts;
+use crate::discretise::parts::{PartElements, parts, scale_momenta};
+use crate::discretise::plan::{Step, Unknowns};
 use crate::discretise::quadrature::Quadrature;
-use crate::discretise::sums::{Sum, Weighted, unweighted};
-use crate::elements::parts::{PartElements, parts, scale_momenta};
-use crate::elements::plan::{Step, Unknowns};
+use crate::discretise::sums::{Sum, unweighted};
 use crate::emit::compose::structure;
 use crate::emit::step::mentions;
-use crate::emit::{count, f64_type, implementation};
+use crate::emit::{Names, count, f64_type, implementation, parameter_names};
 use crate::input::{Length, Shape};
-use crate::model::index::Index;
-use crate::model::{Element, Parameter, System};
-use crate::symbolic::{Expr, Graph, Symbol};
+use crate::model::{Parameter, System};
 
-use self::weighted::{derivatives, part_code, values};
+use self::weighted::Nests;
 
 /// Values and slopes of all terms, and what follows from them. People are told of the parameters `listed`, or of those of the system.
 pub(crate) fn terms(
@@ -127,7 +121,7 @@ fn noise_count(model: &System) -> TokenStream {
 /// `let a = self.a;` for every parameter that `code` reads.
 fn parameters(model: &System, code: &TokenStream) -> TokenStream {
     let f64 = f64_type();
-    let names = kernel::parameters(&model.graph, &model.parameters);
+    let names = parameter_names(&mut Names::default(), &model.graph, &model.parameters);
     let read = names.iter().zip(&model.parameters).filter(|(name, _)| mentions(code, &name.to_string()));
     let reads = read.map(|(name, Parameter { tokens, .. })| quote!(let #name: #f64 = #tokens;));
     quote!(#(#reads)*)
@@ -157,171 +151,6 @@ impl Wanted {
             Self::Value | Self::Curvature => kept,
         }
     }
-}
-
-/// The value of one element, with the weight `inside` of its loops, to where it goes. A covector is no gradient of anything.
-fn value_code(
-    model: &mut System,
-    weighted: &Weighted,
-    inside: Option<&TokenStream>,
-    target: Target,
-) -> TokenStream {
-    let element = &weighted.element;
-    let is_known = element.displacements().next().is_none();
-    let (value, weight) = weighed(&mut model.graph, element, inside);
-    let outputs: Vec<(Expr, Target)> = is_known.then_some((value, target.clone())).into_iter().collect();
-    let code = computed(model, weighted, Wanted::Value, weight, (outputs, HashMap::new()));
-    match target {
-        Target::Value { .. } if code.is_empty() => quote!(__S::from_f64(0.0)),
-        _ => code,
-    }
-}
-
-/// `c H_e` with a symbol for the weight `c`, if there is one.
-fn weighed<'w>(
-    graph: &mut Graph,
-    element: &Element,
-    weight: Option<&'w TokenStream>,
-) -> (Expr, Option<(Symbol, &'w TokenStream)>) {
-    let weight = weight.map(|weight| (graph.new_symbol("c"), weight));
-    let value = match weight {
-        Some((symbol, _)) => {
-            let c = graph.symbol(symbol);
-            graph.multiply(c, element.value)
-        }
-        None => element.value,
-    };
-    (value, weight)
-}
-
-/// The code of the first or second derivatives of one element, `c H_e` with the weight `c`.
-fn element_code(
-    model: &mut System,
-    weighted: &Weighted,
-    wanted: Wanted,
-    weight: &TokenStream,
-) -> TokenStream {
-    let element = &weighted.element;
-    let (value, weight) = weighed(&mut model.graph, element, Some(weight));
-    let graph = &mut model.graph;
-    if element.displacements().next().is_some() {
-        return covector_code(model, weighted, wanted, (value, weight));
-    }
-    let all = state_of(element);
-    let symbols: Vec<Symbol> = all.iter().map(|(symbol, ..)| *symbol).collect();
-    let mut combined = Combined::new(graph, value, &symbols);
-    let mut outputs: Vec<(Expr, Target)> = Vec::new();
-    match wanted {
-        Wanted::Value => {}
-        Wanted::Slopes => {
-            let slopes = match &mut combined {
-                Some(combined) => combined.slopes(graph, &symbols),
-                None => symbols.iter().map(|symbol| graph.derivative(value, *symbol)).collect(),
-            };
-            for (slope, (_, index, is_p)) in slopes.into_iter().zip(&all) {
-                let vector = if *is_p { format_ident!("__by_p") } else { format_ident!("__by_q") };
-                outputs.push((slope, Target::Slope { vector, index: index.clone() }));
-            }
-        }
-        Wanted::Curvature => {
-            let curvatures = match combined.as_mut().and_then(|c| c.curvatures(graph, &symbols)) {
-                Some(curvatures) => curvatures,
-                None => curvatures(graph, value, &symbols),
-            };
-            let pairs =
-                all.iter().enumerate().flat_map(|(a, first)| all[a..].iter().map(move |b| (first, b)));
-            for (curvature, ((first, row, first_is_p), (second, column, second_is_p))) in
-                curvatures.into_iter().zip(pairs)
-            {
-                let method = match (first_is_p, second_is_p) {
-                    (false, false) => format_ident!("add_qq"),
-                    (true, true) => format_ident!("add_pp"),
-                    _ => format_ident!("add_qp"),
-                };
-                let (row, column) = (row.clone(), column.clone());
-                let is_diagonal = Some(first == second);
-                outputs.push((curvature, Target::Curvature { method, row, column, is_diagonal }));
-            }
-        }
-    }
-    let definitions = combined.map(|combined| combined.definitions).unwrap_or_default();
-    computed(model, weighted, wanted, weight, (outputs, definitions))
-}
-
-/// The coordinates and momenta that an element reads: symbol, index, whether it is a momentum.
-fn state_of(element: &Element) -> Vec<(Symbol, Index, bool)> {
-    let coordinates = element.coordinates().map(|(s, index)| (s, index.clone(), false));
-    coordinates.chain(element.momenta().map(|(s, index)| (s, index.clone(), true))).collect()
-}
-
-/// The code of one element of a covector `f`, which is in the place of `-∂H/∂q`: components of `-f`, or their derivatives.
-fn covector_code(
-    model: &mut System,
-    weighted: &Weighted,
-    wanted: Wanted,
-    (value, weight): (Expr, Option<(Symbol, &TokenStream)>),
-) -> TokenStream {
-    let (graph, element) = (&mut model.graph, &weighted.element);
-    let mut outputs: Vec<(Expr, Target)> = Vec::new();
-    for (displacement, row) in element.displacements() {
-        let component = graph.derivative(value, displacement);
-        let slope = graph.negate(component);
-        match wanted {
-            // It is no gradient of anything.
-            Wanted::Value => {}
-            Wanted::Slopes => {
-                let vector = format_ident!("__by_q");
-                outputs.push((slope, Target::Slope { vector, index: row.clone() }));
-            }
-            Wanted::Curvature => {
-                for (symbol, column, is_momentum) in state_of(element) {
-                    let method = match is_momentum {
-                        false => format_ident!("add_force_by_q"),
-                        true => format_ident!("add_force_by_p"),
-                    };
-                    let target = Target::Curvature { method, row: row.clone(), column, is_diagonal: None };
-                    outputs.push((graph.derivative(slope, symbol), target));
-                }
-            }
-        }
-    }
-    computed(model, weighted, wanted, weight, (outputs, HashMap::new()))
-}
-
-/// The code of outputs that are not zero, with what their symbols stand for.
-fn computed(
-    model: &mut System,
-    weighted: &Weighted,
-    wanted: Wanted,
-    weight: Option<(Symbol, &TokenStream)>,
-    (mut outputs, definitions): (Vec<(Expr, Target)>, HashMap<Symbol, Expr>),
-) -> TokenStream {
-    let has_windows = model.degrees_in_straight_lines().is_none();
-    let graph = &mut model.graph;
-    outputs.retain(|(value, _)| !graph.is_zero(*value));
-    let mut context = Context {
-        graph,
-        parameters: &model.parameters,
-        tables: &model.tables,
-        t: model.t,
-        scale: model.scale,
-        weight,
-        wanted,
-        components: model.components,
-        has_windows,
-        definitions,
-    };
-    kernel::emit(&mut context, weighted, &outputs)
-}
-
-/// The second derivatives by each pair of `symbols` with the first not after the second, row by row.
-fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> Vec<Expr> {
-    let mut all = Vec::new();
-    for (a, &first) in symbols.iter().enumerate() {
-        let slope = graph.derivative(value, first);
-        all.extend(symbols[a..].iter().map(|&second| graph.derivative(slope, second)));
-    }
-    all
 }
 
 /// `impl Elements`
@@ -403,8 +232,9 @@ fn elements(
 
 /// The code of parts by their numbers.
 fn arms(model: &mut System, parts: &[PartElements], wanted: Wanted) -> TokenStream {
+    let mut nests = Nests { model, wanted };
     let arms = parts.iter().map(|part| {
-        let (condition, code) = part_code(model, part, wanted);
+        let (condition, code) = nests.part(part);
         arm(part.part as usize, condition, &code)
     });
     arms.collect()
@@ -456,6 +286,7 @@ fn opened(model: &System, code: &TokenStream) -> TokenStream {
 fn integrals(model: &mut System) -> TokenStream {
     let first = Numbers::of(model).integrals;
     let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
-    let arms = integrals.iter().enumerate().map(|(k, sum)| arm(first + k, None, &values(model, sum, None)));
+    let mut nests = Nests { model, wanted: Wanted::Value };
+    let arms = integrals.iter().enumerate().map(|(k, sum)| arm(first + k, None, &nests.group(sum, None)));
     arms.collect()
 }

@@ -3,7 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::{Wanted, arm, derivatives, values};
+use super::weighted::Nests;
+use super::{Wanted, arm};
 use crate::describe::Texts;
 use crate::discretise::facts::split::Form;
 use crate::discretise::quadrature::Part;
@@ -54,15 +55,10 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
         Wanted::Slopes | Wanted::Curvature => friction.into_iter().collect(),
     };
     let terms: Vec<_> = parts.chain(of_bath).collect();
+    let mut nests = Nests { model, wanted };
     let arms = terms.into_iter().map(|(term, number)| {
-        let code: TokenStream = match wanted {
-            Wanted::Value => values(model, &unweighted(&term.values), Some(&weight)),
-            Wanted::Slopes | Wanted::Curvature => {
-                let elements = unweighted(&term.elements);
-                elements.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
-            }
-        };
-        arm(number, None, &code)
+        let elements = if wanted == Wanted::Value { &term.values } else { &term.elements };
+        arm(number, None, &nests.group(&unweighted(elements), Some(&weight)))
     });
     arms.collect()
 }

@@ -72,13 +72,12 @@ struct Places<'s> {
 impl Places<'_> {
     /// What is not proven of one element; nothing if all is.
     fn nest(&mut self, element: &Element) -> TokenStream {
-        let is_unsigned = |table: u32| self.system.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
-        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
+        let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
         let sizes = Sizes { system: self.system, loops: &element.loops };
         let total =
             self.system.size.multiply(&Index::integer(self.system.components)).promised("sizes are integers");
         let is_proven = |slot: &Slot| match slot {
-            Slot::State(_, index) => sizes.is_integer(index) && is_within(&bounds, index, &total),
+            Slot::State(_, index) => sizes.is_integer(index) && bounds.is_below(index, &total),
             Slot::Entry(table, indices) => (0..indices.len()).all(|level| {
                 sizes.is_integer(&indices[level]) && self.is_inside(&bounds, *table, indices, level)
             }),
@@ -203,8 +202,7 @@ impl Places<'_> {
                 }
             }
         }
-        let is_unsigned = |table: u32| self.system.tables.get(table as usize).is_some_and(|t| t.is_unsigned);
-        let bounds = Bounds { loops: &element.loops, is_unsigned: &is_unsigned };
+        let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
         let inside: Vec<bool> =
             (0..indices.len()).map(|level| self.is_inside(&bounds, table, indices, level)).collect();
         let positions = indices.iter().zip(inside).map(|(index, is_inside)| {
@@ -229,14 +227,8 @@ impl Places<'_> {
         });
         let Some(length) = length.and_then(|id| u32::try_from(id).ok()) else { return false };
         let length = Index::atom(Atom::Given(length, indices[..level].to_vec()));
-        is_within(bounds, &indices[level], &length)
+        bounds.is_below(&indices[level], &length)
     }
-}
-
-/// Whether `0 <= index < length` wherever the loops go.
-fn is_within(bounds: &Bounds<'_>, index: &Index, length: &Index) -> bool {
-    let rest = length.subtract(index).and_then(|rest| rest.shifted(-1));
-    bounds.is_nonnegative(index) && rest.is_some_and(|rest| bounds.is_nonnegative(&rest))
 }
 
 /// How large integers may be.

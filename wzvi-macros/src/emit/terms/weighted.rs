@@ -1,116 +1,206 @@
 //! Elements with the weight of their part and the increments of their noises.
 
+use std::collections::HashMap;
+
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{format_ident, quote};
 
+use super::combine::{Combined, curvatures};
 use super::kernel::Target;
-use super::{Indices, Wanted, element_code, value_code};
+use super::{Indices, Wanted};
+use crate::discretise::parts::{PartElements, family_of};
 use crate::discretise::sums::Weighted;
-use crate::elements::parts::{PartElements, family_of};
-use crate::model::{Reads, System};
+use crate::model::index::Index;
+use crate::model::{Element, Half, Reads, System};
+use crate::symbolic::{Expr, Symbol};
 
-/// All elements of a part: its value, or what adds their derivatives; and where there is something to do, if that is asked at once.
-pub(super) fn part_code(
-    model: &mut System,
-    part: &PartElements,
-    wanted: Wanted,
-) -> (Option<TokenStream>, TokenStream) {
-    let sum = if wanted == Wanted::Value { &part.values } else { &part.elements };
-    let mut code = Vec::new();
-    // Elements with the same increments stand together.
-    for group in sum.chunk_by(|a, b| a.increments == b.increments) {
-        let Some(first) = group.first() else { continue };
-        let (weight, condition) = (weight(model, part, first, wanted), condition(model, first, wanted));
-        let body: TokenStream = match wanted {
-            Wanted::Value => values(model, group, Some(&weight)),
-            Wanted::Slopes | Wanted::Curvature => {
-                group.iter().map(|weighted| derivatives(model, weighted, wanted, &weight)).collect()
+/// Values to compute, and where they go; and what symbols in them stand for.
+pub(super) type Outputs = (Vec<(Expr, Target)>, HashMap<Symbol, Expr>);
+
+/// The code of the elements of a system that computes one thing.
+pub(super) struct Nests<'m> {
+    pub(super) model: &'m mut System,
+    pub(super) wanted: Wanted,
+}
+
+impl Nests<'_> {
+    /// All elements of a part: its value, or what adds their derivatives; and where there is something to do, if that is asked at once.
+    pub(super) fn part(&mut self, part: &PartElements) -> (Option<TokenStream>, TokenStream) {
+        let is_value = self.wanted == Wanted::Value;
+        let sum = if is_value { &part.values } else { &part.elements };
+        let mut code = Vec::new();
+        // Elements with the same increments stand together.
+        for group in sum.chunk_by(|a, b| a.increments == b.increments) {
+            let Some(first) = group.first() else { continue };
+            let weight = self.weight(part, first);
+            let body = self.group(group, Some(&weight));
+            if !body.is_empty() {
+                code.push((self.condition(first), body));
             }
+        }
+        if code.len() == 1 {
+            return code.remove(0);
+        }
+        let groups = code.into_iter().map(|(condition, body)| {
+            let body = if is_value { quote!(__value = __value + { #body };) } else { body };
+            match condition {
+                Some(condition) => quote!(if #condition { #body }),
+                None => body,
+            }
+        });
+        let groups: TokenStream = groups.collect();
+        (None, if is_value { quote!(let mut __value = __S::from_f64(0.0); #groups __value) } else { groups })
+    }
+
+    /// Elements with one weight, or none.
+    pub(super) fn group(&mut self, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
+        match self.wanted {
+            Wanted::Value => self.values(group, weight),
+            _ => group.iter().map(|weighted| self.derivatives(weighted, weight)).collect(),
+        }
+    }
+
+    /// Their sum, with the weight taken out of it unless it changes in their loops.
+    fn values(&mut self, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
+        let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
+        let (inside, outside) = if is_fixed { (None, weight) } else { (weight, None) };
+        if let [only] = group
+            && only.element.loops.len() < 2
+        {
+            let code = self.value(only, inside, Target::Value { factor: outside.cloned() });
+            return if code.is_empty() { quote!(__S::from_f64(0.0)) } else { code };
+        }
+        let added: Vec<TokenStream> =
+            group.iter().map(|weighted| self.value(weighted, inside, Target::Total)).collect();
+        let factor = outside.map(|weight| quote!(* #weight));
+        quote! {
+            let mut __total = __S::from_f64(0.0);
+            #({ #added })*
+            __total #factor
+        }
+    }
+
+    /// The value of one element, with the weight `inside` of its loops, to where it goes. A covector is no gradient of anything.
+    fn value(&mut self, weighted: &Weighted, inside: Option<&TokenStream>, to: Target) -> TokenStream {
+        let (value, weight) = self.weighed(&weighted.element, inside);
+        let outputs = if weighted.element.is_covector() { Vec::new() } else { vec![(value, to)] };
+        self.computed(weighted, weight, (outputs, HashMap::new()))
+    }
+
+    /// `c H_e` with a symbol for the weight `c`, if there is one.
+    fn weighed<'w>(&mut self, element: &Element, weight: Option<&'w TokenStream>) -> (Expr, Weight<'w>) {
+        let Some(weight) = weight else { return (element.value, None) };
+        let graph = &mut self.model.graph;
+        let symbol = graph.new_symbol("c");
+        let c = graph.symbol(symbol);
+        (graph.multiply(c, element.value), Some((symbol, weight)))
+    }
+
+    /// The first or second derivatives of one element, if those by what it reads are wanted.
+    fn derivatives(&mut self, weighted: &Weighted, weight: Option<&TokenStream>) -> TokenStream {
+        let element = &weighted.element;
+        let condition = match element.reads() {
+            _ if element.is_covector() => quote!(__wanted.by_q),
+            Reads::Nothing => return TokenStream::new(),
+            Reads::Coordinates => quote!(__wanted.by_q),
+            Reads::Momenta => quote!(__wanted.by_p),
+            Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
         };
-        if !body.is_empty() {
-            code.push((condition, body));
+        let (value, weight) = self.weighed(element, weight);
+        let outputs = match (element.is_covector(), self.wanted) {
+            (true, _) => (self.of_covector(element, value), HashMap::new()),
+            (false, Wanted::Curvature) => self.curvatures(element, value),
+            (false, _) => self.slopes(element, value),
+        };
+        let body = self.computed(weighted, weight, outputs);
+        if body.is_empty() { body } else { quote!(if #condition { #body }) }
+    }
+
+    fn slopes(&mut self, element: &Element, value: Expr) -> Outputs {
+        let (graph, symbols) = (&mut self.model.graph, element.state());
+        let mut combined = Combined::new(graph, value, &symbols);
+        let slopes = match &mut combined {
+            Some(combined) => combined.slopes(graph, &symbols),
+            None => symbols.iter().map(|symbol| graph.derivative(value, *symbol)).collect(),
+        };
+        let places = places(element).into_iter();
+        let outputs = slopes.into_iter().zip(places.map(|(half, index)| Target::slope(half, index)));
+        (outputs.collect(), combined.map(|combined| combined.definitions).unwrap_or_default())
+    }
+
+    fn curvatures(&mut self, element: &Element, value: Expr) -> Outputs {
+        let (graph, symbols, all) = (&mut self.model.graph, element.state(), places(element));
+        let mut combined = Combined::new(graph, value, &symbols);
+        let found = combined.as_mut().and_then(|combined| combined.curvatures(graph, &symbols));
+        let found = found.unwrap_or_else(|| curvatures(graph, value, &symbols));
+        let pairs = all.iter().enumerate().flat_map(|(a, first)| all[a..].iter().map(move |b| (first, b)));
+        let targets = pairs.map(|(first @ (half, row), second @ (other, column))| {
+            let method = match (half, other) {
+                (Half::Coordinates, Half::Coordinates) => format_ident!("add_qq"),
+                (Half::Momenta, Half::Momenta) => format_ident!("add_pp"),
+                _ => format_ident!("add_qp"),
+            };
+            let (row, column) = (row.clone(), column.clone());
+            Target::Curvature { method, row, column, is_diagonal: Some(first == second) }
+        });
+        let outputs = found.into_iter().zip(targets).collect();
+        (outputs, combined.map(|combined| combined.definitions).unwrap_or_default())
+    }
+
+    /// Of a covector `f`, which is in the place of `-∂H/∂q`: components of `-f`, or their derivatives.
+    fn of_covector(&mut self, element: &Element, value: Expr) -> Vec<(Expr, Target)> {
+        let graph = &mut self.model.graph;
+        let mut outputs: Vec<(Expr, Target)> = Vec::new();
+        for (displacement, row) in element.displacements() {
+            let component = graph.derivative(value, displacement);
+            let slope = graph.negate(component);
+            if self.wanted == Wanted::Slopes {
+                outputs.push((slope, Target::slope(Half::Coordinates, row.clone())));
+                continue;
+            }
+            for (symbol, (half, column)) in element.state().into_iter().zip(places(element)) {
+                let by = if half == Half::Momenta { "p" } else { "q" };
+                let (method, row) = (format_ident!("add_force_by_{by}"), row.clone());
+                let target = Target::Curvature { method, row, column, is_diagonal: None };
+                outputs.push((graph.derivative(slope, symbol), target));
+            }
+        }
+        outputs
+    }
+
+    /// The product of the increments of an element of a part, and the weight of the part.
+    fn weight(&self, part: &PartElements, Weighted { increments, .. }: &Weighted) -> TokenStream {
+        let indices = Indices::unchecked(&self.model.tables);
+        let factor = part.is_weighted.then(|| quote!(*__weight));
+        let increments = increments.iter().map(|number| {
+            let position = indices.position(number);
+            self.wanted.lifted(quote!(__at.increment(#position)))
+        });
+        match increments.reduce(|product, increment| quote!(#product * #increment)) {
+            Some(product) => quote!(#product #factor),
+            None => {
+                let number = self.wanted.number();
+                quote!(#number::from_f64(__at.h #factor))
+            }
         }
     }
-    if code.len() == 1 {
-        return code.remove(0);
-    }
-    let is_value = wanted == Wanted::Value;
-    let groups = code.into_iter().map(|(condition, body)| {
-        let body = if is_value { quote!(__value = __value + { #body };) } else { body };
-        match condition {
-            Some(condition) => quote!(if #condition { #body }),
-            None => body,
+
+    /// Whether a noise acts that is no member of a family, whose loop knows.
+    fn condition(&self, weighted: &Weighted) -> Option<TokenStream> {
+        let [number] = weighted.increments.as_slice() else { return None };
+        if self.wanted == Wanted::Curvature || family_of(weighted).is_some() {
+            return None;
         }
-    });
-    let groups: TokenStream = groups.collect();
-    (None, if is_value { quote!(let mut __value = __S::from_f64(0.0); #groups __value) } else { groups })
-}
-
-/// The sum of elements with one weight, which is taken out of it unless it changes in their loops.
-pub(super) fn values(model: &mut System, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
-    let is_fixed = group.iter().flat_map(|weighted| &weighted.increments).all(|k| k.loops().is_empty());
-    let (inside, outside) = if is_fixed { (None, weight) } else { (weight, None) };
-    if let [only] = group
-        && only.element.loops.len() < 2
-    {
-        return value_code(model, only, inside, Target::Value { factor: outside.cloned() });
-    }
-    let added: Vec<TokenStream> =
-        group.iter().map(|weighted| value_code(model, weighted, inside, Target::Total)).collect();
-    let factor = outside.map(|weight| quote!(* #weight));
-    quote! {
-        let mut __total = __S::from_f64(0.0);
-        #({ #added })*
-        __total #factor
+        let position = Indices::unchecked(&self.model.tables).position(number);
+        Some(quote!(__at.acting.contains(&#position)))
     }
 }
 
-/// The derivatives of one element, if those by what it reads are wanted.
-pub(super) fn derivatives(
-    model: &mut System,
-    weighted: &Weighted,
-    wanted: Wanted,
-    weight: &TokenStream,
-) -> TokenStream {
-    let condition = match weighted.element.reads() {
-        _ if weighted.element.displacements().next().is_some() => quote!(__wanted.by_q),
-        Reads::Nothing => return TokenStream::new(),
-        Reads::Coordinates => quote!(__wanted.by_q),
-        Reads::Momenta => quote!(__wanted.by_p),
-        Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
-    };
-    let body = element_code(model, weighted, wanted, weight);
-    if body.is_empty() { body } else { quote!(if #condition { #body }) }
-}
+/// The symbol of a weight, and what it is: a value of the scalar type, in scope of the loops.
+pub(super) type Weight<'w> = Option<(Symbol, &'w TokenStream)>;
 
-/// The product of the increments of an element of a part, and the weight of the part.
-fn weight(
-    model: &System,
-    part: &PartElements,
-    Weighted { increments, .. }: &Weighted,
-    wanted: Wanted,
-) -> TokenStream {
-    let indices = Indices::unchecked(&model.tables);
-    let factor = part.is_weighted.then(|| quote!(*__weight));
-    let increments = increments.iter().map(|number| {
-        let position = indices.position(number);
-        wanted.lifted(quote!(__at.increment(#position)))
-    });
-    match increments.reduce(|product, increment| quote!(#product * #increment)) {
-        Some(product) => quote!(#product #factor),
-        None => {
-            let number = wanted.number();
-            quote!(#number::from_f64(__at.h #factor))
-        }
-    }
-}
-
-/// Whether a noise acts that is no member of a family, whose loop knows.
-fn condition(model: &System, weighted: &Weighted, wanted: Wanted) -> Option<TokenStream> {
-    let [number] = weighted.increments.as_slice() else { return None };
-    if wanted == Wanted::Curvature || family_of(weighted).is_some() {
-        return None;
-    }
-    let position = Indices::unchecked(&model.tables).position(number);
-    Some(quote!(__at.acting.contains(&#position)))
+/// Where the variables of the state are, in the order of [`Element::state`].
+fn places(element: &Element) -> Vec<(Half, Index)> {
+    let of = |half| element.of_half(half).map(move |(_, index)| (half, index.clone()));
+    of(Half::Coordinates).chain(of(Half::Momenta)).collect()
 }

@@ -5,8 +5,8 @@ use quote::quote;
 
 use super::chunk::{gathers, partners, stretch};
 use super::indices::Indices;
+use crate::discretise::parts::PartElements;
 use crate::discretise::sums::unweighted;
-use crate::elements::parts::PartElements;
 use crate::emit::count;
 use crate::input::{Length, Shape};
 use crate::model::index::{Atom, Index};
@@ -52,7 +52,7 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
     }
     elements(model, parts).all(|element| match element.reads() {
         // What stands in the place of a gradient reads anything.
-        _ if element.displacements().next().is_some() => false,
+        _ if element.is_covector() => false,
         Reads::Nothing => true,
         Reads::Coordinates => {
             let mut strides =
@@ -95,7 +95,7 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
     let gathered = elements(model, parts).filter(|element| gathers(&model.graph, element, model.components));
     let (mut by_q, mut by_p) = (false, false);
     for element in gathered {
-        let is_force = element.displacements().next().is_some();
+        let is_force = element.is_covector();
         by_q |= is_force || element.coordinates().next().is_some();
         by_p |= !is_force && element.momenta().next().is_some();
     }

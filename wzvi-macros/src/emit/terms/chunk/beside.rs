@@ -13,7 +13,7 @@ use crate::emit::terms::indices::{Indices, OpenList};
 use crate::emit::terms::windows::is_correctly_rounded;
 use crate::model::index::{Atom, Index};
 use crate::model::{Element, Half, Slot, Table};
-use crate::symbolic::{Expr, Graph, Symbol};
+use crate::symbolic::{Expr, Graph};
 
 /// What a chunk needs to know for that.
 pub(in crate::emit::terms) struct Beside<'a> {
@@ -99,8 +99,7 @@ pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, componen
         }
         Slot::State(Half::Displacements, _) | Slot::Number(_) | Slot::Entry(..) => false,
     };
-    let state: Vec<Symbol> =
-        element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol).collect();
+    let state = element.state();
     let is_long = |part: Expr| {
         let (mut reads_state, node) = (false, graph.node(part));
         node.for_each_operand(|operand| reads_state |= graph.depends_on(operand, &state));

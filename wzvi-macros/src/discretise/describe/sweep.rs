@@ -2,17 +2,31 @@
 
 use std::fmt::Write;
 
+use super::{hamiltonians, properties};
 use crate::discretise::facts::Facts;
+use crate::discretise::parts::parts;
+use crate::discretise::plan::{Strategy, Unknowns};
 use crate::discretise::quadrature::{Part, Quadrature, Stage};
 use crate::discretise::sums::{Slope, Space, Sum, Weighted};
-use crate::elements::parts::parts;
-use crate::elements::plan::{Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational};
 
+/// The text of one scheme.
+pub(crate) fn describe(
+    system: &mut System,
+    facts: &Facts,
+    embedding: &Embedding,
+    strategy: Strategy,
+) -> String {
+    let mut text = format!("{embedding}\n{}", hamiltonians(system, None, facts));
+    sweep(system, facts, embedding, strategy, &mut text);
+    properties(&mut system.graph, facts, embedding, &mut text);
+    text
+}
+
 /// From the discrete Lagrangian to the step.
-pub(super) fn sweep(
+fn sweep(
     system: &mut System,
     facts: &Facts,
     embedding: &Embedding,
@@ -21,7 +35,7 @@ pub(super) fn sweep(
 ) {
     let Quadrature { stages } = Quadrature::new(facts, embedding);
     let parts = parts(system, facts);
-    let is_covector = |weighted: &Weighted| weighted.element.displacements().next().is_some();
+    let is_covector = |weighted: &Weighted| weighted.element.is_covector();
     let sum_of = |part: Part, of_covectors: bool| -> Sum {
         let known = parts.iter().find(|known| known.part == part).into_iter();
         let elements = known.flat_map(|known| &known.values);

@@ -76,8 +76,7 @@ impl Strategy {
 fn has_constant_curvature(system: &mut System) -> bool {
     let System { graph, drift, noise, force, t, .. } = system;
     let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
-        let read = element.coordinates().chain(element.momenta()).map(|(symbol, _)| symbol);
-        let state: Vec<Symbol> = read.collect();
+        let state = element.state();
         let moving = [state.as_slice(), &[*t]].concat();
         // The components of a covector are in the place of slopes already.
         let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
