@@ -1,10 +1,7 @@
 //! What the mathematics forbids: inconsistent schemes that were not asked for, first integrals that are none.
 
-use crate::diagnostics::Located;
-use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::facts::flows::Flows;
-use crate::discretise::facts::split;
-use crate::discretise::facts::{Facts, Failure, Invariant};
+use crate::diagnostics::{Diagnostics, Located, facts as messages};
+use crate::discretise::{Facts, Failure, Flows, Invariant, split};
 use crate::embedding::{Correction, Embedding};
 use crate::model::System;
 use crate::symbolic::{Graph, Rational};

@@ -1,10 +1,8 @@
 //! The texts of the schemes that were listed, from those of the schemes that were derived.
 
 use crate::discretise::describe::{describe, hamiltonians, properties, staged, sweep};
-use crate::discretise::facts::Facts;
-use crate::discretise::facts::flows::Flows;
 use crate::discretise::facts::split::{self, Form};
-use crate::discretise::plan::Step;
+use crate::discretise::{Facts, Flows, Step};
 use crate::embedding::{Embedding, Kind};
 use crate::model::{StraightLine, System};
 use crate::symbolic::Rational;

@@ -21,6 +21,8 @@ pub(crate) mod internal;
 pub(crate) mod messages;
 mod spelling;
 
+pub(crate) use self::internal::Promised;
+
 use std::collections::HashSet;
 use std::fmt::Display;
 

@@ -18,6 +18,7 @@ use syn::{Block, ImplItem, Item, Path, Signature, braced};
 use crate::diagnostics::{Diagnostics, messages};
 use crate::input::{self, Function, Library};
 use crate::lower::key;
+use crate::tokens::any_word;
 
 pub(crate) use define::define;
 
@@ -170,7 +171,8 @@ impl Parse for Answer {
         };
         let functions = bodies.into_iter().map(|(signature, block)| {
             let name = signature.ident.to_string();
-            let reads_self = reads_self(quote! { #signature #block });
+            let reads_self =
+                any_word(quote! { #signature #block }, &mut |word| word == "self" || word == "Self");
             let library = library(&asked, &answers, &TokenStream::new())?;
             Ok(Function { name, signature, block, library, reads_self })
         });
@@ -197,14 +199,6 @@ fn owner(name: &Ident, span: Span) -> Path {
 /// The type whose functions a path asks for.
 fn owner_of(path: &Path) -> Option<String> {
     path.get_ident()?.to_string().strip_suffix(OWNER).map(str::to_owned)
-}
-
-fn reads_self(tokens: TokenStream) -> bool {
-    tokens.into_iter().any(|token| match token {
-        TokenTree::Ident(word) => word == "self" || word == "Self",
-        TokenTree::Group(group) => reads_self(group.stream()),
-        _ => false,
-    })
 }
 
 fn is_function(kind: &Ident) -> bool {

@@ -16,6 +16,7 @@ mod lower;
 mod model;
 mod passes;
 mod symbolic;
+mod tokens;
 
 /// Turns the Hamiltonians of a system into variational integrators.
 ///

@@ -10,10 +10,9 @@
 
 use proc_macro2::TokenStream;
 
-use self::index::{Index, Loop};
+pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation};
 use self::symbols::Symbols;
-use crate::diagnostics::internal::Promised;
-use crate::diagnostics::{Extent, Located};
+use crate::diagnostics::{Extent, Located, Promised};
 use crate::embedding::Embedding;
 use crate::input::{Emission, Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};

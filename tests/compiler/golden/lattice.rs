@@ -63,7 +63,7 @@ const _: () = {
         const FACTS: Facts = Facts {
             has_windows: (N) * 2 >= LEAST_IN_WINDOWS,
             has_one_velocity: true,
-            ..Facts::autonomous((N) * 2usize)
+            ..Facts::autonomous((N) * 2)
         };
         type Structure = General;
         type Vector = DVector<f64>;

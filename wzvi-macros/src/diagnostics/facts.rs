@@ -2,8 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::symbolic::Graph;
-use crate::symbolic::zero::{Knowledge, Witness};
+use crate::symbolic::{Graph, Knowledge, Witness};
 
 messages! {
     /// The same for forces that are driven by noise.

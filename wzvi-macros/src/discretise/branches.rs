@@ -6,8 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::symbolic::zero::{Witness, ZeroTest};
-use crate::symbolic::{Expr, Function, Graph, Node, Relation, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Node, Relation, Symbol, Witness, ZeroTest};
 
 /// The surface where a branch ends.
 #[derive(Clone, Debug)]

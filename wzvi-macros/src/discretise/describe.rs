@@ -5,18 +5,13 @@ pub(crate) mod sweep;
 
 use std::fmt::Write;
 
-use crate::discretise::Scheme;
 use crate::discretise::branches::{Boundary, Crossing};
-use crate::discretise::equations::MomentumUpdate;
-use crate::discretise::facts::{Facts, NoiseClass};
-use crate::discretise::lagrangian::StepSymbols;
-use crate::discretise::modified;
-use crate::discretise::structure::{Block, Solution, Unknown};
-use crate::discretise::sums::unweighted;
+use crate::discretise::{
+    Block, Facts, MomentumUpdate, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
+};
 use crate::embedding::{Embedding, Points};
 use crate::model::{StraightLine, System, Term};
-use crate::symbolic::zero::Knowledge;
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
 
 /// The text of one scheme.
 pub(crate) fn describe(system: &mut System, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> String {

@@ -7,8 +7,8 @@
 //! p_{i+1} = D_2 L_d  :  p_{i+1} - p_i = v + (D_2 L_d - P)
 //! ```
 
-use crate::diagnostics::internal::Promised;
-use crate::discretise::lagrangian::DiscreteLagrangian;
+use crate::diagnostics::Promised;
+use crate::discretise::DiscreteLagrangian;
 use crate::symbolic::{Expr, Graph, Rational};
 
 /// How `p_{i+1} - p_i` follows from the solved unknowns.

@@ -7,13 +7,10 @@ use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
 use super::sums::{Increments, Space, Sum, Weighted};
-use crate::diagnostics::Extent;
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::{Extent, Promised};
 use crate::embedding::{Correction, Embedding};
-use crate::model::index::{Atom, Index};
-use crate::model::{Element, Half, Reads, System, Term};
-use crate::symbolic::zero::Knowledge;
-use crate::symbolic::{Graph, Rational, Symbol};
+use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
+use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
 
 pub(crate) mod flows;
 mod forces;

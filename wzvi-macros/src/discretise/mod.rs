@@ -18,14 +18,22 @@ pub(crate) mod quadrature;
 pub(crate) mod structure;
 pub(crate) mod sums;
 
+pub(crate) use self::equations::{Equations, MomentumUpdate};
+pub(crate) use self::facts::flows::{Flows, is_nystrom};
+pub(crate) use self::facts::kinetic::Kinetic;
+pub(crate) use self::facts::{Facts, Failure, Invariant, NoiseClass, is_quadratic, space_of, split, summed};
+pub(crate) use self::gauss::StepSlopes;
+pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
+pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
+pub(crate) use self::plan::{Step, Strategy, Unknowns};
+pub(crate) use self::quadrature::{Part, Quadrature, Stage};
+pub(crate) use self::structure::{Block, Pivot, Solution, Unknown, increment};
+pub(crate) use self::sums::{Increments, Slope, Space, Sum, Weighted, unweighted};
+
+use self::structure::Structure;
 use crate::embedding::Embedding;
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
-use equations::Equations;
-use facts::{Facts, NoiseClass};
-use lagrangian::DiscreteLagrangian;
-use quadrature::Quadrature;
-use structure::{Solution, Structure};
 
 /// One scheme of one system, ready to be emitted.
 pub(crate) struct Scheme {

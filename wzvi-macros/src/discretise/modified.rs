@@ -14,7 +14,7 @@ use super::facts::Facts;
 use super::sums::Increments;
 use crate::embedding::Embedding;
 use crate::model::Half;
-use crate::symbolic::{Graph, Rational};
+use crate::symbolic::{Graph, Rational, signed};
 
 /// `a`, and `b`, `c`, `d`.
 #[derive(Debug, PartialEq)]
@@ -52,14 +52,11 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
     // The order is that of a smooth function, and the brackets are those of one piece.
     let has_one = facts.is_conservative && facts.boundaries[0].is_empty();
     let Terms { first, second } = Terms::of(embedding).filter(|_| has_one)?;
-    let mut formula = "H0".to_owned();
-    if !first.is_zero() {
-        signed(&mut formula, first, &format!("h {FIRST}"));
-    }
-    let terms = SECOND.iter().zip(second).take(if facts.is_separable { 2 } else { 3 });
-    let mut sum = String::new();
-    terms.for_each(|(name, factor)| signed(&mut sum, factor, name));
-    formula.push_str(&format!(" + h² ({sum})"));
+    let edge = format!("h {FIRST}");
+    let first_order = [(Rational::ONE, "H0"), (first, &edge)];
+    let second_order = SECOND.iter().zip(second).take(if facts.is_separable { 2 } else { 3 });
+    let second_order = sum(second_order.map(|(name, factor)| (factor, *name)));
+    let formula = format!("{} + h² ({second_order})", sum(first_order));
     let order = if first.is_zero() { "O(h⁴)" } else { "O(h³)" };
     let mut text = format!("  modified energy, kept within {order}: {formula}\n");
     if facts.is_separable {
@@ -80,22 +77,15 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
     Some(text)
 }
 
-/// Adds `factor term` to a sum, if there is one.
-fn signed(sum: &mut String, factor: Rational, term: &str) {
-    if factor.is_zero() {
-        return;
-    }
-    let size = if factor.is_negative() { factor.negate() } else { factor };
-    let sign = match (sum.is_empty(), factor.is_negative()) {
-        (true, false) => "",
-        (true, true) => "-",
-        (false, false) => " + ",
-        (false, true) => " - ",
-    };
-    let (over, under) = (size.numerator(), size.denominator());
-    let over = if over == 1 { String::new() } else { format!("{over} ") };
-    let under = if under == 1 { String::new() } else { format!("/{under}") };
-    sum.push_str(&format!("{sign}{over}{term}{under}"));
+/// The sum of terms with factors that are not zero.
+fn sum<'t>(terms: impl IntoIterator<Item = (Rational, &'t str)>) -> String {
+    let terms = terms.into_iter().filter(|(factor, _)| !factor.is_zero()).map(|(factor, term)| {
+        let (over, under) = (factor.numerator().unsigned_abs(), factor.denominator());
+        let over = if over == 1 { String::new() } else { format!("{over} ") };
+        let under = if under == 1 { String::new() } else { format!("/{under}") };
+        (factor.is_negative(), format!("{over}{term}{under}"))
+    });
+    signed(terms)
 }
 
 #[cfg(test)]

@@ -3,9 +3,7 @@
 
 use std::collections::HashMap;
 
-use crate::discretise::facts::{Facts, summed};
-use crate::discretise::quadrature::{Part, Quadrature};
-use crate::discretise::sums::{Sum, Weighted};
+use crate::discretise::{Facts, Part, Quadrature, Sum, Weighted, summed};
 use crate::model::System;
 
 /// One part.
@@ -20,7 +18,7 @@ pub(crate) struct PartElements {
 }
 
 /// The parts that the schemes of `system` add up.
-pub(crate) fn parts(system: &System, facts: &Facts) -> Vec<PartElements> {
+pub(crate) fn parts_of(system: &System, facts: &Facts) -> Vec<PartElements> {
     let [drift, noise, force] = summed(system, |term| &term.values);
     let [parted_drift, parted_noise, parted_force] = summed(system, |term| &term.elements);
     let counter_term = facts.counter_term.clone().unwrap_or_default();

@@ -11,9 +11,7 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
-use crate::discretise::facts::Facts;
-use crate::discretise::quadrature::{Part, Quadrature};
-use crate::discretise::{Scheme, discretise};
+use crate::discretise::{Facts, Part, Quadrature, Scheme, discretise};
 use crate::embedding::Embedding;
 use crate::model::{Element, Reads, StraightLine, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};

@@ -12,7 +12,7 @@
 //! the counter-term, at the quadrature points of the noise.
 
 use super::facts::{Facts, NoiseClass};
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::Promised;
 use crate::embedding::{Correction, Embedding};
 use crate::symbolic::Rational;
 

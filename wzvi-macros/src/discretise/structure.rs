@@ -7,8 +7,7 @@
 use std::collections::HashMap;
 
 use self::isolate::isolate;
-use crate::discretise::equations::Equations;
-use crate::discretise::lagrangian::{DiscreteLagrangian, StepSymbols};
+use crate::discretise::{DiscreteLagrangian, Equations, StepSymbols};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 mod blocks;

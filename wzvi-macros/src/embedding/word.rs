@@ -5,7 +5,7 @@ use std::fmt;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{ToTokens, quote};
 
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::Promised;
 use crate::symbolic::Rational;
 
 /// The most letters that the run time takes.

@@ -6,7 +6,7 @@ use syn::ItemStruct;
 
 use super::listed::{implementation, listed};
 use crate::describe::Texts;
-use crate::discretise::facts::flows::Flows;
+use crate::discretise::Flows;
 use crate::embedding::Embedding;
 
 /// What the run time reads of the flows that `Verlet` is made of.

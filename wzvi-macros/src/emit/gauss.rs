@@ -15,9 +15,7 @@ use super::step::increment_names;
 use super::system::{Body, Inputs, Letters, count, evaluation, evaluation_over};
 use super::terms;
 use crate::describe::Texts;
-use crate::discretise::facts::Facts;
-use crate::discretise::facts::flows::is_nystrom;
-use crate::discretise::gauss::StepSlopes;
+use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 

@@ -16,9 +16,7 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::describe::{Texts, stepped};
-use crate::discretise::facts::Facts;
-
-use crate::discretise::plan::Step;
+use crate::discretise::{Facts, Step};
 use crate::model::{StraightLine, System};
 
 pub(crate) use listed::{implementation, listed};

@@ -1,15 +1,13 @@
 //! `FACTS` and `PLAN`: what the compiler found out and decided, as constants.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use super::count;
-use crate::discretise::Scheme;
-use crate::discretise::facts::{Facts, NoiseClass};
-use crate::discretise::structure::Solution;
+use crate::discretise::{Facts, NoiseClass, Scheme, Solution};
 use crate::input::{Length, Shape};
 use crate::model::System;
-use crate::symbolic::zero::Knowledge;
+use crate::symbolic::Knowledge;
 
 /// What is known of the system, whatever its scheme: all in which it differs from an autonomous one, and `others`.
 pub(crate) fn facts(
@@ -17,13 +15,8 @@ pub(crate) fn facts(
     facts: &Facts,
     others: impl IntoIterator<Item = (&'static str, Option<TokenStream>)>,
 ) -> TokenStream {
-    let noise = match facts.noise {
-        NoiseClass::None => None,
-        NoiseClass::Additive => Some(quote!(__wzvi::NoiseClass::Additive)),
-        NoiseClass::Position => Some(quote!(__wzvi::NoiseClass::Position)),
-        NoiseClass::Momentum => Some(quote!(__wzvi::NoiseClass::Momentum)),
-        NoiseClass::Multiplicative => Some(quote!(__wzvi::NoiseClass::Multiplicative)),
-    };
+    let class = format_ident!("{}", format!("{:?}", facts.noise));
+    let noise = (facts.noise != NoiseClass::None).then(|| quote!(__wzvi::NoiseClass::#class));
     let is_damped = system.friction.is_some() || system.conformal.is_some();
     let has_pieces = system.acting().any(|element| {
         let read = element.state();
@@ -43,22 +36,23 @@ pub(crate) fn facts(
         value.map(|value| quote!(#name: #value,))
     });
     let (fields, degrees) = (fields.collect::<TokenStream>(), degrees(system));
+    let degrees = degrees.unwrap_or_else(|| quote!(__wzvi::usize::MAX));
     let autonomous = quote!(__wzvi::Facts::autonomous(#degrees));
     if fields.is_empty() { autonomous } else { quote!(__wzvi::Facts { #fields ..#autonomous }) }
 }
 
-/// As a constant expression.
-fn degrees(system: &System) -> TokenStream {
+/// The degrees of freedom as a constant expression; nothing if only the state knows them.
+pub(crate) fn degrees(system: &System) -> Option<TokenStream> {
     let components = usize::try_from(system.components).unwrap_or(1);
-    match &system.shape {
+    Some(match &system.shape {
         Shape::Real => quote!(1),
-        Shape::Array(_, Length::Literal(len)) => {
-            let degrees = count(len * components);
-            quote!(#degrees)
+        Shape::Array(_, Length::Literal(len)) => count(len * components).into_token_stream(),
+        Shape::Array(_, Length::Named(expr)) => {
+            let components = count(components);
+            quote!((#expr) * #components)
         }
-        Shape::Array(_, Length::Named(expr)) => quote!((#expr) * #components),
-        Shape::Array(_, Length::RunTime) => quote!(__wzvi::usize::MAX),
-    }
+        Shape::Array(_, Length::RunTime) => return None,
+    })
 }
 
 /// Of a step that is solved block by block.

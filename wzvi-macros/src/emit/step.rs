@@ -8,9 +8,7 @@ use super::names::Names;
 use super::plan::plan;
 use super::system::{Letters, count};
 use super::terms;
-use crate::discretise::Scheme;
-use crate::discretise::facts::{Facts, NoiseClass};
-use crate::discretise::plan::{Strategy, Unknowns};
+use crate::discretise::{Facts, NoiseClass, Scheme, Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
 
@@ -23,15 +21,6 @@ mod solve;
 use flow::Flow;
 use prepare::Prepared;
 use solve::Arguments;
-
-/// Whether `name` occurs.
-pub(crate) fn mentions(tokens: &TokenStream, name: &str) -> bool {
-    tokens.clone().into_iter().any(|token| match token {
-        proc_macro2::TokenTree::Ident(ident) => ident == name,
-        proc_macro2::TokenTree::Group(group) => mentions(&group.stream(), name),
-        _ => false,
-    })
-}
 
 /// `dw`, or `dw1`, `dw2` as in the equations.
 pub(crate) fn increment_names(names: &mut Names, noises: usize) -> Vec<Ident> {

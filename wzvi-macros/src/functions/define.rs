@@ -2,13 +2,14 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use proc_macro2::{Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
+use proc_macro2::{Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
 use syn::{FnArg, GenericParam, ImplItem, Item, ItemFn, ItemImpl, Path, Signature, Token, Type, Visibility};
 
 use super::{Question, calls};
 use crate::diagnostics::{Diagnostics, messages};
 use crate::lower::key;
+use crate::tokens;
 
 /// The expansion of `#[hamiltonian_fn(attribute)] item`.
 pub(crate) fn define(attribute: TokenStream, item: TokenStream) -> TokenStream {
@@ -146,17 +147,11 @@ fn hidden_name(name: &Ident, item: &TokenStream) -> Ident {
 
 /// `crate::..` as it is written in a macro that other crates call.
 fn with_dollar_crate(tokens: TokenStream) -> TokenStream {
-    let rewritten = tokens.into_iter().flat_map(|token| match token {
+    tokens::replaced(tokens, &|token| match &token {
         TokenTree::Ident(name) if name == "crate" => {
-            let dollar = TokenTree::Punct(Punct::new('$', Spacing::Alone));
-            vec![dollar, TokenTree::Ident(name)]
+            let dollar = Punct::new('$', Spacing::Alone);
+            quote! { #dollar #token }
         }
-        TokenTree::Group(group) => {
-            let mut inner = Group::new(group.delimiter(), with_dollar_crate(group.stream()));
-            inner.set_span(group.span());
-            vec![TokenTree::Group(inner)]
-        }
-        other => vec![other],
-    });
-    rewritten.collect()
+        _ => token.into(),
+    })
 }

@@ -8,8 +8,7 @@ use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
 use super::{Library, embeddings, groups, nesting};
-use crate::diagnostics::Located;
-use crate::diagnostics::{Diagnostics, messages};
+use crate::diagnostics::{Diagnostics, Located, messages};
 use crate::embedding::Embedding;
 
 /// How steps are emitted, whatever costs less: for tests that compare one way with the other.

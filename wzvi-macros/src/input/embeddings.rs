@@ -5,8 +5,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
 
 use super::points::read_points;
-use crate::diagnostics::{Diagnostics, messages};
-use crate::diagnostics::{Extent, Located};
+use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word};
 
 /// `Midpoint`, or `Trapezoidal = [(0, 1/2), (1, 1/2)]`.

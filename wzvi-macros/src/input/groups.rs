@@ -1,7 +1,9 @@
 //! Groups without delimiters, in which `macro_rules!` hands over its fragments: one token in such a group is that token.
 
-use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::Expr;
+
+use crate::tokens::regrouped;
 
 /// The tokens with every such group of one token replaced by the token. Longer groups keep expressions together.
 pub(super) fn without_single(tokens: TokenStream) -> TokenStream {
@@ -17,9 +19,7 @@ fn open(token: TokenTree) -> TokenTree {
             return only;
         }
     }
-    let mut opened = Group::new(group.delimiter(), content);
-    opened.set_span(group.span());
-    opened.into()
+    regrouped(&group, content)
 }
 
 /// The expression inside of parentheses and groups.

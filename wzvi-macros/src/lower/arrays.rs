@@ -10,8 +10,7 @@ use super::sequences::{Sequence, Source};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::Kind;
-use crate::model::index::{Atom, Index};
-use crate::model::{Half, Slot};
+use crate::model::{Atom, Half, Index, Slot};
 use crate::symbolic::Expr;
 
 /// Where the numbers of an [`Array`] are.

@@ -8,8 +8,7 @@ use super::interpreter::{Interpreter, result_of};
 use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::input;
-use crate::model::index::Index;
-use crate::model::{Friction, Half, Slot, Term};
+use crate::model::{Friction, Half, Index, Slot, Term};
 use crate::symbolic::Expr;
 
 /// What is made of the entry for the component at an index.

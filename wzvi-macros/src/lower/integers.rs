@@ -8,7 +8,7 @@ use super::interpreter::Interpreter;
 use super::methods::Methods;
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::model::index::Index;
+use crate::model::Index;
 use crate::symbolic::Relation;
 
 const METHODS: &Methods = &[

@@ -10,8 +10,7 @@ use quote::ToTokens;
 use super::interpreter::Interpreter;
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::model::Slot;
-use crate::model::index::{Atom, Bounds, Index, Loop};
+use crate::model::{Atom, Bounds, Index, Loop, Slot};
 use crate::symbolic::{Expr, Rational, Relation};
 
 /// Loops, and sums, inside of each other: a sum over so many indices of a handful of places each would never end.

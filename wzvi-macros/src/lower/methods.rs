@@ -10,7 +10,7 @@ use super::sequences::{Sequence, Source};
 use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 use crate::input::is_integer_type;
-use crate::model::index::Index;
+use crate::model::Index;
 use crate::symbolic::Expr;
 
 /// Methods by name, with their numbers of arguments.

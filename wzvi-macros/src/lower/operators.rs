@@ -8,7 +8,7 @@ use super::names::is_real_type;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::{Kind, is_integer_type, peeled};
-use crate::model::index::Index;
+use crate::model::Index;
 use crate::symbolic::{Expr, Rational, Relation};
 
 /// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so that a

@@ -9,7 +9,7 @@ use super::arrays::Array;
 use super::interpreter::Interpreter;
 use super::value::{Items, Value};
 use crate::diagnostics::expressions;
-use crate::model::index::Index;
+use crate::model::Index;
 use crate::symbolic::{Expr, Rational};
 
 /// The item at a position.

@@ -6,8 +6,7 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::diagnostics::source;
-use crate::model::Table;
-use crate::model::index::{Atom, Index};
+use crate::model::{Atom, Index, Table};
 
 /// One table per distinct expression.
 #[derive(Default)]

@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 
-use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
+use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{ExprClosure, GenericParam, Generics, Member};
 
 use super::dereference::dereferenced;
 use super::scope::context;
 use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shape};
+use crate::tokens::{self, words};
 
 /// Dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
 /// written: it has to name the type that it was read as, and its import is in use.
@@ -37,8 +38,7 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
         };
         takers.check(system, closure, rewritten)
     });
-    let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
-    let given = given.map(|given| takers.check_given(system, given));
+    let given = given(declaration).map(|given| takers.check_given(system, given));
     let schemes = declaration.embeddings.iter().map(|(embedding, written)| {
         let meant = embedding.value.path(root);
         quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
@@ -63,18 +63,21 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
 
 /// `checks`, with underscores where the user has the name.
 fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
-    let mut used = Vec::new();
-    let given = declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature);
-    let written = declaration.in_order().map(|closure| closure.tokens.clone());
-    let written = written.chain(given.map(|given| given.tokens.clone()));
-    let schemes = declaration.embeddings.iter().map(|(_, written)| written.to_token_stream());
-    let around = [system.item.to_token_stream(), declaration.crate_path.to_token_stream()];
-    written.chain(schemes).chain(around).for_each(|tokens| identifiers(tokens, &mut used));
+    let given = given(declaration).map(|given| &given.tokens);
+    let written = declaration.in_order().map(|closure| &closure.tokens).chain(given);
+    let schemes = declaration.embeddings.iter().map(|(_, written)| written);
+    let (item, crate_path) = (&system.item, &declaration.crate_path);
+    let used = words(quote!(#(#written)* #(#schemes)* #item #crate_path));
     let mut name = String::from("checks");
     while used.iter().any(|used| *used == name) {
         name.push('_');
     }
     Ident::new(&name, Span::call_site()).into_token_stream()
+}
+
+/// Friction and temperature.
+fn given(declaration: &Declaration) -> impl Iterator<Item = &Given> {
+    declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature)
 }
 
 /// The generics of the struct as arguments. Numbers stand in braces: a type around may have their name.
@@ -126,8 +129,7 @@ impl Takers<'_> {
 
 /// The fields that `tokens` name, as variables.
 fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
-    let mut used = Vec::new();
-    identifiers(tokens.clone(), &mut used);
+    let used = words(tokens.clone());
     system.fields.iter().flat_map(|field| bindings(field, &used)).collect()
 }
 
@@ -144,11 +146,7 @@ fn bindings(field: &Field, used: &[Ident]) -> Vec<TokenStream> {
     let mut contexts = HashSet::new();
     let names = used.iter().filter(|used| *used == member).filter(|used| contexts.insert(context(used)));
     let conditions = &field.conditions;
-    let reference = if is_scalar(field) {
-        quote! {}
-    } else {
-        quote! { & }
-    };
+    let reference = (!is_scalar(field)).then(|| quote! { & });
     names.map(|name| quote! { #( #conditions )* let #name = #reference self.#member; }).collect()
 }
 
@@ -159,41 +157,23 @@ fn is_scalar(field: &Field) -> bool {
 
 /// The tokens with every `self` meaning that of the method around them, whichever macro wrote it.
 fn with_our_self(tokens: TokenStream) -> TokenStream {
-    let token = |mut token: TokenTree| {
-        match &mut token {
-            TokenTree::Ident(name) if *name == "self" => {
-                name.set_span(name.span().resolved_at(Span::call_site()));
-            }
-            TokenTree::Group(group) => {
-                let mut inner = Group::new(group.delimiter(), with_our_self(group.stream()));
-                inner.set_span(group.span());
-                *group = inner;
-            }
-            _ => {}
+    tokens::replaced(tokens, &|mut token| {
+        if let TokenTree::Ident(name) = &mut token
+            && *name == "self"
+        {
+            name.set_span(name.span().resolved_at(Span::call_site()));
         }
-        token
-    };
-    tokens.into_iter().map(token).collect()
-}
-
-fn identifiers(tokens: TokenStream, into: &mut Vec<Ident>) {
-    for token in tokens {
-        match token {
-            TokenTree::Ident(ident) => into.push(ident),
-            TokenTree::Group(group) => identifiers(group.stream(), into),
-            _ => {}
-        }
-    }
+        token.into()
+    })
 }
 
 /// The closure with `*a` written `a` for scalar fields, if there is such a thing.
 fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<ExprClosure> {
     let scalars = system.fields.iter().filter(|field| is_scalar(field));
-    let scalars: Vec<&Ident> = scalars
-        .filter_map(|field| match &field.member {
-            Member::Named(name) => Some(name),
-            Member::Unnamed(_) => None,
-        })
-        .collect();
+    let scalars = scalars.filter_map(|field| match &field.member {
+        Member::Named(name) => Some(name),
+        Member::Unnamed(_) => None,
+    });
+    let scalars: Vec<&Ident> = scalars.collect();
     dereferenced(&hamiltonian.tokens, &scalars)
 }

@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::sequences::Sequence;
 use crate::input::Kind;
-use crate::model::index::Index;
+use crate::model::Index;
 use crate::symbolic::Expr;
 
 /// The value of an expression. Cheap to copy.

@@ -1,10 +1,9 @@
 //! Indices and slots for a reader.
 
-use std::fmt::Write;
-
 use super::index::{Atom, Index, Operation};
 use super::{Element, Half, Slot, System, Table};
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::Promised;
+use crate::symbolic::signed;
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.
 const LETTERS: [&str; 6] = ["i", "j", "k", "l", "m", "n"];
@@ -27,27 +26,13 @@ impl Names<'_> {
     }
 
     pub(crate) fn index(&self, index: &Index) -> String {
-        let mut text = String::new();
-        for (atom, coefficient) in &index.terms {
-            let atom = self.atom(atom);
-            let sign = match (text.is_empty(), *coefficient < 0) {
-                (true, false) => "",
-                (true, true) => "-",
-                (false, false) => " + ",
-                (false, true) => " - ",
-            };
-            let size = coefficient.unsigned_abs();
-            let _ =
-                if size == 1 { write!(text, "{sign}{atom}") } else { write!(text, "{sign}{size} {atom}") };
-        }
-        let constant = index.constant;
-        let _ = match (text.is_empty(), constant) {
-            (true, constant) => write!(text, "{constant}"),
-            (false, 0) => Ok(()),
-            (false, constant) if constant < 0 => write!(text, " - {}", constant.unsigned_abs()),
-            (false, constant) => write!(text, " + {constant}"),
-        };
-        text
+        let terms = index.terms.iter().map(|(atom, coefficient)| {
+            let (atom, size) = (self.atom(atom), coefficient.unsigned_abs());
+            (*coefficient < 0, if size == 1 { atom } else { format!("{size} {atom}") })
+        });
+        let is_there = index.constant != 0 || index.terms.is_empty();
+        let constant = is_there.then(|| (index.constant < 0, index.constant.unsigned_abs().to_string()));
+        signed(terms.chain(constant))
     }
 
     fn atom(&self, atom: &Atom) -> String {

@@ -8,9 +8,8 @@ use std::collections::HashMap;
 
 use super::unroll::{NotWrittenOut, Writer, parts};
 use crate::diagnostics::{Diagnostics, expressions};
-use crate::model::index::Loop;
 use crate::model::symbols::Sum;
-use crate::model::{Element, Family, Reads, System, Term};
+use crate::model::{Element, Family, Loop, Reads, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports what is no sum of elements.

@@ -7,9 +7,7 @@
 //! | a thermostat | a flow of its own, beside the steps |
 
 use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::facts::kinetic::Kinetic;
-use crate::discretise::facts::space_of;
-use crate::discretise::sums::{Increments, Weighted, unweighted};
+use crate::discretise::{Increments, Kinetic, Weighted, space_of, unweighted};
 use crate::model::{Element, Friction, Half, System, Term};
 use crate::symbolic::{Expr, Rational};
 

@@ -11,9 +11,10 @@ use quote::quote;
 
 use crate::emit::terms::Indices;
 use crate::input::Emission;
-use crate::model::index::{Index, Loop};
 use crate::model::symbols::{Sum, Symbols};
-use crate::model::{Family, Local, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term};
+use crate::model::{
+    Family, Index, Local, Loop, Noise, Parameter, Phase, Slot, StraightLine, System, Table, Term,
+};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Turns of a loop, and points of a system, up to which it is written out: there, straight-line code with dense

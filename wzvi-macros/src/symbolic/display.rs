@@ -120,17 +120,7 @@ impl Writer<'_> {
         if let Some(first) = summands.iter().position(|&(negative, _)| !negative) {
             summands[..=first].rotate_right(1);
         }
-        let mut text = String::new();
-        for (i, (negative, summand)) in summands.iter().enumerate() {
-            text.push_str(match (i, negative) {
-                (0, false) => "",
-                (0, true) => "-",
-                (_, false) => " + ",
-                (_, true) => " - ",
-            });
-            text.push_str(summand);
-        }
-        Text::new(text, Binding::Sum)
+        Text::new(signed(summands), Binding::Sum)
     }
 
     /// `coefficient · term`
@@ -214,6 +204,21 @@ impl Writer<'_> {
         }
         Text::new(format!("{}({})", function.method(), join(written)), Binding::Atom)
     }
+}
+
+/// A sum of terms, each with whether it is subtracted.
+pub(crate) fn signed(terms: impl IntoIterator<Item = (bool, String)>) -> String {
+    let mut text = String::new();
+    for (is_negative, term) in terms {
+        text.push_str(match (text.is_empty(), is_negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        });
+        text.push_str(&term);
+    }
+    text
 }
 
 fn join(texts: Vec<Text>) -> String {

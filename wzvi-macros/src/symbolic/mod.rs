@@ -19,6 +19,8 @@ pub(crate) mod substitute;
 pub(crate) mod tests;
 pub(crate) mod zero;
 
+pub(crate) use display::signed;
 pub(crate) use function::Function;
 pub(crate) use graph::{Expr, Graph, Node, Relation, Symbol};
 pub(crate) use rational::Rational;
+pub(crate) use zero::{Knowledge, Witness, ZeroTest};

@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use crate::discretise::describe::hamiltonians;
-use crate::discretise::facts::Facts;
-use crate::discretise::facts::flows::is_nystrom;
-use crate::discretise::gauss::StepSlopes;
+use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{Phase, StraightLine, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 

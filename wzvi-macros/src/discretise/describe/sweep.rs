@@ -3,11 +3,9 @@
 use std::fmt::Write;
 
 use super::{hamiltonians, properties};
-use crate::discretise::facts::Facts;
-use crate::discretise::parts::parts;
-use crate::discretise::plan::{Strategy, Unknowns};
-use crate::discretise::quadrature::{Part, Quadrature, Stage};
-use crate::discretise::sums::{Slope, Space, Sum, Weighted};
+use crate::discretise::{
+    Facts, Part, Quadrature, Slope, Space, Stage, Strategy, Sum, Unknowns, Weighted, parts_of,
+};
 use crate::embedding::Embedding;
 use crate::model::{Half, System};
 use crate::symbolic::{Expr, Graph, Rational};
@@ -34,7 +32,7 @@ fn sweep(
     text: &mut String,
 ) {
     let Quadrature { stages } = Quadrature::new(facts, embedding);
-    let parts = parts(system, facts);
+    let parts = parts_of(system, facts);
     let is_covector = |weighted: &Weighted| weighted.element.is_covector();
     let sum_of = |part: Part, of_covectors: bool| -> Sum {
         let known = parts.iter().find(|known| known.part == part).into_iter();

@@ -1,10 +1,9 @@
 //! What forces do: the powers that change the energy, the defect of noise forces, commutators.
 
 use super::{Rate, all, is_affine};
-use crate::discretise::sums::{Increments, Space, Sum, Weighted};
+use crate::discretise::{Increments, Space, Sum, Weighted};
 use crate::model::{Half, Reads};
-use crate::symbolic::zero::Knowledge;
-use crate::symbolic::{Graph, Rational};
+use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// Covectors, as functions that are linear in displacements.
 pub(super) struct Forces {

@@ -1,6 +1,6 @@
 //! Functions of second degree, which some schemes keep exactly.
 
-use crate::discretise::sums::Sum;
+use crate::discretise::Sum;
 use crate::embedding::{Embedding, Points};
 use crate::model::Element;
 use crate::symbolic::{Graph, Rational};

@@ -3,9 +3,8 @@
 use super::forces::{self, Forces};
 use super::{Form, Rate, boundaries_of, kept_across};
 use crate::diagnostics::Extent;
-use crate::discretise::sums::{Increments, Space, Sum};
-use crate::symbolic::zero::Knowledge;
-use crate::symbolic::{Graph, Rational, Symbol};
+use crate::discretise::{Increments, Space, Sum};
+use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
 
 /// A declared first integral with its rate of change.
 pub(crate) struct Invariant {

@@ -9,11 +9,9 @@
 //!
 //! Every flow of the second kind contracts `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
 
-use crate::diagnostics::Extent;
-use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::facts::is_quadratic;
-use crate::model::index::{Atom, Index};
-use crate::model::{Reads, System, Term};
+use crate::diagnostics::{Diagnostics, Extent, facts as messages};
+use crate::discretise::is_quadratic;
+use crate::model::{Atom, Index, Reads, System, Term};
 use crate::symbolic::{Graph, Symbol};
 
 /// The form of a part of the drift, by which its flow is known.

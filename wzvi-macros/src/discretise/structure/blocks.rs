@@ -1,9 +1,7 @@
 //! The dependency graph of the unknowns: components and feedback vertices.
 
-use crate::diagnostics::internal::Promised;
-use crate::discretise::equations::Equations;
-use crate::discretise::lagrangian::StepSymbols;
-use crate::discretise::structure::Unknown;
+use crate::diagnostics::Promised;
+use crate::discretise::{Equations, StepSymbols, Unknown};
 use crate::symbolic::{Expr, Graph, Node};
 
 /// Up to this many candidates every subset is tried; beyond, a few natural ones.

@@ -5,8 +5,7 @@
 
 use super::Unknown;
 use super::blocks::Dependencies;
-use crate::discretise::equations::Equations;
-use crate::discretise::lagrangian::StepSymbols;
+use crate::discretise::{Equations, StepSymbols};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Components above this size are left as they are: every unknown of theirs would be tried.

@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use super::solve::{Equation, Placement, solve};
 use super::{Groups, Space, Sum, Weighted, variable};
-use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Element, Half};
+use crate::model::{Atom, Element, Half, Index, Loop};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// What becomes of the increments of two sums.

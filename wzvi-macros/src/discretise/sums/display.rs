@@ -4,10 +4,9 @@ use std::fmt::Write;
 
 use super::locality::is_condition;
 use super::{Space, Sum};
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::Promised;
 use crate::model::display::{Names, letter_at};
-use crate::model::index::{Index, Loop};
-use crate::model::{Element, Slot};
+use crate::model::{Element, Index, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational};
 
 impl Space {

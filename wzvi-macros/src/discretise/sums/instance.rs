@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use super::{Increments, Space, Sum, Weighted};
-use crate::model::Slot;
-use crate::model::index::{Atom, Index, Loop};
+use crate::model::{Atom, Index, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// Nodes of an expression that is written out.

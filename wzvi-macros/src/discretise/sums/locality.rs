@@ -15,8 +15,7 @@
 //! With `n = 1 .. 10 w + 5` all sizes are decided.
 
 use super::{Space, Sum, Weighted};
-use crate::model::Slot;
-use crate::model::index::{Atom, Index, Loop, Operation};
+use crate::model::{Atom, Index, Loop, Operation, Slot};
 
 /// Loops up to this length, if it is a literal, count as so many placements.
 const SHORT: i128 = 8;

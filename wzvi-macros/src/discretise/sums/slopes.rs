@@ -6,8 +6,7 @@
 use std::collections::HashMap;
 
 use super::{Increments, Space, Sum, Weighted, variable};
-use crate::model::index::{Index, Loop};
-use crate::model::{Element, Half, Local, Slot, Table};
+use crate::model::{Element, Half, Index, Local, Loop, Slot, Table};
 use crate::symbolic::Graph;
 
 /// A part of `∂F/∂x` at the point `at`, which is the variable of the outermost loop where that is possible.

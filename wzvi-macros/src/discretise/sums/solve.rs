@@ -15,8 +15,8 @@
 //! runs once where it holds and not at all where it does not.
 
 use super::{Space, variable};
-use crate::diagnostics::internal::Promised;
-use crate::model::index::{Atom, Index, Loop, Operation};
+use crate::diagnostics::Promised;
+use crate::model::{Atom, Index, Loop, Operation};
 
 /// The loops of two elements where their slots meet.
 pub(super) struct Placement {

@@ -10,10 +10,8 @@ use std::collections::HashMap;
 
 use super::instance::{NotWritten, Numbers, Site};
 use super::{Increments, Space, Sum, Weighted};
-use crate::model::index::Index;
-use crate::model::{Element, Half, Local, Slot};
-use crate::symbolic::zero::{Knowledge, Witness, ZeroTest};
-use crate::symbolic::{Expr, Graph, Symbol};
+use crate::model::{Element, Half, Index, Local, Slot};
+use crate::symbolic::{Expr, Graph, Knowledge, Symbol, Witness, ZeroTest};
 
 /// The sizes at which a witness is looked for, the first few that the indices allow.
 const TRIED: [i128; 6] = [3, 4, 5, 8, 16, 32];

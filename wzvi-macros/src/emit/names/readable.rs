@@ -12,6 +12,7 @@ use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::quote;
 
 use super::{MARK, OF_FORMULA, plain};
+use crate::tokens::regrouped;
 
 /// What every path of ours starts with: the module that generated code may name.
 const ROOT: &str = "__wzvi";
@@ -260,9 +261,7 @@ impl Decided {
                 },
                 Node::Group(group, inner) => {
                     let inner = self.written(inner, group.delimiter() == Delimiter::Brace);
-                    let mut new = Group::new(group.delimiter(), inner);
-                    new.set_span(group.span());
-                    written.push(new.into());
+                    written.push(regrouped(&group, inner));
                 }
                 Node::Other(token) => {
                     if is_braced && is(Some(&token), ',') {

@@ -2,10 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::discretise::Scheme;
-use crate::discretise::equations::MomentumUpdate;
-use crate::discretise::lagrangian::StepSymbols;
-use crate::discretise::structure::{Block, Pivot, Solution, Unknown, increment};
+use crate::discretise::{Block, MomentumUpdate, Pivot, Scheme, Solution, StepSymbols, Unknown, increment};
 use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};

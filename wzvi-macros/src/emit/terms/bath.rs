@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::parts::Numbers;
-use crate::discretise::facts::kinetic::Kinetic;
+use crate::discretise::Kinetic;
 use crate::emit::{count, implementation};
 use crate::model::System;
 

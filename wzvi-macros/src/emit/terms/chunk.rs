@@ -16,7 +16,7 @@ mod stores;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use motion::{Motion, motion, runs, wrap};
+use motion::{Motion, moves, wrap};
 use nest::{Nest, Places};
 
 pub(super) use beside::{Beside, gathers, lists};
@@ -26,12 +26,11 @@ pub(super) use rows::partners;
 use super::Wanted;
 use super::indices::{Indices, variable};
 use super::kernel::{Target, written};
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::Promised;
 use crate::emit::count;
-use crate::emit::step::mentions;
-use crate::model::index::Index;
-use crate::model::{Element, Half, Local, Slot};
+use crate::model::{Element, Half, Index, Local, Slot};
 use crate::symbolic::Expr;
+use crate::tokens::mentions;
 
 /// The innermost loop.
 pub(super) struct Chunk<'a> {
@@ -312,19 +311,15 @@ impl Chunk<'_> {
     }
 
     fn motion(&self, slot: &Slot, inner: u32) -> Motion {
-        match slot {
-            Slot::State(_, index) => motion(index, inner, self.components),
-            Slot::Number(index) if !index.loops().contains(&inner) => Motion::Fixed,
-            Slot::Number(_) => Motion::Free,
-            Slot::Entry(_, indices) if !indices.iter().any(|index| index.loops().contains(&inner)) => {
-                Motion::Fixed
+        // Parts of lists are open where placements are taken beside each other.
+        let is_open = |index: &Index| self.beside.is_some() && index.slope(inner) == Some(1);
+        match (moves(slot, inner, self.components), slot) {
+            (Motion::Run, Slot::Entry(table, indices))
+                if indices.iter().any(is_open) || !self.indices.is_plain(*table) =>
+            {
+                Motion::Free
             }
-            Slot::Entry(table, indices) => match indices.as_slice() {
-                // Parts of lists are open where placements are taken beside each other.
-                [index] if self.beside.is_some() && index.slope(inner) == Some(1) => Motion::Free,
-                [index] if runs(index, inner) && self.indices.is_plain(*table) => Motion::Run,
-                _ => Motion::Free,
-            },
+            (motion, _) => motion,
         }
     }
 

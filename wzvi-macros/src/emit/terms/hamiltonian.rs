@@ -5,7 +5,7 @@ use quote::{ToTokens, format_ident, quote};
 
 use super::{noise_count, vector_type};
 use crate::diagnostics::Located;
-use crate::discretise::facts::split;
+use crate::discretise::split;
 use crate::embedding::Embedding;
 use crate::emit::{Body, Inputs, Letters, Names, count, evaluation, f64_type, parameter_names};
 use crate::input::Labels;

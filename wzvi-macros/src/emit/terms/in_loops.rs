@@ -3,9 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::discretise::facts::Facts;
-use crate::discretise::plan::{Strategy, Unknowns};
-use crate::discretise::quadrature::{Quadrature, Stage};
+use crate::discretise::{Facts, Quadrature, Stage, Strategy, Unknowns};
 use crate::embedding::Embedding;
 use crate::emit::{count, implementation, listed};
 use crate::model::System;

@@ -3,8 +3,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use crate::model::Table;
-use crate::model::index::{Atom, Index, Operation};
+use crate::model::{Atom, Index, Operation, Table};
 
 /// The variable of a loop.
 pub(crate) fn variable(id: u32) -> Ident {

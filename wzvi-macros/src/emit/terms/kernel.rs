@@ -9,12 +9,10 @@ use super::Wanted;
 use super::chunk::{Beside, Chunk, Emitted, gathers, lists, partners};
 use super::indices::{Indices, variable};
 use super::weighted::{Nests, Outputs, Weight};
-use crate::diagnostics::internal::Promised;
-use crate::discretise::parts::family_of;
-use crate::discretise::sums::Weighted;
+use crate::diagnostics::Promised;
+use crate::discretise::{Weighted, family_of};
 use crate::emit::{Level, Lowering, Names, Op, Printer, count, parameter_names};
-use crate::model::index::{Atom, Index, Loop};
-use crate::model::{Element, Half, System};
+use crate::model::{Atom, Element, Half, Index, Loop, System};
 use crate::symbolic::{Expr, Symbol};
 
 /// Where a computed value goes.

@@ -21,17 +21,16 @@ pub(crate) use self::in_loops::{emit as step, quadrature};
 pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
 use crate::describe::Texts;
-use crate::diagnostics::internal::Promised;
-use crate::discretise::facts::Facts;
-use crate::discretise::parts::{PartElements, parts, scale_momenta};
-use crate::discretise::plan::{Step, Unknowns};
-use crate::discretise::quadrature::Quadrature;
-use crate::discretise::sums::{Sum, unweighted};
+use crate::diagnostics::Promised;
+use crate::discretise::{
+    Facts, PartElements, Quadrature, Step, Sum, Unknowns, parts_of, scale_momenta, unweighted,
+};
 use crate::emit::compose::structure;
-use crate::emit::step::mentions;
+use crate::emit::plan::degrees;
 use crate::emit::{Names, count, f64_type, implementation, parameter_names};
 use crate::input::{Length, Shape};
 use crate::model::{Parameter, System};
+use crate::tokens::mentions;
 
 use self::weighted::Nests;
 
@@ -71,30 +70,17 @@ pub(crate) fn user_tokens(model: &System) -> Vec<TokenStream> {
 fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
-    let Shape::Array(_, length) = &model.shape else { return quote!(__wzvi::SVector<#f64, 1>) };
-    let components = usize::try_from(model.components).unwrap_or(1);
-    match length {
-        Length::Literal(len) => {
-            let degrees = count(len * components);
-            quote!(__wzvi::SVector<#f64, #degrees>)
-        }
-        Length::RunTime => dynamic,
-        Length::Named(expr) => {
-            let is_generic = model.item.generics.const_params().any(|parameter| {
-                let name = parameter.ident.to_string();
-                expr_mentions(expr, &name)
-            });
-            match (is_generic, components, &**expr) {
-                (false, ..) => quote!(__wzvi::SVector<#f64, { (#expr) * #components }>),
-                (true, 1, syn::Expr::Path(_)) => quote!(__wzvi::SVector<#f64, #expr>),
-                _ => dynamic,
-            }
-        }
+    let Some(degrees) = degrees(model) else { return dynamic };
+    let Shape::Array(_, Length::Named(expr)) = &model.shape else {
+        return quote!(__wzvi::SVector<#f64, #degrees>);
+    };
+    let mut generics = model.item.generics.const_params();
+    let is_generic = generics.any(|parameter| mentions(&quote!(#expr), &parameter.ident.to_string()));
+    match (is_generic, model.components, &**expr) {
+        (false, ..) => quote!(__wzvi::SVector<#f64, { #degrees }>),
+        (true, 1, syn::Expr::Path(_)) => quote!(__wzvi::SVector<#f64, #expr>),
+        _ => dynamic,
     }
-}
-
-fn expr_mentions(expr: &syn::Expr, name: &str) -> bool {
-    quote!(#expr).to_string().split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name)
 }
 
 /// The outermost size and the degrees of freedom in a method whose state is `__q`.
@@ -162,7 +148,7 @@ fn elements(
     structure: &TokenStream,
 ) -> TokenStream {
     let declared = hamiltonian::emit(model, listed);
-    let mut parts = parts(model, facts);
+    let mut parts = parts_of(model, facts);
     if model.conformal.is_some() {
         scale_momenta(model, &mut parts);
     }

@@ -1,14 +1,12 @@
 //! The parts of `drift = [H_A, H_B]` of a system of elements: parts with numbers of their own.
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::weighted::Nests;
 use super::{Wanted, arm};
 use crate::describe::Texts;
-use crate::discretise::facts::split::Form;
-use crate::discretise::quadrature::Part;
-use crate::discretise::sums::unweighted;
+use crate::discretise::{Part, unweighted};
 use crate::emit::{count, implementation};
 use crate::model::{Friction, System};
 
@@ -66,10 +64,9 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
 /// `impl Parts`, if the user has parted the drift.
 pub(super) fn emit(model: &System, texts: &Texts) -> TokenStream {
     let Some(forms) = texts.parts else { return TokenStream::new() };
-    let forms = forms.map(|form| match form {
-        Form::Coordinates => quote!(__wzvi::compose::Form::Coordinates),
-        Form::Momenta => quote!(__wzvi::compose::Form::Momenta),
-        Form::Quadratic => quote!(__wzvi::compose::Form::Quadratic),
+    let forms = forms.map(|form| {
+        let form = format_ident!("{}", format!("{form:?}"));
+        quote!(__wzvi::compose::Form::#form)
     });
     let first = count(Numbers::of(model).parts);
     let shape = match model.degrees_in_straight_lines() {

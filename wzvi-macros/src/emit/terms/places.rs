@@ -6,10 +6,9 @@ use std::collections::BTreeMap;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::diagnostics::internal::Promised;
+use crate::diagnostics::Promised;
 use crate::emit::count;
-use crate::model::index::{Atom, Bounds, Index, Loop, Operation};
-use crate::model::{Element, Slot, System, Table, Term};
+use crate::model::{Atom, Bounds, Element, Index, Loop, Operation, Slot, System, Table, Term};
 
 /// The largest `isize` of the smallest machine, and the most numbers that a state has there.
 const LARGEST: i128 = i32::MAX as i128;

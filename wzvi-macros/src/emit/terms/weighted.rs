@@ -8,10 +8,8 @@ use quote::{format_ident, quote};
 use super::combine::{Combined, curvatures};
 use super::kernel::Target;
 use super::{Indices, Wanted};
-use crate::discretise::parts::{PartElements, family_of};
-use crate::discretise::sums::Weighted;
-use crate::model::index::Index;
-use crate::model::{Element, Half, Reads, System};
+use crate::discretise::{PartElements, Weighted, family_of};
+use crate::model::{Element, Half, Index, Reads, System};
 use crate::symbolic::{Expr, Symbol};
 
 /// Values to compute, and where they go; and what symbols in them stand for.

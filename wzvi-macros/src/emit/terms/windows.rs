@@ -1,16 +1,14 @@
 //! Whether the slopes of a system can be taken window by window, and what they are computed with.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::chunk::{gathers, partners, stretch};
 use super::indices::Indices;
-use crate::discretise::parts::PartElements;
-use crate::discretise::sums::unweighted;
-use crate::emit::count;
-use crate::input::{Length, Shape};
-use crate::model::index::{Atom, Index};
-use crate::model::{Element, Reads, System};
+use crate::discretise::{PartElements, unweighted};
+use crate::emit::plan::degrees;
+use crate::input::Shape;
+use crate::model::{Atom, Element, Index, Reads, System};
 use crate::symbolic::{Expr, Function, Node, Symbol};
 
 /// All elements that slopes are taken of.
@@ -23,20 +21,13 @@ fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<I
 pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
     let has_loops = model.degrees_in_straight_lines().is_none();
     let are_local = has_loops && have_runs(model, parts) && move_what_they_read(model, parts);
-    let (components, elements) = (Literal::i128_unsuffixed(model.components), quote!(__wzvi::elements));
-    let are_there = match &model.shape {
-        _ if !are_local => return None,
-        Shape::Real => return None,
-        Shape::Array(_, Length::RunTime) => quote!(true),
-        Shape::Array(_, Length::Literal(len)) => {
-            let len = count(*len);
-            quote!(#len * #components >= #elements::LEAST_IN_WINDOWS)
-        }
-        Shape::Array(_, Length::Named(expr)) => {
-            quote!((#expr) * #components >= #elements::LEAST_IN_WINDOWS)
-        }
-    };
-    Some(are_there)
+    match (&model.shape, degrees(model)) {
+        (Shape::Array(..), degrees) if are_local => Some(match degrees {
+            Some(degrees) => quote!(#degrees >= __wzvi::elements::LEAST_IN_WINDOWS),
+            None => quote!(true),
+        }),
+        _ => None,
+    }
 }
 
 /// Whether elements that read coordinates add to places or points next to each other, and those that read momenta read one place or

@@ -5,15 +5,14 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, motion};
+use super::motion::{Motion, moves};
 use super::{Chunk, rows};
 use crate::emit::count;
-use crate::emit::step::mentions;
 use crate::emit::terms::indices::{Indices, OpenList};
 use crate::emit::terms::windows::is_correctly_rounded;
-use crate::model::index::{Atom, Index};
-use crate::model::{Element, Half, Slot, Table};
+use crate::model::{Atom, Element, Half, Index, Slot, Table};
 use crate::symbolic::{Expr, Graph};
+use crate::tokens::mentions;
 
 /// What a chunk needs to know for that.
 pub(in crate::emit::terms) struct Beside<'a> {
@@ -93,11 +92,9 @@ pub(super) struct Block {
 /// pays to gather them: functions. Products and quotients take less time than to gather what they are made of.
 pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
-    let is_free = |slot: &Slot| match slot {
-        Slot::State(Half::Coordinates, index) | Slot::State(Half::Momenta, index) => {
-            matches!(motion(index, inner.variable, components), Motion::Free)
-        }
-        Slot::State(Half::Displacements, _) | Slot::Number(_) | Slot::Entry(..) => false,
+    let is_free = |slot: &Slot| {
+        matches!(slot, Slot::State(Half::Coordinates | Half::Momenta, _))
+            && matches!(moves(slot, inner.variable, components), Motion::Free)
     };
     let state = element.state();
     let is_long = |part: Expr| {

@@ -1,6 +1,6 @@
 //! How an index moves with the innermost loop.
 
-use crate::model::index::{Atom, Index, Operation};
+use crate::model::{Atom, Index, Operation, Slot};
 
 /// How an index moves with the innermost loop.
 pub(super) enum Motion {
@@ -22,6 +22,22 @@ pub(in crate::emit::terms) fn stretch(index: &Index, inner: u32, components: i12
         Motion::Run => Some((1, index.clone())),
         Motion::Points { base, .. } => Some((components, base)),
         Motion::Fixed | Motion::Free => None,
+    }
+}
+
+/// How what a local variable is moves.
+pub(super) fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
+    let is_fixed = !slot.indices().iter().any(|index| index.loops().contains(&inner));
+    match slot {
+        Slot::State(_, index) => motion(index, inner, components),
+        _ if is_fixed => Motion::Fixed,
+        Slot::Entry(_, indices)
+            if let [index] = indices.as_slice()
+                && runs(index, inner) =>
+        {
+            Motion::Run
+        }
+        Slot::Entry(..) | Slot::Number(_) => Motion::Free,
     }
 }
 

@@ -6,8 +6,8 @@ use quote::quote;
 
 use super::{Code, Stretch};
 use crate::emit::count;
-use crate::emit::step::mentions;
 use crate::emit::terms::indices::Indices;
+use crate::tokens::mentions;
 
 /// Placements in one chunk, if there are buffers.
 pub(super) const CHUNK: usize = 256;

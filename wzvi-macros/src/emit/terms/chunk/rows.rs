@@ -4,16 +4,15 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, motion, runs, wrap};
+use super::motion::{Motion, motion, moves, wrap};
 use super::{Chunk, Emitted, slot_index};
-use crate::diagnostics::internal::Promised;
-use crate::discretise::sums::Weighted;
+use crate::diagnostics::Promised;
+use crate::discretise::Weighted;
 use crate::emit::count;
-use crate::emit::step::mentions;
 use crate::emit::terms::indices::Indices;
 use crate::emit::terms::kernel::Target;
-use crate::model::index::Index;
-use crate::model::{Half, Reads, Slot};
+use crate::model::{Half, Index, Reads, Slot};
+use crate::tokens::mentions;
 
 /// Rows with less partners gain nothing: the run time takes as many at once.
 const SHORT: i128 = 8;
@@ -36,7 +35,7 @@ pub(in crate::emit::terms) fn partners(
     }
     let (mut has_body, mut first) = (false, None);
     for local in &element.locals {
-        let moved = match (&local.slot, moves(&local.slot, inner.variable, components)) {
+        let moved = match (&local.slot, moves_on(&local.slot, inner.variable, components)) {
             (slot, Motion::Fixed) => {
                 has_body |= matches!(slot, Slot::State(Half::Coordinates, _));
                 continue;
@@ -57,20 +56,9 @@ pub(in crate::emit::terms) fn partners(
 }
 
 /// How what a local variable is moves with a loop; freely where it wraps around.
-fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
-    match slot {
-        Slot::State(_, index) => {
-            let wraps = wrap(index, inner, 1).or_else(|| wrap(index, inner, components)).is_some();
-            if wraps { Motion::Free } else { motion(index, inner, components) }
-        }
-        Slot::Number(index) if !index.loops().contains(&inner) => Motion::Fixed,
-        Slot::Number(_) => Motion::Free,
-        Slot::Entry(_, indices) => match indices.as_slice() {
-            entry if !entry.iter().any(|index| index.loops().contains(&inner)) => Motion::Fixed,
-            [index] if runs(index, inner) && wrap(index, inner, 1).is_none() => Motion::Run,
-            _ => Motion::Free,
-        },
-    }
+fn moves_on(slot: &Slot, inner: u32, components: i128) -> Motion {
+    let wraps = |index: &Index| wrap(index, inner, 1).or_else(|| wrap(index, inner, components)).is_some();
+    if slot.indices().iter().any(wraps) { Motion::Free } else { moves(slot, inner, components) }
 }
 
 /// The arithmetic of one placement: of a pair, or beside others.
@@ -137,7 +125,7 @@ impl Chunk<'_> {
         let mut partner = vec![quote!(_); usize::try_from(self.components).unwrap_or(1)];
         for (k, local) in self.read_locals(inside, values) {
             let local_name = self.locals[k].clone();
-            match (&local.slot, moves(&local.slot, inner, self.components)) {
+            match (&local.slot, moves_on(&local.slot, inner, self.components)) {
                 (slot, Motion::Fixed) => {
                     let value = self.read(slot);
                     before.extend(quote!(let #local_name = #value;));

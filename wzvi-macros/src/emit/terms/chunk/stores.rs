@@ -9,7 +9,7 @@ use super::{Chunk, Code};
 use crate::emit::count;
 use crate::emit::terms::indices::variable;
 use crate::emit::terms::kernel::Target;
-use crate::model::index::Index;
+use crate::model::Index;
 
 impl Chunk<'_> {
     /// Where the computed values go. Slices first: what is left knows then which vectors are taken.

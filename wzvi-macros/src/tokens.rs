@@ -1,0 +1,43 @@
+//! Token streams: the words in them, and streams like others.
+
+use proc_macro2::{Group, Ident, TokenStream, TokenTree};
+
+/// Whether any identifier, in groups or not, is one of those that are asked for.
+pub(crate) fn any_word(tokens: TokenStream, is_wanted: &mut dyn FnMut(&Ident) -> bool) -> bool {
+    tokens.into_iter().any(|token| match token {
+        TokenTree::Ident(word) => is_wanted(&word),
+        TokenTree::Group(group) => any_word(group.stream(), is_wanted),
+        _ => false,
+    })
+}
+
+/// Whether `name` occurs.
+pub(crate) fn mentions(tokens: &TokenStream, name: &str) -> bool {
+    any_word(tokens.clone(), &mut |word| word == name)
+}
+
+/// All identifiers, in their order.
+pub(crate) fn words(tokens: TokenStream) -> Vec<Ident> {
+    let mut words = Vec::new();
+    any_word(tokens, &mut |word| {
+        words.push(word.clone());
+        false
+    });
+    words
+}
+
+/// The same with other tokens in the place of each that is no group.
+pub(crate) fn replaced(tokens: TokenStream, by: &dyn Fn(TokenTree) -> TokenStream) -> TokenStream {
+    let token = |token| match token {
+        TokenTree::Group(group) => regrouped(&group, replaced(group.stream(), by)).into(),
+        other => by(other),
+    };
+    tokens.into_iter().map(token).collect()
+}
+
+/// A group like another, around something else.
+pub(crate) fn regrouped(like: &Group, content: TokenStream) -> TokenTree {
+    let mut group = Group::new(like.delimiter(), content);
+    group.set_span(like.span());
+    group.into()
+}
