@@ -1,9 +1,15 @@
 //! The derivation as text: what `EQUATIONS` and the rustdoc of the struct say.
 
+/// Adds a line to a text.
+macro_rules! say {
+    ($text:expr, $($content:tt)*) => {{
+        $text.push_str(&format!($($content)*));
+        $text.push('\n');
+    }};
+}
+
 pub(crate) mod staged;
 pub(crate) mod sweep;
-
-use std::fmt::Write;
 
 use crate::discretise::branches::{Boundary, Crossing};
 use crate::discretise::{
@@ -24,12 +30,6 @@ pub(crate) fn describe(system: &mut System, line: &StraightLine, facts: &Facts, 
     text
 }
 
-/// Writing to a `String` cannot fail.
-fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
-    let _ = text.write_fmt(content);
-    text.push('\n');
-}
-
 /// Every Hamiltonian and force, as sums of elements.
 pub(crate) fn hamiltonians(system: &mut System, line: Option<&StraightLine>, facts: &Facts) -> String {
     let numbers = system.noise_numbers();
@@ -37,20 +37,20 @@ pub(crate) fn hamiltonians(system: &mut System, line: Option<&StraightLine>, fac
     let text = &mut String::new();
     let value =
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
-    self::line(text, format_args!("\nHamiltonians"));
-    self::line(text, format_args!("  H0 = {}", value(graph, drift)));
+    say!(text, "\nHamiltonians");
+    say!(text, "  H0 = {}", value(graph, drift));
     for (name, part) in ["H_A", "H_B"].iter().zip(parts) {
-        self::line(text, format_args!("  {name} = {}, a part of H0", value(graph, part)));
+        say!(text, "  {name} = {}, a part of H0", value(graph, part));
     }
     let (forces, noise): (Vec<_>, Vec<_>) = numbers.iter().zip(noise).partition(|(_, noise)| noise.is_force);
     for (number, noise) in noise {
-        self::line(text, format_args!("  H{number} = {}", value(graph, &noise.term)));
+        say!(text, "  H{number} = {}", value(graph, &noise.term));
     }
     let forces = forces.into_iter().map(|(number, noise)| (number.as_str(), &noise.term));
     let forces: Vec<(&str, &Term)> = force.iter().map(|force| ("0", force)).chain(forces).collect();
     if !forces.is_empty() {
         let of_work = if line.is_some() { "" } else { ", as virtual work" };
-        self::line(text, format_args!("\nForces{of_work}"));
+        say!(text, "\nForces{of_work}");
     }
     let mut components = line.into_iter().flat_map(|line| line.force.iter().chain(&line.noise_forces));
     for (number, force) in forces {
@@ -58,31 +58,31 @@ pub(crate) fn hamiltonians(system: &mut System, line: Option<&StraightLine>, fac
             components.iter().map(|&component| graph.display(component)).collect()
         });
         match components.as_deref() {
-            Some([only]) => self::line(text, format_args!("  F{number} = {only}")),
-            Some(components) => self::line(text, format_args!("  F{number} = [{}]", components.join(", "))),
-            None => self::line(text, format_args!("  F{number} · δ{} = {}", names[0], value(graph, force))),
+            Some([only]) => say!(text, "  F{number} = {only}"),
+            Some(components) => say!(text, "  F{number} = [{}]", components.join(", ")),
+            None => say!(text, "  F{number} · δ{} = {}", names[0], value(graph, force)),
         }
     }
     if let Some(rate) = *conformal {
-        self::line(text, format_args!("\nFriction"));
-        self::line(text, format_args!("  γ = {}", graph.display(rate)));
+        say!(text, "\nFriction");
+        say!(text, "  γ = {}", graph.display(rate));
     }
     std::mem::take(text)
 }
 
 fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let symbols = &scheme.lagrangian.symbols;
-    line(text, format_args!("\nDiscrete Lagrangian of the step from t_i to t_i + h"));
-    line(text, format_args!("  L_d = {}", graph.display(scheme.lagrangian.value)));
+    say!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
+    say!(text, "  L_d = {}", graph.display(scheme.lagrangian.value));
     for (q0, u) in symbols.q0.iter().zip(&symbols.u) {
         let (node, increment) = (graph.symbol_name(*q0).to_owned(), graph.symbol_name(*u).to_owned());
         let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
-        line(text, format_args!("  {increment} = {end} - {node}"));
+        say!(text, "  {increment} = {end} - {node}");
     }
     for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
         for (i, &point) in stage.q.iter().enumerate() {
             let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.at.l);
-            line(text, format_args!("  {} = {}", graph.symbol_name(point), graph.display(value)));
+            say!(text, "  {} = {}", graph.symbol_name(point), graph.display(value));
         }
     }
 }
@@ -94,19 +94,17 @@ fn shifted(graph: &mut Graph, base: Symbol, by: Symbol, l: Rational) -> Expr {
 
 fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let symbols = &scheme.lagrangian.symbols;
-    line(text, format_args!("\nDiscrete Euler-Lagrange equations"));
+    say!(text, "\nDiscrete Euler-Lagrange equations");
     for i in 0..symbols.u.len() {
         let names =
             [symbols.momentum[i], symbols.u[i], symbols.p0[i], symbols.v[i]].map(|s| graph.symbol_name(s));
         let [momentum, u, p0, v] = names.map(str::to_owned);
         let equations = &scheme.equations;
-        line(text, format_args!("  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi_u[i])));
-        line(
+        say!(text, "  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi_u[i]));
+        say!(
             text,
-            format_args!(
-                "  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}",
-                graph.display(equations.phi_v[i])
-            ),
+            "  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}",
+            graph.display(equations.phi_v[i])
         );
         let v = graph.symbol(symbols.v[i]);
         let change = match equations.update[i] {
@@ -114,13 +112,13 @@ fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
             MomentumUpdate::Sum(rest) => graph.add(v, rest),
         };
         let end = p0.strip_suffix("_i").map_or_else(|| p0.clone(), |name| format!("{name}_{{i+1}}"));
-        line(text, format_args!("  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change)));
+        say!(text, "  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change));
     }
 }
 
 fn step(graph: &Graph, scheme: &Scheme, text: &mut String) {
     let symbols = &scheme.lagrangian.symbols;
-    line(text, format_args!("\nStep"));
+    say!(text, "\nStep");
     for block in &scheme.structure.blocks {
         let Block { iterates, assigned, solution } = block;
         let method = match solution {
@@ -140,7 +138,7 @@ fn step(graph: &Graph, scheme: &Scheme, text: &mut String) {
             }
             _ => String::new(),
         };
-        line(text, format_args!("  {method}{also}"));
+        say!(text, "  {method}{also}");
     }
 }
 
@@ -151,7 +149,7 @@ fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
 
 /// What is known of the system and the scheme.
 pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding, text: &mut String) {
-    line(text, format_args!("\nFacts"));
+    say!(text, "\nFacts");
     quadrature(embedding, text);
     let [_, noise_l] = embedding.means();
     let has_noise = facts.noise != NoiseClass::None;
@@ -165,21 +163,21 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
                 _ => "converges to another system, with drift Hamiltonian H0 - D",
             }
         };
-        line(text, format_args!("  {verdict}; D = {defect}"));
+        say!(text, "  {verdict}; D = {defect}");
         if facts.force_defect_acts(noise_l) {
             let defect = facts.force_defect(graph, noise_l);
-            line(text, format_args!("  noise forces add the force d, d·δq = {defect}"));
+            say!(text, "  noise forces add the force d, d·δq = {defect}");
         }
         if !embedding.is_thermostat() {
             limits(facts, embedding, text);
         }
         for (number, rate) in facts.numbers.iter().zip(&facts.energy_rates) {
             let rate = facts.space.display(graph, rate, Rational::ONE);
-            line(text, format_args!("  {{H{number}, H0}} = {rate}"));
+            say!(text, "  {{H{number}, H0}} = {rate}");
         }
         if facts.has_several_noises {
             let commuting = knowledge(&facts.commuting, "commute up to a constant", "do not commute");
-            line(text, format_args!("  the noises {commuting}"));
+            say!(text, "  the noises {commuting}");
         }
     }
     for (name, power) in &facts.powers {
@@ -187,8 +185,8 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         match name.as_str() {
             // A matrix acts on velocities, and this is its product with momenta.
             "damping" => {}
-            "friction" => line(text, format_args!("  friction takes from H0 per unit of time: {power}")),
-            name => line(text, format_args!("  {name} · ∂H0/∂p = {power}")),
+            "friction" => say!(text, "  friction takes from H0 per unit of time: {power}"),
+            name => say!(text, "  {name} · ∂H0/∂p = {power}"),
         }
     }
     energy(facts, embedding, text);
@@ -199,15 +197,13 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         let keeps = if is_kept { "kept by the step to rounding" } else { followed(facts, embedding) };
         let value = facts.space.display(graph, &invariant.value, Rational::ONE);
         let name = if invariant.name.is_empty() { String::new() } else { format!("{} = ", invariant.name) };
-        line(text, format_args!("  first integral {name}{value}: {keeps}"));
+        say!(text, "  first integral {name}{value}: {keeps}");
     }
     let has_integrals = !facts.invariants.is_empty() || matches!(facts.conserves_energy, Knowledge::Proven);
     if has_noise && has_integrals {
-        line(
+        say!(
             text,
-            format_args!(
-                "  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one"
-            ),
+            "  each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one"
         );
     }
 }
@@ -221,8 +217,8 @@ fn limits(facts: &Facts, embedding: &Embedding, text: &mut String) {
         (false, Knowledge::Unknown(_)) => "X is not known",
         (false, _) => "the system with H0 - D, not X: not asymptotically preserving",
     };
-    line(text, format_args!("  h → 0, then ε → 0: X_{{ε,n}} → X_ε → X"));
-    line(text, format_args!("  ε → 0, then h → 0: X_{{ε,n}} → X_n → {last}"));
+    say!(text, "  h → 0, then ε → 0: X_{{ε,n}} → X_ε → X");
+    say!(text, "  ε → 0, then h → 0: X_{{ε,n}} → X_n → {last}");
 }
 
 /// The points that the user gave, and what is known of them.
@@ -235,7 +231,7 @@ fn quadrature(embedding: &Embedding, text: &mut String) {
         let list: Vec<String> = points.iter().map(|(l, weight)| format!("({l}, {weight})")).collect();
         let symmetry = if points.are_symmetric() { ", symmetric" } else { "" };
         let (list, mean) = (list.join(", "), points.mean());
-        line(text, format_args!("  quadrature points and weights{role}: {list}; Σ w l = {mean}{symmetry}"));
+        say!(text, "  quadrature points and weights{role}: {list}; Σ w l = {mean}{symmetry}");
     };
     if drift == noise {
         say(&drift, "");
@@ -245,7 +241,7 @@ fn quadrature(embedding: &Embedding, text: &mut String) {
     }
     if !drift.is_single() {
         let condition = if embedding.order() == 1 { "is not" } else { "is" };
-        line(text, format_args!("  order {}, as Σ w l of the drift {condition} 1/2", embedding.order()));
+        say!(text, "  order {}, as Σ w l of the drift {condition} 1/2", embedding.order());
     }
 }
 
@@ -270,14 +266,14 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
                 (false, true) => format!("kept by the step nearly, within {order}"),
                 (false, false) => format!("kept by the step nearly, within {order} between the kinks of H0"),
             };
-            line(text, format_args!("  H0 is a first integral: {keeps}"));
+            say!(text, "  H0 is a first integral: {keeps}");
         }
         Knowledge::Refuted(_) if jumps => {
-            line(text, format_args!("  H0 is not a first integral: it jumps"));
+            say!(text, "  H0 is not a first integral: it jumps");
         }
         known => {
             let energy = knowledge(known, "is a first integral", "is not a first integral");
-            line(text, format_args!("  H0 {energy}"));
+            say!(text, "  H0 {energy}");
         }
     }
 }
@@ -302,7 +298,7 @@ fn crossings(facts: &Facts, text: &mut String) {
                 Crossing::Jump(_) => "jumps: its derivatives are those of either side",
                 Crossing::Undecided => "was not decided to be continuous",
             };
-            line(text, format_args!("  where {place}, H{number} {finding}"));
+            say!(text, "  where {place}, H{number} {finding}");
         }
     }
 }

@@ -250,7 +250,7 @@ impl<'a> Interpreter<'a, '_> {
         // One pass for each total, so that each has sums of its own; one pass for the mistakes of a loop without any.
         for wanted in 0..totals.len().max(1) {
             let mut is_sum = true;
-            let sum = self.accumulate(sequence, &syntax.for_token, &mut |this, item| {
+            let sum = self.through(sequence, false, &syntax.for_token, &mut |this, item| {
                 let outer = this.now.scope.len();
                 // The body has the totals for itself.
                 for ((binding, _), &placeholder) in totals.iter().zip(&placeholders) {

@@ -111,7 +111,7 @@ impl<'a> Interpreter<'a, '_> {
         let receiver = origin(&syntax.receiver);
         let mut has_integers = asks_for_integers(syntax);
         if !has_integers {
-            let sum = self.accumulate(sequence, receiver, &mut |this, item| {
+            let sum = self.through(sequence, false, receiver, &mut |this, item| {
                 has_integers |= item.is_integer() && !asks_for_reals(syntax);
                 if has_integers { None } else { this.real(item, receiver) }
             });
@@ -155,7 +155,7 @@ impl<'a> Interpreter<'a, '_> {
             let placeholder = self.graph.new_symbol("");
             let total = self.graph.symbol(placeholder);
             let mut is_sum = true;
-            let added = self.accumulate(sequence, method, &mut |this, item| {
+            let added = self.through(sequence, false, method, &mut |this, item| {
                 let next = this.apply(function, vec![Value::Real(total), item], method)?;
                 let next = this.real(next, method)?;
                 let added = this.graph.subtract(next, total);

@@ -15,6 +15,9 @@ use crate::symbolic::{Expr, Rational};
 /// The item at a position.
 type ItemAt = Box<dyn for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value>>;
 
+/// What is added for an item.
+type Each<'f, I> = &'f mut dyn FnMut(&mut I, Value) -> Option<Expr>;
+
 /// A list, a range, or what is left of an iterator.
 pub(super) struct Sequence {
     pub(super) source: Source,
@@ -322,23 +325,13 @@ impl<'a> Interpreter<'a, '_> {
         None
     }
 
-    /// `Σ f(item)`, with a symbol for every loop.
-    pub(super) fn accumulate(
-        &mut self,
-        sequence: &Sequence,
-        at: &dyn ToTokens,
-        f: &mut dyn FnMut(&mut Self, Value) -> Option<Expr>,
-    ) -> Option<Expr> {
-        self.through(sequence, false, at, f)
-    }
-
-    /// The same; with `one_by_one` there is no loop, and what is filtered is known.
-    fn through(
+    /// `Σ f(item)`, with a symbol for every loop; with `one_by_one` there is none, and what is filtered is known.
+    pub(super) fn through(
         &mut self,
         sequence: &Sequence,
         one_by_one: bool,
         at: &dyn ToTokens,
-        f: &mut dyn FnMut(&mut Self, Value) -> Option<Expr>,
+        f: Each<'_, Self>,
     ) -> Option<Expr> {
         match &sequence.source {
             Source::Map(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {

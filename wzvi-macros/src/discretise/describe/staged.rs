@@ -1,7 +1,6 @@
 //! The text of schemes with several stages.
 
 use std::collections::HashMap;
-use std::fmt::Write;
 
 use crate::discretise::describe::hamiltonians;
 use crate::discretise::{Facts, StepSlopes, is_nystrom};
@@ -44,18 +43,18 @@ Discrete Euler-Lagrange equations
         ),
     }
     let unknowns = if is_nystrom { "the coordinates of all stages" } else { "all stages" };
-    let _ = writeln!(
+    say!(
         text,
         "\nStep\n  solve for {unknowns}: by sweeps while they contract, else Newton's method on all of them at once"
     );
     if let Some((line, slopes)) = line.zip(slopes).filter(|(_, slopes)| !slopes.stiffness.is_empty()) {
-        let _ = writeln!(
+        say!(
             text,
             "  where h is large for the linear part K of the force, Q ← Q + (1 + h² A² M⁻¹K)⁻¹ (φ(Q) - Q), made once"
         );
         for (row, column, value) in slopes.stiffness {
             let [row, column] = [row, column].map(|d| graph.symbol_name(line.phase.q[d]).to_owned());
-            let _ = writeln!(text, "    K_{row}{column} = {}", graph.display(value));
+            say!(text, "    K_{row}{column} = {}", graph.display(value));
         }
     }
     text
@@ -74,20 +73,14 @@ fn equations(graph: &mut Graph, phase: &Phase, slopes: &StepSlopes, text: &mut S
     };
     for (&q, &by_p) in phase.q.iter().zip(&slopes.by_p) {
         let (name, slope) = equation(q, by_p);
-        let _ = writeln!(
-            text,
-            "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k"
-        );
+        say!(text, "  ∂L_d/∂p_j = 0:  V_{name} = {slope},  {name}_j = {name}_i + Σ_k a_jk V_{name},k");
     }
     for (&p, &by_q) in phase.p.iter().zip(&slopes.by_q) {
         let (name, slope) = equation(p, by_q);
-        let _ = writeln!(
-            text,
-            "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}"
-        );
+        say!(text, "  ∂L_d/∂V_j = 0:  {name}_j = {name}_i - Σ_k a_jk K_{name},k,  K_{name} = {slope}");
     }
     for &p in &phase.p {
         let name = graph.symbol_name(p);
-        let _ = writeln!(text, "  {name}_{{i+1}} = D2 L_d:  {name}_{{i+1}} = {name}_i - Σ_j b_j K_{name},j");
+        say!(text, "  {name}_{{i+1}} = D2 L_d:  {name}_{{i+1}} = {name}_i - Σ_j b_j K_{name},j");
     }
 }

@@ -40,7 +40,7 @@ fn sweep(
         elements.filter(|weighted| is_covector(weighted) == of_covectors).cloned().collect()
     };
     let [q, p] = system.names.clone();
-    let _ = writeln!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
+    say!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
     let _ = write!(text, "  L_d = Σ_i P[i] Δ{q}[i]");
     for stage in &stages {
         let at = point(&q, stage.l);
@@ -63,12 +63,12 @@ fn sweep(
             };
         }
     }
-    let _ = writeln!(text, "\n  Δ{q} = {q}' - {q}");
+    say!(text, "\n  Δ{q} = {q}' - {q}");
     for stage in stages.iter().filter(|stage| !stage.l.is_zero()) {
-        let _ = writeln!(text, "  {} = {q} + {} Δ{q}", point(&q, stage.l), stage.l);
+        say!(text, "  {} = {q} + {} Δ{q}", point(&q, stage.l), stage.l);
     }
 
-    let _ = writeln!(text, "\nDiscrete Euler-Lagrange equations");
+    say!(text, "\nDiscrete Euler-Lagrange equations");
     for component in 0..system.components {
         let at = if system.components == 1 { "[i]".to_owned() } else { format!("[i][{component}]") };
         let (space, graph) = (&facts.space, &mut system.graph);
@@ -87,18 +87,18 @@ fn sweep(
                 }
             }
         };
-        let _ = writeln!(text, "  ∂L_d/∂P = 0:  Δ{q}{at} is the sum of");
+        say!(text, "  ∂L_d/∂P = 0:  Δ{q}{at} is the sum of");
         equation(Half::Momenta, &|_| Rational::ONE, text);
-        let _ = writeln!(text, "  {p} = -D1 L_d:  P{at} = {p}{at} + v{at}, v{at} is the sum of");
+        say!(text, "  {p} = -D1 L_d:  P{at} = {p}{at} + v{at}, v{at} is the sum of");
         equation(Half::Coordinates, &|stage| stage.start().negate(), text);
         if stages.iter().all(|stage| stage.end().is_zero()) {
-            let _ = writeln!(text, "  {p}' = D2 L_d:  {p}'{at} = P{at}");
+            say!(text, "  {p}' = D2 L_d:  {p}'{at} = P{at}");
         } else {
-            let _ = writeln!(text, "  {p}' = D2 L_d:  {p}'{at} = P{at} + the sum of");
+            say!(text, "  {p}' = D2 L_d:  {p}'{at} = P{at} + the sum of");
             equation(Half::Coordinates, &|stage| stage.end().negate(), text);
         }
     }
-    let _ = writeln!(text, "\nStep");
+    say!(text, "\nStep");
     let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
     let iteration =
@@ -135,7 +135,7 @@ impl Slopes {
         }
         let mut space = space.renamed([self.q, "P".to_owned()]);
         let Some(slopes) = space.slopes(graph, &self.sum, half, component) else {
-            let _ = writeln!(text, "    slopes whose indices exceed 128 bits");
+            say!(text, "    slopes whose indices exceed 128 bits");
             return;
         };
         for Slope { part: mut weighted, at, is_by_point } in slopes {
@@ -156,7 +156,7 @@ impl Slopes {
             weighted.element.value =
                 self.weights.iter().fold(product, |product, &weight| graph.scale(product, weight));
             let slope = Slope { part: weighted, at, is_by_point };
-            let _ = writeln!(text, "    {}", space.display_slope(graph, &slope));
+            say!(text, "    {}", space.display_slope(graph, &slope));
         }
     }
 }

@@ -76,8 +76,7 @@ impl Nest<'_> {
     /// Pieces in which no index wraps around: what a stretch of such a piece leaves out is left out at once, and where its slices begin is
     /// found once. Chunks begin where they do without that, because sums are parted there.
     fn in_pieces(&self, stride: &Literal, places: &TokenStream) -> TokenStream {
-        let Self { name, start, end, code, chunk, sums, .. } = self;
-        let Code { before, limits, ordering, after, firsts, .. } = code;
+        let Self { name, code: Code { limits, ordering, firsts, .. }, chunk, sums, .. } = self;
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let (mutable_piece, mutable_chunk, most) = (mutable(limits), mutable(ordering), count(CHUNK));
         let moved: TokenStream = firsts
@@ -95,38 +94,32 @@ impl Nest<'_> {
             .collect();
         let low = mentions(chunk, &name.to_string()).then(|| quote!(let #name = #name + __skip as #isize;));
         let opened = self.opened();
-        quote! {
-            #before
-            let mut #name: #isize = #start;
-            let __end: #isize = #end;
-            while #name < __end {
-                let #mutable_piece __len = (__end - #name) as #usize;
-                #limits
-                let __next = #name + __len as #isize;
-                let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
-                let __until = __skipped + __taken;
-                let #mutable_chunk __len: #usize = #most;
-                #ordering
-                let __most = __len;
-                #opened
-                let mut __from = if __skipped < __most { 0 } else { __skipped / __most * __most };
-                while __from < __until {
-                    let __skip = __wzvi::Ord::max(__from, __skipped);
-                    __from += __most;
-                    let __len = __wzvi::Ord::min(__from, __until) - __skip;
-                    #low
-                    #moved
-                    #chunk
-                }
-                #name = __next;
+        self.going_through(&quote! {
+            let #mutable_piece __len = (__end - #name) as #usize;
+            #limits
+            let __next = #name + __len as #isize;
+            let (__skipped, __taken) = #sums.clip::<#stride, _>(__len, #places);
+            let __until = __skipped + __taken;
+            let #mutable_chunk __len: #usize = #most;
+            #ordering
+            let __most = __len;
+            #opened
+            let mut __from = if __skipped < __most { 0 } else { __skipped / __most * __most };
+            while __from < __until {
+                let __skip = __wzvi::Ord::max(__from, __skipped);
+                __from += __most;
+                let __len = __wzvi::Ord::min(__from, __until) - __skip;
+                #low
+                #moved
+                #chunk
             }
-            #after
-        }
+            #name = __next;
+        })
     }
 
     /// Each chunk finds out where it ends.
     fn in_chunks(&self) -> TokenStream {
-        let Self { name, start, end, code: Code { before, after, .. }, sums, .. } = self;
+        let Self { name, sums, .. } = self;
         let (isize, limited, pass) = (quote!(__wzvi::isize), self.limited(), self.pass());
         let pass = match &self.places {
             None => quote! {
@@ -141,13 +134,18 @@ impl Nest<'_> {
                 #name = __next;
             },
         };
+        self.going_through(&quote!(#limited #pass))
+    }
+
+    /// The loop while there are placements left.
+    fn going_through(&self, body: &TokenStream) -> TokenStream {
+        let Self { name, start, end, code: Code { before, after, .. }, .. } = self;
         quote! {
             #before
-            let mut #name: #isize = #start;
-            let __end: #isize = #end;
+            let mut #name: __wzvi::isize = #start;
+            let __end: __wzvi::isize = #end;
             while #name < __end {
-                #limited
-                #pass
+                #body
             }
             #after
         }

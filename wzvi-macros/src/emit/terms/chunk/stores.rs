@@ -21,7 +21,7 @@ impl Chunk<'_> {
             order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
         let mut carried: Vec<usize> = Vec::new();
         for &(j, next) in &pairs {
-            if let Some((_, Target::Slope { vector, .. })) = self.outputs.get(j)
+            if let Some((vector, _)) = self.slope(j)
                 && !code.direct.contains(vector)
             {
                 code.direct.push(vector.clone());
@@ -30,13 +30,13 @@ impl Chunk<'_> {
             }
         }
         for j in order {
-            let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else {
-                left.push(j);
-                continue;
-            };
             if carried.contains(&j) {
                 continue;
             }
+            let Some((vector, index)) = self.slope(j) else {
+                left.push(j);
+                continue;
+            };
             let is_taken = code.direct.contains(vector);
             match motion(index, inner, self.components) {
                 Motion::Run if !is_taken => {
@@ -75,7 +75,7 @@ impl Chunk<'_> {
     /// The outputs, so that of slopes whose places differ by a constant the one furthest ahead comes first.
     fn furthest_first(&self, inner: u32) -> Vec<usize> {
         let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
-            let (_, Target::Slope { vector, index }) = self.outputs.get(*j)? else { return None };
+            let (vector, index) = self.slope(*j)?;
             let (place, _) = unwrapped(index, inner)?;
             let constant = place.constant;
             Some((vector, place.shifted(-constant)?, constant))
@@ -124,27 +124,20 @@ impl Chunk<'_> {
 
     /// Another slope whose place is that of slope `j` in the next round of the loop.
     fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
-        let place = |j: usize| match &self.outputs.get(j)?.1 {
-            Target::Slope { vector, index } => Some((vector, index)),
-            _ => None,
-        };
-        let (vector, own) = place(j)?;
-        (0..self.outputs.len()).filter(|&other| other != j).find(|&other| {
-            place(other).is_some_and(|(known, index)| known == vector && follows(index, own, inner))
-        })
+        let (vector, own) = self.slope(j)?;
+        let is_next = |(known, index): (&Ident, &Index)| known == vector && follows(index, own, inner);
+        (0..self.outputs.len()).find(|&other| other != j && self.slope(other).is_some_and(is_next))
     }
 
     /// Adds slope `j` to its slice, and with it what the round before left for the same place.
     fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
-        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return };
+        let Some((vector, index)) = self.slope(j) else { return };
         let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
         let carried = format_ident!("__carried{j}");
         let first = self.first(code, index, 1);
         self.limit(code, index, inner);
         self.keep_order(code, inner, j);
-        if let Some((next, (_, Target::Slope { index: ahead, .. }))) =
-            next.and_then(|next| Some((next, self.outputs.get(next)?)))
-        {
+        if let Some((next, (_, ahead))) = next.and_then(|next| Some((next, self.slope(next)?))) {
             self.limit(code, ahead, inner);
             let (first_ahead, value_ahead) = (self.first(code, ahead, 1), &values[next]);
             let zero = self.zero();
@@ -175,9 +168,26 @@ impl Chunk<'_> {
         code.release.extend(quote!(__wzvi::drop(#slice);));
     }
 
+    /// Keeps a value of each placement of a chunk.
+    fn store_in_buffer(&self, code: &mut Code, buffer: &Ident, value: &TokenStream) {
+        let (zero, most) = (self.zero(), count(CHUNK));
+        code.has_buffers = true;
+        code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
+        code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
+        code.stores.extend(quote!(#buffer[__place] = #value;));
+    }
+
+    /// The vector that output `j` adds to, and where, if it is a slope.
+    fn slope(&self, j: usize) -> Option<(&Ident, &Index)> {
+        match self.outputs.get(j) {
+            Some((_, Target::Slope { vector, index })) => Some((vector, index)),
+            _ => None,
+        }
+    }
+
     /// The vector that output `j` adds to, and the first place or point of the stretch of it.
     fn point(&self, j: usize, inner: u32) -> Option<(&Ident, i128, Index)> {
-        let Some((_, Target::Slope { vector, index })) = self.outputs.get(j) else { return None };
+        let (vector, index) = self.slope(j)?;
         let (stride, base) = stretch(index, inner, self.components)?;
         Some((vector, stride, base))
     }
@@ -190,18 +200,15 @@ impl Chunk<'_> {
     /// Outputs of one stretch, which wait in buffers until the arithmetic of the chunk is done.
     fn store_waiting(&self, code: &mut Code, inner: u32, group: &[usize], values: &[TokenStream]) {
         let Some((vector, stride, base)) = group.first().and_then(|&j| self.point(j, inner)) else { return };
-        let (zero, most, size) = (self.zero(), count(CHUNK), Literal::i128_unsuffixed(stride));
+        let size = Literal::i128_unsuffixed(stride);
         let run = if stride == 1 { quote!(run) } else { quote!(points::<#size>) };
         let mut adds = TokenStream::new();
-        code.has_buffers = true;
         for &j in group {
-            let Some((_, Target::Slope { index, .. })) = self.outputs.get(j) else { continue };
-            let (buffer, value) = (format_ident!("__b{j}"), &values[j]);
+            let Some((_, index)) = self.slope(j) else { continue };
+            let buffer = format_ident!("__b{j}");
             self.limit(code, index, inner);
             self.keep_order(code, inner, j);
-            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
-            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
-            code.stores.extend(quote!(#buffer[__place] = #value;));
+            self.store_in_buffer(code, &buffer, &values[j]);
             adds.extend(match motion(index, inner, self.components) {
                 Motion::Points { part, .. } => {
                     let part = count(part);
@@ -222,7 +229,7 @@ impl Chunk<'_> {
     /// What does not go to a slice of its own: sums, buffers, single places.
     fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
         let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero, most) = (format_ident!("__b{j}"), self.zero(), count(CHUNK));
+        let (buffer, zero) = (format_ident!("__b{j}"), self.zero());
         let is_fixed = match target {
             Target::Value { .. } | Target::Total => true,
             Target::Slope { index, .. } => !index.loops().contains(&inner),
@@ -236,10 +243,7 @@ impl Chunk<'_> {
             code.stores.extend(quote!(#buffer = #buffer + #value;));
             code.after.extend(self.add(target, &quote!(#buffer)));
         } else if is_shared {
-            code.has_buffers = true;
-            code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
-            code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
-            code.stores.extend(quote!(#buffer[__place] = #value;));
+            self.store_in_buffer(code, &buffer, value);
             let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
             code.closing.extend(quote! {
                 for __place in 0..__len {
