@@ -10,7 +10,7 @@ use crate::discretise::Flows;
 use crate::embedding::Embedding;
 
 /// What the run time reads of the flows that `Verlet` is made of.
-pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: &TokenStream) -> TokenStream {
+pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: Option<TokenStream>) -> TokenStream {
     let reads_time = flows.force_reads_time;
     let body = quote! {
         const FORCE_READS_TIME: __wzvi::bool = #reads_time;
@@ -60,18 +60,14 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
 
 /// What takes steps with parts in which friction and noise of a bath act.
 fn thermostat(embedding: &Embedding) -> TokenStream {
-    match embedding {
+    let wzvi = quote!(__wzvi);
+    let word = match embedding {
         Embedding::Thermostat(inner) => {
-            let inner = inner.path(&quote!(__wzvi));
-            quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>)
+            let inner = inner.path(&wzvi);
+            return quote!(__wzvi::bath::Around<__wzvi::bath::Isolated<#inner>>);
         }
-        Embedding::Splitting(word) => {
-            let word = word.types(&quote!(__wzvi));
-            quote!(__wzvi::bath::Splitting<#word>)
-        }
-        word => {
-            let word = word.path(&quote!(__wzvi));
-            quote!(__wzvi::bath::Splitting<#word>)
-        }
-    }
+        Embedding::Splitting(word) => word.types(&wzvi),
+        word => word.path(&wzvi),
+    };
+    quote!(__wzvi::bath::Splitting<#word>)
 }

@@ -1,8 +1,6 @@
 //! The slopes of the step Hamiltonian, once for all numbers of stages, and what reads them: `Gauss<S>`, and the
 //! flows that `Verlet` and its compositions are made of.
 
-use std::collections::HashMap;
-
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
@@ -10,13 +8,12 @@ use super::compose;
 use super::listed::{implementation, listed};
 use super::names::Names;
 use super::print::f64_type;
-use super::program::Level;
 use super::step::increment_names;
-use super::system::{Body, Inputs, Letters, count, evaluation, evaluation_over};
+use super::system::{Body, Read, count, evaluation, evaluation_over, parameter_names, state_names};
 use super::terms;
 use crate::describe::Texts;
 use crate::discretise::{Facts, StepSlopes, is_nystrom};
-use crate::model::{StraightLine, System};
+use crate::model::{Element, StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
 /// Every `Gauss<S>` that was listed, and the flows.
@@ -30,12 +27,10 @@ pub(super) fn emit(
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(system, facts);
-    let (mut generated, in_windows) = match line {
-        Some(line) => (field(&system.item, (&mut system.graph, line), is_nystrom), TokenStream::new()),
-        None => (terms::field(system, is_nystrom), terms::in_windows()),
-    };
+    let in_windows = line.is_none().then(terms::in_windows);
+    let mut generated = field(system, line, is_nystrom);
     if let Some(flows) = texts.flows {
-        generated.extend(compose::flows(&system.item, flows, &in_windows));
+        generated.extend(compose::flows(&system.item, flows, in_windows));
     }
     for (embedding, stages, text) in texts.staged() {
         let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
@@ -45,43 +40,33 @@ pub(super) fn emit(
     generated
 }
 
-/// The slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
-fn field(
-    item: &syn::ItemStruct,
-    (graph, line): (&mut Graph, &StraightLine),
-    is_nystrom: bool,
-) -> TokenStream {
-    let slopes = StepSlopes::new(graph, line, is_nystrom);
-    let phase = &line.phase;
-    let degrees = phase.q.len();
-    let mut letters = Letters::of(graph, line, Names::default());
-    let dw = increment_names(&mut letters.names, slopes.dw.len());
-    let (q, p) = (&letters.q, &letters.p);
-    let of_state = phase.q.iter().zip(q).chain(phase.p.iter().zip(p)).chain(slopes.dw.iter().zip(&dw));
-    let mut names: Vec<_> = of_state.map(|(&symbol, name)| (symbol, name.clone(), Level::State)).collect();
-    // Stages have times and weights of their own.
-    names.push((phase.t, format_ident!("__t"), Level::State));
-    names.push((slopes.h, format_ident!("__h"), Level::State));
-    let inputs = Inputs { names, definitions: HashMap::new() };
-    let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
-    let numbers = (&quote!(__S), Some(quote!(__K)));
-    let system = (&mut *graph, line.parameters.as_slice());
-    let (Body { statements, values }, reads) = evaluation_over(system, &letters, &inputs, numbers, &roots);
+/// What is emitted of the field of a system in straight lines.
+struct Slopes {
+    reads: Vec<Read>,
+    noises: usize,
+    /// The matrix of its linear part, and the slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
+    functions: TokenStream,
+}
+
+/// `impl Field`
+fn field(system: &mut System, line: Option<&StraightLine>, is_nystrom: bool) -> TokenStream {
+    let slopes = line.map(|line| slopes(&mut system.graph, line, is_nystrom));
+    let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
+    let in_lanes = line.is_some() || !system.acting().any(reads_time);
+    let size = |number: Option<usize>| match number.map(count) {
+        Some(number) => quote!(__wzvi::gauss::Fixed<#number>),
+        None => quote!(__wzvi::gauss::Dynamic),
+    };
+    let shape = size(line.map(|line| line.phase.q.len()));
+    let noises = size(slopes.as_ref().map(|slopes| slopes.noises));
+    let (reads, functions) = slopes.map(|slopes| (slopes.reads, slopes.functions)).unwrap_or_default();
     let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
-    let (parameters, tokens): (Vec<_>, Vec<_>) = reads.iter().map(|read| (&read.name, &read.tokens)).unzip();
-    let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
-    let (by_q, by_p) = values.split_at(degrees);
-    let (degrees, noises) = (count(degrees), count(dw.len()));
-    let stiffness = stiffness(graph, line, &slopes);
-    let bool = quote!(__wzvi::bool);
+    let (bool, tokens) = (quote!(__wzvi::bool), reads.iter().map(|read| &read.tokens));
     let body = quote! {
             const IS_NYSTROM: #bool = #is_nystrom;
-            const IN_LANES: #bool = true;
-            type Shape = __wzvi::gauss::Fixed<#degrees>;
-            type Noises = __wzvi::gauss::Fixed<#noises>;
-
-            #stiffness
-
+            const IN_LANES: #bool = #in_lanes;
+            type Shape = #shape;
+            type Noises = #noises;
             type Parameters = __wzvi::Reals<#number>;
 
             fn parameters<__K: __wzvi::Constant>(
@@ -90,6 +75,33 @@ fn field(
             ) -> __wzvi::Of<Self::Parameters, __K> {
                 [#(__lift(#numbers, #tokens)),*]
             }
+
+            #functions
+    };
+    implementation(&system.item, &quote!(__wzvi::gauss::Field), &body)
+}
+
+fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Slopes {
+    let slopes = StepSlopes::new(graph, line, is_nystrom);
+    let phase = &line.phase;
+    let mut names = Names::default();
+    let [q, p] = state_names(&mut names, graph, phase);
+    let own = parameter_names(&mut names, graph, &line.parameters);
+    let dw = increment_names(&mut names, slopes.dw.len());
+    let symbols = phase.q.iter().chain(&phase.p).chain(&slopes.dw).copied();
+    let mut bound: Vec<_> = symbols.zip(q.iter().chain(&p).chain(&dw).cloned()).collect();
+    // Stages have times and weights of their own.
+    bound.extend([(phase.t, format_ident!("__t")), (slopes.h, format_ident!("__h"))]);
+    let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
+    let numbers = (&quote!(__S), Some(quote!(__K)));
+    let Body { statements, values, reads } =
+        evaluation_over(graph, &line.parameters, (names, own, bound), numbers, &roots);
+    let parameters: Vec<_> = reads.iter().map(|read| &read.name).collect();
+    let open = (!parameters.is_empty()).then(|| quote!(let [#(#parameters),*] = *__parameters;));
+    let (by_q, by_p) = values.split_at(phase.q.len());
+    let (stiffness, bool) = (stiffness(graph, line, &slopes), quote!(__wzvi::bool));
+    let functions = quote! {
+            #stiffness
 
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn step_slopes<__K: __wzvi::Constant, __S: __wzvi::Over<__K>, const __BY_Q: #bool, const __BY_P: #bool>(
@@ -116,7 +128,7 @@ fn field(
                 }
             }
     };
-    implementation(item, &quote!(__wzvi::gauss::Field), &body)
+    Slopes { reads, noises: dw.len(), functions }
 }
 
 /// The matrix of the linear part of the force, where there is one.
@@ -124,11 +136,9 @@ fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes) -> Tok
     if slopes.stiffness.is_empty() {
         return TokenStream::new();
     }
-    let letters = Letters::of(graph, line, Names::default());
-    let inputs = Inputs { names: Vec::new(), definitions: HashMap::new() };
     let roots: Vec<Expr> = slopes.stiffness.iter().map(|&(.., value)| value).collect();
     let f64 = f64_type();
-    let Body { statements, values } = evaluation((graph, &line.parameters), &letters, &inputs, &f64, &roots);
+    let Body { statements, values, .. } = evaluation(graph, &line.parameters, &roots);
     let degrees = line.phase.q.len();
     let places =
         slopes.stiffness.iter().map(|(row, column, _)| Literal::usize_unsuffixed(row * degrees + column));

@@ -24,7 +24,7 @@ pub(crate) use names::Names;
 use names::{Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
-pub(crate) use system::{Body, Inputs, Letters, count, evaluation, parameter_names};
+pub(crate) use system::{Body, count, evaluation, parameter_names};
 
 /// What a struct is expanded to.
 pub(crate) struct Expansion {

@@ -167,16 +167,12 @@ impl Program {
                     (Some(1.0), ..) => Ok(b),
                     (_, Some(1.0), ..) => Ok(a),
                     (Some(x), Some(y), ..) => Ok(self.constant(x * y)),
-                    (_, _, Some(a), Some(b)) => Ok(self.push(Operation::Multiply(a, b))),
-                    (_, _, Some(a), None) => {
-                        let product = self.push(Operation::Multiply(a, b));
-                        Ok(self.push(Operation::Negate(product)))
+                    (_, _, None, None) => Err(Operation::Multiply(a.min(b), a.max(b))),
+                    (_, _, x, y) => {
+                        let product = self.push(Operation::Multiply(x.unwrap_or(a), y.unwrap_or(b)));
+                        let is_negative = x.is_some() != y.is_some();
+                        Ok(if is_negative { self.push(Operation::Negate(product)) } else { product })
                     }
-                    (_, _, None, Some(b)) => {
-                        let product = self.push(Operation::Multiply(a, b));
-                        Ok(self.push(Operation::Negate(product)))
-                    }
-                    _ => Err(Operation::Multiply(a.min(b), a.max(b))),
                 }
             }
             Operation::Divide(a, b) if self.as_constant(a) == Some(1.0) => {

@@ -6,7 +6,7 @@ use quote::quote;
 use super::listed::{implementation, listed};
 use super::names::Names;
 use super::plan::plan;
-use super::system::{Letters, count};
+use super::system::{count, state_names};
 use super::terms;
 use crate::discretise::{Facts, NoiseClass, Scheme, Strategy, Unknowns};
 use crate::model::StraightLine;
@@ -40,7 +40,8 @@ pub(crate) fn emit(
 ) -> TokenStream {
     let flow = Flow::new(graph, &line.parameters, scheme, facts.noise == NoiseClass::None);
     let noises = scheme.lagrangian.symbols.dw.len();
-    let Letters { q, p, mut names, .. } = Letters::of_state(graph, line, Names::default());
+    let mut names = Names::default();
+    let [q, p] = state_names(&mut names, graph, &line.phase);
     let arguments = Arguments { q, p, dw: increment_names(&mut names, noises) };
     let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
     let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);

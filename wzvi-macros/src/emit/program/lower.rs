@@ -234,6 +234,7 @@ impl<'a> Lowering<'a> {
         if let Some(factored) = self.factored(expr) {
             return self.lowered[&factored];
         }
+        let at = |operand: Expr| self.lowered[&operand];
         match self.graph.node(expr).clone() {
             Node::Number(value) => self.program.constant(value.to_f64()),
             Node::Float(bits) => self.program.constant(f64::from_bits(bits)),
@@ -248,29 +249,16 @@ impl<'a> Lowering<'a> {
                 self.with_sign(signed)
             }
             Node::Apply(function, arguments) => {
-                let arguments = arguments.iter().map(|argument| self.lowered[argument]).collect();
+                let arguments = arguments.iter().map(|&argument| at(argument)).collect();
                 self.program.push(Operation::Call(function, arguments))
             }
             Node::Select { condition, then, otherwise } => {
-                let [condition, then, otherwise] = [condition, then, otherwise].map(|e| self.lowered[&e]);
-                self.program.push(Operation::Select(condition, then, otherwise))
+                self.program.push(Operation::Select(at(condition), at(then), at(otherwise)))
             }
-            Node::Compare(relation, a, b) => {
-                let (a, b) = (self.lowered[&a], self.lowered[&b]);
-                self.program.push(Operation::Compare(relation, a, b))
-            }
-            Node::Not(a) => {
-                let a = self.lowered[&a];
-                self.program.push(Operation::Not(a))
-            }
-            Node::And(a, b) => {
-                let (a, b) = (self.lowered[&a], self.lowered[&b]);
-                self.program.push(Operation::And(a, b))
-            }
-            Node::Or(a, b) => {
-                let (a, b) = (self.lowered[&a], self.lowered[&b]);
-                self.program.push(Operation::Or(a, b))
-            }
+            Node::Compare(relation, a, b) => self.program.push(Operation::Compare(relation, at(a), at(b))),
+            Node::And(a, b) => self.program.push(Operation::And(at(a), at(b))),
+            Node::Or(a, b) => self.program.push(Operation::Or(at(a), at(b))),
+            Node::Not(a) => self.program.push(Operation::Not(at(a))),
         }
     }
 

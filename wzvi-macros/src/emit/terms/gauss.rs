@@ -1,28 +1,7 @@
-//! The slopes of the step Hamiltonian of a system in loops, and its flows.
+//! The flows of systems in loops.
 
 use proc_macro2::TokenStream;
 use quote::quote;
-
-use crate::emit::implementation;
-use crate::model::System;
-
-/// `impl Field`
-pub(crate) fn field(model: &System, is_nystrom: bool) -> TokenStream {
-    let in_lanes = !model.acting().any(|element| model.graph.depends_on(element.value, &[model.t]));
-    let bool = quote!(__wzvi::bool);
-    let body = quote! {
-        const IS_NYSTROM: #bool = #is_nystrom;
-        const IN_LANES: #bool = #in_lanes;
-        type Shape = __wzvi::gauss::Dynamic;
-        type Noises = __wzvi::gauss::Dynamic;
-        type Parameters = __wzvi::Reals<0>;
-
-        fn parameters<__K: __wzvi::Constant>(&self, _: __wzvi::Lift<'_, __K>) -> [__K; 0] {
-            []
-        }
-    };
-    implementation(&model.item, &quote!(__wzvi::gauss::Field), &body)
-}
 
 /// Flows of large systems, window by window.
 pub(crate) fn in_windows() -> TokenStream {

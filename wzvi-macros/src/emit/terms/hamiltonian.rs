@@ -7,7 +7,7 @@ use super::{noise_count, vector_type};
 use crate::diagnostics::Located;
 use crate::discretise::split;
 use crate::embedding::Embedding;
-use crate::emit::{Body, Inputs, Letters, Names, count, evaluation, f64_type, parameter_names};
+use crate::emit::{Body, count, evaluation, f64_type};
 use crate::input::Labels;
 use crate::model::{Parameter, System};
 use crate::symbolic::{Expr, Graph};
@@ -65,15 +65,11 @@ fn validate(embeddings: &[Located<Embedding>], has_friction: bool) -> Option<Tok
 /// What a system with friction that steps take in says of itself.
 fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> TokenStream {
     let f64 = f64_type();
-    let mut names = Names::default();
-    let own = parameter_names(&mut names, graph, parameters);
-    let letters = Letters { q: Vec::new(), p: Vec::new(), parameters: own, names };
-    let Body { statements, values } =
-        evaluation((graph, parameters), &letters, &Inputs::default(), &f64, &[rate]);
-    let rate = quote!(#statements #(#values)*);
+    let Body { statements, values, .. } = evaluation(graph, parameters, &[rate]);
     quote! {
         fn friction_rate(&self) -> #f64 {
-            #rate
+            #statements
+            #(#values)*
         }
     }
 }

@@ -16,7 +16,7 @@ mod windows;
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
-pub(crate) use self::gauss::{field, in_windows};
+pub(crate) use self::gauss::in_windows;
 pub(crate) use self::in_loops::{emit as step, quadrature};
 pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
