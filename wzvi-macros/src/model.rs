@@ -39,6 +39,7 @@ impl Phase {
 }
 
 /// A real number that a step reads from the struct or its surroundings.
+#[derive(Clone)]
 pub(crate) struct Parameter {
     pub(crate) symbol: Symbol,
     /// An `f64` expression in which `self` is a reference to the struct.

@@ -188,14 +188,14 @@ const _: () = {
         const IN_LANES: bool = true;
         type Shape = Fixed<1>;
         type Noises = Fixed<0>;
+        type Parameters = Reals<2>;
+        fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K> {
+            [lift(0, self.omega), lift(1, self.epsilon)]
+        }
         const IS_STIFF: bool = true;
         fn stiffness(&self, k: &mut [f64]) {
             let omega: f64 = self.omega;
             k[0] = omega * omega;
-        }
-        type Parameters = Reals<2>;
-        fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K> {
-            [lift(0, self.omega), lift(1, self.epsilon)]
         }
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
-use super::listed::{implementation, listed};
+use super::{implementation, listed};
 use crate::describe::Texts;
 use crate::discretise::Flows;
 use crate::embedding::Embedding;

@@ -5,12 +5,12 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::compose;
-use super::listed::{implementation, listed};
 use super::names::Names;
 use super::print::f64_type;
 use super::step::increment_names;
 use super::system::{Body, Read, count, evaluation, evaluation_over, parameter_names, state_names};
 use super::terms;
+use super::{implementation, listed};
 use crate::describe::Texts;
 use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{Element, StraightLine, System};

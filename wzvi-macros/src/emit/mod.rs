@@ -2,7 +2,6 @@
 
 pub(crate) mod compose;
 mod gauss;
-mod listed;
 pub(crate) mod names;
 pub(crate) mod plan;
 mod print;
@@ -19,7 +18,6 @@ use crate::describe::{Texts, stepped};
 use crate::discretise::{Facts, Step};
 use crate::model::{StraightLine, System};
 
-pub(crate) use listed::{implementation, listed};
 pub(crate) use names::Names;
 use names::{Surroundings, readable};
 pub(crate) use print::{Printer, f64_type};
@@ -99,4 +97,30 @@ fn documentation(texts: &Texts) -> TokenStream {
     let blocks = texts.listed.iter().map(|(_, text)| format!("```text\n{text}\n```\n"));
     let text = format!("\n# Discrete equations\n\n{}", blocks.collect::<Vec<_>>().join("\n"));
     quote!(#[doc = #text])
+}
+
+/// `impl Trait for` the struct.
+pub(crate) fn implementation(item: &syn::ItemStruct, of: &TokenStream, body: &TokenStream) -> TokenStream {
+    let name = &item.ident;
+    let (parameters, arguments, filter) = item.generics.split_for_impl();
+    quote! {
+        #[automatically_derived]
+        impl #parameters #of for #name #arguments #filter {
+            #body
+        }
+    }
+}
+
+/// `impl Listed<E>`: what takes the steps of a scheme, and its equations.
+pub(crate) fn listed(
+    item: &syn::ItemStruct,
+    listed: &TokenStream,
+    scheme: &TokenStream,
+    text: &str,
+) -> TokenStream {
+    let body = quote! {
+        type Scheme = #scheme;
+        const TEXT: &'static __wzvi::str = #text;
+    };
+    implementation(item, &quote!(__wzvi::Listed<#listed>), &body)
 }

@@ -3,11 +3,11 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::listed::{implementation, listed};
 use super::names::Names;
 use super::plan::plan;
 use super::system::{count, state_names};
 use super::terms;
+use super::{implementation, listed};
 use crate::discretise::{Facts, NoiseClass, Scheme, Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;

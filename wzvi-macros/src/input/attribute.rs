@@ -212,14 +212,14 @@ impl Entry {
             if content.is_empty() {
                 Ok(value)
             } else {
-                Err(messages::unexpected_after_value(rest(&content)?))
+                Err(messages::unexpected_after_value(content.parse::<TokenStream>()?))
             }
         };
         whole.parse2(TokenTree::Group(group).into())
     }
 
     fn given(&self) -> syn::Result<Given> {
-        Ok(Given { value: self.parse(expression)?, tokens: self.value.clone() })
+        Ok(Given { value: self.parse(|input| input.parse())?, tokens: self.value.clone() })
     }
 
     fn closures(&self, role: Role, diagnostics: &mut Diagnostics) -> Vec<Hamiltonian> {
@@ -257,14 +257,6 @@ impl Entry {
     }
 }
 
-fn rest(input: ParseStream<'_>) -> syn::Result<TokenStream> {
-    input.parse()
-}
-
-fn expression(input: ParseStream<'_>) -> syn::Result<syn::Expr> {
-    input.parse()
-}
-
 fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
     let starts = input.peek(Token![|])
         || input.peek(Token![||])
@@ -273,7 +265,7 @@ fn hamiltonian(input: ParseStream<'_>) -> syn::Result<Hamiltonian> {
         || input.peek(Token![for]);
     if !starts {
         let found: TokenTree = input.parse()?;
-        rest(input)?;
+        input.parse::<TokenStream>()?;
         return Err(messages::not_a_closure(found));
     }
     let mut cursor = input.cursor();
@@ -346,7 +338,7 @@ fn member(input: ParseStream<'_>, may_be_family: bool) -> syn::Result<Hamiltonia
             member.family = Some(input.parse()?);
         }
         if !input.is_empty() {
-            return Err(messages::family_in_list(rest(input)?));
+            return Err(messages::family_in_list(input.parse::<TokenStream>()?));
         }
     }
     Ok(member)

@@ -22,7 +22,7 @@ pub(crate) enum Shape {
 }
 
 /// How many elements an array has.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Length {
     Literal(usize),
     /// A constant or a const generic of the struct, as it was written.
@@ -30,19 +30,6 @@ pub(crate) enum Length {
     /// That of the state: `&[f64]`.
     RunTime,
 }
-
-impl PartialEq for Length {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Literal(a), Self::Literal(b)) => a == b,
-            (Self::Named(a), Self::Named(b)) => source(a) == source(b),
-            (Self::RunTime, Self::RunTime) => true,
-            _ => false,
-        }
-    }
-}
-
-impl Eq for Length {}
 
 /// What people are to be told that components of coordinates or momenta are called.
 #[derive(Clone, PartialEq, Debug)]

@@ -34,6 +34,12 @@ pub(super) struct Array {
     pub(super) inner: Vec<i128>,
 }
 
+impl Array {
+    pub(super) fn whole(origin: Origin, indices: Vec<Index>, length: Index, inner: Vec<i128>) -> Self {
+        Self { origin, indices, start: Index::default(), length, inner }
+    }
+}
+
 impl<'a> Interpreter<'a, '_> {
     /// An integer of the struct or a constant.
     pub(super) fn given(&mut self, place: &Place) -> Index {
@@ -58,13 +64,7 @@ impl<'a> Interpreter<'a, '_> {
             inner = element;
         }
         let id = self.tables.add(&place.name, tokens, false, lengths);
-        Array {
-            origin: Origin::Table(id, element.clone()),
-            indices: Vec::new(),
-            start: Index::default(),
-            length: known_length,
-            inner: Vec::new(),
-        }
+        Array::whole(Origin::Table(id, element.clone()), Vec::new(), known_length, Vec::new())
     }
 
     /// Element `k` of a list.
@@ -85,13 +85,8 @@ impl<'a> Interpreter<'a, '_> {
         let Some((&length, inner)) = array.inner.split_first() else {
             return Some(Value::Real(self.local(Slot::State(half, offset))));
         };
-        Some(list(Array {
-            origin: array.origin.clone(),
-            indices: vec![offset],
-            start: Index::default(),
-            length: Index::integer(length),
-            inner: inner.to_vec(),
-        }))
+        let length = Index::integer(length);
+        Some(list(Array::whole(array.origin.clone(), vec![offset], length, inner.to_vec())))
     }
 
     /// What a list of the struct holds at `indices`.
@@ -107,13 +102,7 @@ impl<'a> Interpreter<'a, '_> {
                         Index::atom(Atom::Given(length, indices.clone()))
                     }
                 };
-                Some(list(Array {
-                    origin: Origin::Table(id, inner.clone()),
-                    indices,
-                    start: Index::default(),
-                    length,
-                    inner: Vec::new(),
-                }))
+                Some(list(Array::whole(Origin::Table(id, inner.clone()), indices, length, Vec::new())))
             }
             Kind::Tuple(kinds, _) => {
                 let mut parts = Vec::new();
@@ -209,15 +198,14 @@ impl<'a> Interpreter<'a, '_> {
                 let k = self.known_integer(index, at)?;
                 self.constant_element(&place, k, at)
             }
-            (base, _) => self.refuse(expressions::expected(&syntax.expr, "a list", base.describe())),
+            (base, _) => self.mismatch(&syntax.expr, "a list", &base),
         }
     }
 
     /// `list[range]`
     fn part(&mut self, list: &Sequence, range: &Sequence, at: &dyn ToTokens) -> Option<Value> {
         let Source::Range(start, end) = &range.source else {
-            let found = range.describe();
-            return self.refuse(expressions::expected(at, "an integer or a range", found));
+            return self.refuse(expressions::expected(at, "an integer or a range", range.describe()));
         };
         if let Source::Array(array) = &list.source {
             return self.subarray(array, start, end.as_ref(), at);

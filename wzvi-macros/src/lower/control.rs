@@ -102,7 +102,7 @@ impl<'a> Interpreter<'a, '_> {
             Value::Condition(condition) => self.undecided(syntax, Some(condition)),
             // The branches may have mistakes of their own.
             Value::Poison => self.undecided(syntax, None),
-            other => self.refuse(expressions::expected(&syntax.cond, "a condition", other.describe())),
+            other => self.mismatch(&syntax.cond, "a condition", &other),
         }
     }
 

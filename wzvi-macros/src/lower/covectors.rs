@@ -127,7 +127,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         }
         if !matches!(value, Value::Sequence(_) | Value::Poison) {
             let expected = format!("a list of {} numbers", self.display(length));
-            return self.refuse(expressions::expected(at, &expected, value.describe()));
+            return self.mismatch(at, &expected, &value);
         }
         let list = self.as_sequence(&value, at)?;
         let found = list.length.clone();

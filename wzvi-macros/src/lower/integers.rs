@@ -29,29 +29,20 @@ impl<'a> Interpreter<'a, '_> {
             Value::Index(index) => Some((**index).clone()),
             Value::Constant(place) => Some(self.given(place)),
             Value::Poison => None,
-            other => self.refuse(expressions::expected(at, "an integer", other.describe())),
+            other => self.mismatch(at, "an integer", other),
         }
     }
 
     /// `value` as an integer that is known: for an exponent, a number of items, a position among different things. A loop
     /// variable in it has the loop evaluated by turns.
     pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
-        let error = match &value {
-            Value::Poison => return None,
-            Value::Index(index) => {
-                if let Some(known) = index.as_integer() {
-                    return Some(known);
-                }
-                let depends = index.loops();
-                if index.is_closed() && self.request_turns(|variable| depends.contains(&variable)) {
-                    return None;
-                }
-                expressions::index_not_known(at)
-            }
-            Value::Constant(_) => expressions::index_not_known(at),
-            value => expressions::expected(at, "an integer", value.describe()),
-        };
-        self.refuse(error)
+        match &value {
+            Value::Poison => None,
+            Value::Index(index) if let Some(known) = index.as_integer() => Some(known),
+            Value::Index(index) if index.is_closed() && self.turns_of(index) => None,
+            Value::Index(_) | Value::Constant(_) => self.refuse(expressions::index_not_known(at)),
+            value => self.mismatch(at, "an integer", value),
+        }
     }
 
     /// `a op b`

@@ -99,6 +99,11 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         None
     }
 
+    /// Reports what was expected in the place of a value.
+    pub(super) fn mismatch<T>(&mut self, at: &dyn ToTokens, expected: &str, found: &Value) -> Option<T> {
+        self.refuse(expressions::expected(at, expected, found.describe()))
+    }
+
     /// Number of mistakes so far.
     pub(super) fn mistakes(&self) -> usize {
         self.diagnostics.count()
@@ -232,16 +237,13 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// `value` as a real number; what it is instead is reported at `at`.
     pub(super) fn real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
-        let error = match value {
-            Value::Real(expr) => return Some(expr),
-            Value::Poison => return None,
-            Value::Constant(place) => {
-                return Some(self.parameter(&place.name, place.tokens.clone()));
-            }
-            Value::Index(_) => expressions::integer_not_real(at),
-            value => expressions::expected(at, "an `f64`", value.describe()),
-        };
-        self.refuse(error)
+        match value {
+            Value::Real(expr) => Some(expr),
+            Value::Poison => None,
+            Value::Constant(place) => Some(self.parameter(&place.name, place.tokens.clone())),
+            Value::Index(_) => self.refuse(expressions::integer_not_real(at)),
+            value => self.mismatch(at, "an `f64`", &value),
+        }
     }
 
     /// A symbol that stands for the `f64` expression `tokens`.

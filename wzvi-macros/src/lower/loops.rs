@@ -88,6 +88,12 @@ impl<'a> Interpreter<'a, '_> {
         found.is_some()
     }
 
+    /// Abandons the evaluation for turns of a loop that an integer depends on; `false` if there is none.
+    pub(super) fn turns_of(&mut self, index: &Index) -> bool {
+        let depends = index.loops();
+        self.request_turns(|variable| depends.contains(&variable))
+    }
+
     /// Whether the bounds of a loop are known once those of the loops around it have turns.
     fn has_known_turns(&self, known: &Loop) -> bool {
         let is_known = |bound: &Index| {

@@ -165,8 +165,7 @@ impl<'s> Space<'s> {
 
     /// The coordinates or the momenta.
     fn array(&self, half: Half) -> Array {
-        let (start, length, inner) = (Index::default(), self.size.clone(), self.inner.clone());
-        Array { origin: Origin::State(half), indices: Vec::new(), start, length, inner }
+        Array::whole(Origin::State(half), Vec::new(), self.size.clone(), self.inner.clone())
     }
 }
 

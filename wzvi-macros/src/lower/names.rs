@@ -106,10 +106,7 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Tuple(tuple), Member::Unnamed(index)) => tuple.items.get(index.index as usize).cloned(),
             _ => None,
         };
-        part.or_else(|| {
-            let expected = "a field of the struct or of a tuple";
-            self.refuse(expressions::expected(&syntax.member, expected, value.describe()))
-        })
+        part.or_else(|| self.mismatch(&syntax.member, "a field of the struct or of a tuple", &value))
     }
 
     /// The field, and of several under different `#[cfg]`s one that can be read.

@@ -55,9 +55,7 @@ impl<'a> Interpreter<'a, '_> {
                 let value = self.real(value, &syntax.expr)?;
                 Some(Value::Real(self.graph.negate(value)))
             }
-            _ => self.denied(&value).or_else(|| {
-                self.refuse(expressions::expected(&syntax.expr, "a condition", value.describe()))
-            }),
+            _ => self.denied(&value).or_else(|| self.mismatch(&syntax.expr, "a condition", &value)),
         }
     }
 
@@ -275,10 +273,8 @@ impl<'a> Interpreter<'a, '_> {
                 true => self.graph.and(left, right),
                 false => self.graph.or(left, right),
             })),
-            (Value::Known(_) | Value::Condition(_), other) => {
-                self.refuse(expressions::expected(at_right, "a condition", other.describe()))
-            }
-            (other, _) => self.refuse(expressions::expected(at_left, "a condition", other.describe())),
+            (Value::Known(_) | Value::Condition(_), other) => self.mismatch(at_right, "a condition", &other),
+            (other, _) => self.mismatch(at_left, "a condition", &other),
         }
     }
 
@@ -306,7 +302,7 @@ impl<'a> Interpreter<'a, '_> {
                 Some(Value::index(self.given(&cast)))
             }
             Value::Real(_) => self.refuse(expressions::truncation(syntax)),
-            other => self.refuse(expressions::expected(&syntax.expr, "a number", other.describe())),
+            other => self.mismatch(&syntax.expr, "a number", &other),
         }
     }
 

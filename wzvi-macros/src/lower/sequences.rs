@@ -176,10 +176,7 @@ impl<'a> Interpreter<'a, '_> {
         match value {
             Value::Sequence(sequence) => Some(sequence.clone()),
             Value::Poison => None,
-            other => {
-                let found = other.describe();
-                self.refuse(expressions::expected(at, "a list or a range", found))
-            }
+            other => self.mismatch(at, "a list or a range", other),
         }
     }
 
@@ -318,8 +315,7 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(known) = length.as_integer() {
             return Some(usize::try_from(known).unwrap_or(0));
         }
-        let depends = length.loops();
-        if !self.request_turns(|variable| depends.contains(&variable)) {
+        if !self.turns_of(length) {
             self.report(expressions::list_of_unknown_length(at));
         }
         None
@@ -401,6 +397,6 @@ impl<'a> Interpreter<'a, '_> {
         };
         let at = written.unwrap_or_else(|| at.to_token_stream());
         let expected = if is_known { "a condition that is known at compile time" } else { "a condition" };
-        self.refuse(expressions::expected(at, expected, found.describe()))
+        self.mismatch(&at, expected, found)
     }
 }

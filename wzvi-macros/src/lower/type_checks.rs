@@ -171,9 +171,8 @@ fn with_our_self(tokens: TokenStream) -> TokenStream {
 fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<ExprClosure> {
     let scalars = system.fields.iter().filter(|field| is_scalar(field));
     let scalars = scalars.filter_map(|field| match &field.member {
-        Member::Named(name) => Some(name),
+        Member::Named(name) => Some(name.clone()),
         Member::Unnamed(_) => None,
     });
-    let scalars: Vec<&Ident> = scalars.collect();
-    dereferenced(&hamiltonian.tokens, &scalars)
+    dereferenced(&hamiltonian.tokens, scalars)
 }

@@ -38,14 +38,12 @@ impl Symbols {
 
     /// Makes every degree of freedom a variable, by the names of coordinates and momenta.
     pub(crate) fn declare_phase(&mut self, graph: &mut Graph, q: &[String], p: &[String]) {
-        let place = |i: usize| Index::integer(i as i128);
-        for (i, name) in q.iter().enumerate() {
-            let symbol = self.declare(graph, Slot::State(Half::Coordinates, place(i)), name.clone());
-            self.phase[0].push(symbol);
-        }
-        for (i, name) in p.iter().enumerate() {
-            let symbol = self.declare(graph, Slot::State(Half::Momenta, place(i)), name.clone());
-            self.phase[1].push(symbol);
+        for (own, (half, names)) in [(Half::Coordinates, q), (Half::Momenta, p)].into_iter().enumerate() {
+            for (i, name) in names.iter().enumerate() {
+                let slot = Slot::State(half, Index::integer(i as i128));
+                let symbol = self.declare(graph, slot, name.clone());
+                self.phase[own].push(symbol);
+            }
         }
     }
 

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use super::unroll::{NotWrittenOut, Writer, parts};
+use super::unroll::{Writer, parts};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::model::symbols::Sum;
 use crate::model::{Element, Family, Loop, Reads, System, Term};
@@ -25,7 +25,7 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
         (&mut noise.term, member.into_iter().collect())
     });
     for (term, loops) in singles.chain(noise) {
-        if let Err(NotWrittenOut) = writer.collect(term, &loops) {
+        if writer.collect(term, &loops).is_none() {
             diagnostics.report(expressions::nonlinear_sum(term.extent));
         }
     }
@@ -33,20 +33,15 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
 
 impl Writer<'_> {
     /// The elements of a Hamiltonian inside of `loops`.
-    fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Result<(), NotWrittenOut> {
+    fn collect(&mut self, term: &mut Term, loops: &[Loop]) -> Option<()> {
         let mut values = Vec::new();
         self.decompose(term.expression, loops, &mut values)?;
         term.elements = values.iter().flat_map(|element| self.parted(element)).collect();
         term.values = values;
-        Ok(())
+        Some(())
     }
 
-    fn decompose(
-        &mut self,
-        expr: Expr,
-        loops: &[Loop],
-        into: &mut Vec<Element>,
-    ) -> Result<(), NotWrittenOut> {
+    fn decompose(&mut self, expr: Expr, loops: &[Loop], into: &mut Vec<Element>) -> Option<()> {
         let (expr, present) = self.linear_in_sums(expr)?;
         for (symbol, Sum { range, body }) in &present {
             let factor = self.graph.derivative(expr, *symbol);
@@ -62,11 +57,11 @@ impl Writer<'_> {
             let element = self.element(rest, loops);
             into.push(element);
         }
-        Ok(())
+        Some(())
     }
 
     /// `expr` with every sum written out that a nonlinear function reads, and the other sums in it.
-    fn linear_in_sums(&mut self, mut expr: Expr) -> Result<(Expr, Vec<(Symbol, Sum)>), NotWrittenOut> {
+    fn linear_in_sums(&mut self, mut expr: Expr) -> Option<(Expr, Vec<(Symbol, Sum)>)> {
         loop {
             let symbols = self.graph.symbols_in(expr).into_iter();
             let present: Vec<(Symbol, Sum)> =
@@ -80,7 +75,7 @@ impl Writer<'_> {
                 })
                 .collect();
             if nonlinear.is_empty() {
-                return Ok((expr, present));
+                return Some((expr, present));
             }
             let mut images = HashMap::new();
             for (symbol, sum) in nonlinear {

@@ -28,10 +28,6 @@ const OUTERMOST: i128 = 8;
 /// Operations to which one Hamiltonian may be written out: more make code that takes minutes to compile.
 const OPERATIONS: usize = 20_000;
 
-/// What it takes is more than [`OPERATIONS`], or a bound is known at run time only.
-#[derive(Debug)]
-pub(crate) struct NotWrittenOut;
-
 /// Writes out what costs less that way.
 pub(crate) fn unroll(system: &mut System) {
     if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
@@ -67,7 +63,7 @@ fn is_small(system: &System) -> bool {
 /// Writes out every loop and every family; `false`, and nothing done, if that is not possible.
 fn unroll_all(system: &mut System) -> bool {
     let (mut writer, before, noise, after) = parts(system);
-    let Ok(first) = writer.expressions(&before) else { return false };
+    let Some(first) = writer.expressions(&before) else { return false };
     let mut members = Vec::with_capacity(noise.len());
     for Noise { term, family, is_force } in &*noise {
         let range = match family {
@@ -80,12 +76,12 @@ fn unroll_all(system: &mut System) -> bool {
         writer.spent = 0;
         for member in range {
             let values = family.iter().map(|family| (family.variable, member)).collect();
-            let Ok(expression) = writer.at(term.expression, &values) else { return false };
+            let Some(expression) = writer.at(term.expression, &values) else { return false };
             let term = Term { expression, ..term.clone() };
             members.push(Noise { term, family: None, is_force: *is_force });
         }
     }
-    let Ok(last) = writer.expressions(&after) else { return false };
+    let Some(last) = writer.expressions(&after) else { return false };
     *noise = members;
     for (term, expression) in before.into_iter().chain(after).zip([first, last].concat()) {
         term.expression = expression;
@@ -93,7 +89,7 @@ fn unroll_all(system: &mut System) -> bool {
     true
 }
 
-/// Puts bodies in the place of sums.
+/// Puts bodies in the place of sums. There is no expression where it takes more than [`OPERATIONS`], or a bound is known at run time only.
 pub(super) struct Writer<'a> {
     pub(super) graph: &'a mut Graph,
     pub(super) symbols: &'a mut Symbols,
@@ -106,7 +102,7 @@ impl<'a> Writer<'a> {
         Self { graph, symbols, tables, spent: 0 }
     }
 
-    fn expressions(&mut self, terms: &[&mut Term]) -> Result<Vec<Expr>, NotWrittenOut> {
+    fn expressions(&mut self, terms: &[&mut Term]) -> Option<Vec<Expr>> {
         let written = terms.iter().map(|term| {
             self.spent = 0;
             self.at(term.expression, &BTreeMap::new())
@@ -121,7 +117,7 @@ impl<'a> Writer<'a> {
             let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() else { continue };
             let body = self.without_short_sums(body, TURNS);
             let is_short = range.length().is_some_and(|length| length <= turns);
-            let written = if is_short { self.turns(&range, body, &BTreeMap::new()).ok() } else { None };
+            let written = if is_short { self.turns(&range, body, &BTreeMap::new()) } else { None };
             let image = match written {
                 // What stood in the loops of what was written out may have become short.
                 Some(sum) => self.without_short_sums(sum, turns),
@@ -136,17 +132,17 @@ impl<'a> Writer<'a> {
     }
 
     /// One sum, written out.
-    pub(super) fn written_out(&mut self, sum: &Sum) -> Result<Expr, NotWrittenOut> {
+    pub(super) fn written_out(&mut self, sum: &Sum) -> Option<Expr> {
         self.spent = 0;
         self.turns(&sum.range, sum.body, &BTreeMap::new())
     }
 
     /// `expr` where loop variables have `values`; sums inside whose ranges are then known are written out, too.
-    fn at(&mut self, expr: Expr, values: &BTreeMap<u32, i128>) -> Result<Expr, NotWrittenOut> {
+    fn at(&mut self, expr: Expr, values: &BTreeMap<u32, i128>) -> Option<Expr> {
         let parts = self.graph.reachable(&[expr]);
         self.spent = self.spent.saturating_add(parts.len());
         if self.spent > OPERATIONS {
-            return Err(NotWrittenOut);
+            return None;
         }
         let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect();
         let mut images = HashMap::new();
@@ -155,27 +151,21 @@ impl<'a> Writer<'a> {
                 images.insert(symbol, self.turns(&range, body, values)?);
             } else if let Some(local) = self.symbols.local_of(symbol) {
                 let slot = local.slot.clone();
-                let moved = slot.map(|index| index.at(values)).ok_or(NotWrittenOut)?;
+                let moved = slot.map(|index| index.at(values))?;
                 if moved != slot {
                     images.insert(symbol, self.slot(moved));
                 }
             }
         }
-        Ok(self.substituted(expr, &images))
+        Some(self.substituted(expr, &images))
     }
 
     /// `Σ_(range) body` where outer loop variables have `values`.
-    fn turns(
-        &mut self,
-        range: &Loop,
-        body: Expr,
-        values: &BTreeMap<u32, i128>,
-    ) -> Result<Expr, NotWrittenOut> {
-        let known =
-            |index: &Index| index.at(values).and_then(|index| index.as_integer()).ok_or(NotWrittenOut);
+    fn turns(&mut self, range: &Loop, body: Expr, values: &BTreeMap<u32, i128>) -> Option<Expr> {
+        let known = |index: &Index| index.at(values).and_then(|index| index.as_integer());
         let (start, end) = (known(&range.start)?, known(&range.end)?);
         if end.saturating_sub(start) > OPERATIONS as i128 {
-            return Err(NotWrittenOut);
+            return None;
         }
         let mut terms = Vec::new();
         let mut values = values.clone();
@@ -183,7 +173,7 @@ impl<'a> Writer<'a> {
             values.insert(range.variable, turn);
             terms.push((self.at(body, &values)?, Rational::ONE));
         }
-        Ok(self.graph.linear_combination(&terms))
+        Some(self.graph.linear_combination(&terms))
     }
 
     fn slot(&mut self, slot: Slot) -> Expr {
@@ -213,10 +203,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let System { graph, symbols, tables, parameters, t, drift, noise, force, conformal, .. } = system;
     let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
     let indices = Indices { tables, checked: true, lists: &[] };
-    let mut parameters: Vec<Parameter> = parameters
-        .iter()
-        .map(|known| Parameter { symbol: known.symbol, tokens: known.tokens.clone() })
-        .collect();
+    let mut parameters = parameters.clone();
     for Local { symbol, slot } in locals {
         let tokens = match &slot {
             Slot::State(_, _) => continue,

@@ -1,9 +1,7 @@
 //! From elements to Rust: `Hamiltonian`, `Elements` and the schemes that are solved in loops.
 
-mod bath;
 mod chunk;
 mod combine;
-mod gauss;
 mod hamiltonian;
 mod in_loops;
 mod indices;
@@ -16,8 +14,7 @@ mod windows;
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
-pub(crate) use self::gauss::in_windows;
-pub(crate) use self::in_loops::{emit as step, quadrature};
+pub(crate) use self::in_loops::{emit as step, in_windows, quadrature};
 pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
 use crate::describe::Texts;
@@ -45,7 +42,7 @@ pub(crate) fn terms(
     let has_curvature = steps.iter().any(|step| needs_curvature(facts, step));
     let mut generated = elements(model, listed, facts, has_curvature, &structure(texts));
     generated.extend(parts::emit(model, texts));
-    generated.extend(bath::emit(model));
+    generated.extend(parts::bath(model));
     generated
 }
 
