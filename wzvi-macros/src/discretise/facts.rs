@@ -89,7 +89,7 @@ pub(crate) struct Facts {
 impl Hamiltonians {
     /// With the elements of each term that `of` picks.
     fn of(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> Self {
-        let space = space_of(system);
+        let space = Space::of(system);
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
             let number = match &noise.family {
                 Some(family) => offset
@@ -128,12 +128,6 @@ impl Hamiltonians {
                 .collect(),
         }
     }
-}
-
-/// The space of a system.
-pub(crate) fn space_of(system: &System) -> Space {
-    let elements = system.terms().flat_map(|term| term.values.iter().chain(&term.elements));
-    Space::new(system.size.clone(), system.components, system.names.clone(), system.tables.clone(), elements)
 }
 
 /// The drift, the noises and noise forces times their increments, and the force, with the elements of each term that `of` picks.

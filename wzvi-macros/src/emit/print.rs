@@ -8,7 +8,7 @@ use quote::quote;
 use super::names::{Names, plain};
 use super::program::{Level, Op, Operation, Program};
 use crate::diagnostics::internal::broken;
-use crate::symbolic::{Function, Relation};
+use crate::symbolic::Function;
 
 /// An expression of more operations than this is broken by a name even if it is used once.
 const LONGEST_EXPRESSION: u32 = 14;
@@ -45,8 +45,10 @@ pub(crate) struct Printer<'p> {
     scalar: TokenStream,
     /// Whether that is `f64`: then nothing needs to be lifted.
     is_f64: bool,
-    /// The type of what is made of constants, if that is another than `f64`, and which operations read a constant.
-    constants: Option<(TokenStream, Vec<bool>)>,
+    /// The type of what is made of constants, where that is another than `f64`.
+    constant: TokenStream,
+    /// Which operations read such a constant.
+    readers: Vec<bool>,
     bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
     names: Names,
@@ -63,13 +65,13 @@ impl<'p> Printer<'p> {
         names: Names,
     ) -> Self {
         let is_f64 = scalar.to_string() == f64_type().to_string();
-        let (bound, plain) = (HashMap::new(), HashSet::new());
-        Self { program, scalar, is_f64, constants: None, bound, hints, names, plain }
+        let (constant, readers, bound, plain) = (f64_type(), Vec::new(), HashMap::new(), HashSet::new());
+        Self { program, scalar, is_f64, constant, readers, bound, hints, names, plain }
     }
 
     /// The same where `constants` are of the type `constant`, and so is what is made of them before the state is known.
     pub(crate) fn with_constants(mut self, constants: &[Op], constant: TokenStream) -> Self {
-        self.constants = Some((constant, self.program.readers_of(constants)));
+        (self.constant, self.readers) = (constant, self.program.readers_of(constants));
         self
     }
 
@@ -228,15 +230,11 @@ impl<'p> Printer<'p> {
 
     /// The value of `op` as an expression of the type of a rank, which is at least its own.
     fn lifted(&self, op: Op, rank: Rank) -> TokenStream {
-        let (value, scalar) = (self.value(op), &self.scalar);
-        match (self.rank(op), rank, &self.constants) {
-            (own, wanted, _) if own == wanted || self.is_f64 => value,
-            (Rank::Number, Rank::Constant, Some((constant, _))) => {
-                quote!(<#constant as __wzvi::Scalar>::from_f64(#value))
-            }
-            (Rank::Constant, _, Some((constant, _))) => {
-                quote!(<#scalar as __wzvi::Over<#constant>>::constant(#value))
-            }
+        let (value, Self { scalar, constant, .. }) = (self.value(op), self);
+        match (self.rank(op), rank) {
+            (own, wanted) if own == wanted || self.is_f64 => value,
+            (Rank::Number, Rank::Constant) => quote!(<#constant as __wzvi::Scalar>::from_f64(#value)),
+            (Rank::Constant, _) => quote!(<#scalar as __wzvi::Over<#constant>>::constant(#value)),
             _ => quote!(#scalar::from_f64(#value)),
         }
     }
@@ -247,19 +245,19 @@ impl<'p> Printer<'p> {
 
     /// The type of a value.
     pub(crate) fn rank(&self, op: Op) -> Rank {
-        match &self.constants {
+        match self.readers.get(op) {
             _ if self.program.level(op) >= Level::Increments => Rank::Scalar,
-            Some((_, reads)) if reads.get(op).is_some_and(|reads| *reads) => Rank::Constant,
+            Some(true) => Rank::Constant,
             _ => Rank::Number,
         }
     }
 
     /// The type of a rank.
     fn ty(&self, rank: Rank) -> TokenStream {
-        match (rank, &self.constants) {
-            (Rank::Scalar, _) => self.scalar.clone(),
-            (Rank::Constant, Some((constant, _))) => constant.clone(),
-            _ => f64_type(),
+        match rank {
+            Rank::Scalar => self.scalar.clone(),
+            Rank::Constant => self.constant.clone(),
+            Rank::Number => f64_type(),
         }
     }
 
@@ -362,11 +360,9 @@ impl<'p> Printer<'p> {
         let (then, otherwise) = (branch(then), branch(otherwise));
         if self.rank(condition) > Rank::Number {
             let is_mask = self.rank(condition) == self.rank(op);
-            if let (false, Rank::Constant, Some((constant, _))) =
-                (is_mask, self.rank(condition), &self.constants)
-            {
+            if !is_mask && self.rank(condition) == Rank::Constant {
                 // One way for all steps: only that is taken.
-                let (ty, value) = (self.ty(self.rank(op)), self.value(condition));
+                let (ty, value, constant) = (self.ty(self.rank(op)), self.value(condition), &self.constant);
                 let choice =
                     quote!(<#ty as __wzvi::Over<#constant>>::choose(#value, || #then, || #otherwise));
                 return (choice, Binding::Atom);
@@ -381,10 +377,10 @@ impl<'p> Printer<'p> {
 
     /// A truth as the mask of a rank, which is at least its own.
     fn truth(&self, op: Op, rank: Rank) -> TokenStream {
-        let (value, ty) = (self.atom(op), self.ty(rank));
-        match (self.rank(op), &self.constants) {
-            (own, _) if own == rank => value,
-            (Rank::Constant, Some((constant, _))) => quote!(<#ty as __wzvi::Over<#constant>>::truth(#value)),
+        let (value, ty, constant) = (self.atom(op), self.ty(rank), &self.constant);
+        match self.rank(op) {
+            own if own == rank => value,
+            Rank::Constant => quote!(<#ty as __wzvi::Over<#constant>>::truth(#value)),
             _ => quote!(<<#ty as __wzvi::Scalar>::Mask as __wzvi::Mask>::from_bool(#value)),
         }
     }
@@ -396,21 +392,13 @@ impl<'p> Printer<'p> {
         match *operation {
             Operation::Compare(relation, a, b) if rank > Rank::Number => {
                 let (a, b) = (self.lifted(a, rank), self.lifted(b, rank));
-                let method = match relation {
-                    Relation::Less => quote!(less),
-                    Relation::LessEqual => quote!(less_equal),
-                    Relation::Equal => quote!(equal),
-                };
+                let method = Ident::new(relation.spelled()[0], Span::call_site());
                 (quote!(__wzvi::Scalar::#method(#a, #b)), Binding::Atom)
             }
             Operation::Compare(relation, a, b) => {
                 let (a, b) = (self.at_least(a, Binding::Sum), self.at_least(b, Binding::Sum));
-                let comparison = match relation {
-                    Relation::Less => quote!(#a < #b),
-                    Relation::LessEqual => quote!(#a <= #b),
-                    Relation::Equal => quote!(#a == #b),
-                };
-                (comparison, Binding::Whole)
+                let operator: TokenStream = relation.spelled()[1].parse().unwrap_or_default();
+                (quote!(#a #operator #b), Binding::Whole)
             }
             Operation::Not(a) => {
                 let a = truth(a);

@@ -7,7 +7,7 @@
 //! | a thermostat | a flow of its own, beside the steps |
 
 use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::{Increments, Kinetic, Weighted, space_of, unweighted};
+use crate::discretise::{Increments, Kinetic, Space, Weighted, unweighted};
 use crate::model::{Element, Friction, Half, System, Term};
 use crate::symbolic::{Expr, Rational};
 
@@ -124,7 +124,7 @@ fn draw(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics)
         false => Some(unweighted(&term.values)),
         true => {
             let (matrix, kinetic) = (unweighted(&term.elements), unweighted(&system.drift.elements));
-            let mut space = space_of(system);
+            let mut space = Space::of(system);
             let momenta = Half::Momenta;
             space.contract(&mut system.graph, (&matrix, momenta), (&kinetic, momenta), Increments::Each)
         }

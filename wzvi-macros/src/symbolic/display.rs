@@ -2,7 +2,7 @@
 //!
 //! Text is made from the root down with a budget: what is too deep or too long is elided as `…`.
 
-use super::{Expr, Function, Graph, Node, Rational, Relation};
+use super::{Expr, Function, Graph, Node, Rational};
 
 const DEPTH: usize = 32;
 const NODES: usize = 300;
@@ -69,9 +69,9 @@ impl Writer<'_> {
                     [*condition, *then, *otherwise].map(|part| self.write(part, depth).within(Binding::Or));
                 Text::new(format!("if {condition} then {then} else {otherwise}"), Binding::Select)
             }
-            Node::Compare(relation, a, b) => self.comparison(relation_sign(*relation), *a, *b, depth),
+            Node::Compare(relation, a, b) => self.comparison(relation.spelled()[2], *a, *b, depth),
             Node::Not(a) => match *graph.node(*a) {
-                Node::Compare(relation, a, b) => self.comparison(opposite_sign(relation), a, b, depth),
+                Node::Compare(relation, a, b) => self.comparison(relation.spelled()[3], a, b, depth),
                 _ => Text::new(
                     format!("not {}", self.write(*a, depth).within(Binding::Atom)),
                     Binding::Compare,
@@ -277,25 +277,10 @@ fn float(value: f64) -> Text {
     }
 }
 
-fn relation_sign(relation: Relation) -> &'static str {
-    match relation {
-        Relation::Less => "<",
-        Relation::LessEqual => "≤",
-        Relation::Equal => "=",
-    }
-}
-
-fn opposite_sign(relation: Relation) -> &'static str {
-    match relation {
-        Relation::Less => "≥",
-        Relation::LessEqual => ">",
-        Relation::Equal => "≠",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::symbolic::Relation;
 
     #[test]
     fn reads_like_the_paper() {

@@ -44,6 +44,15 @@ impl Relation {
             Self::Equal => a == b,
         }
     }
+
+    /// What `Scalar` calls it, the operator of Rust, and the signs of it and of its opposite for a reader.
+    pub(crate) fn spelled(self) -> [&'static str; 4] {
+        match self {
+            Self::Less => ["less", "<", "<", "≥"],
+            Self::LessEqual => ["less_equal", "<=", "≤", ">"],
+            Self::Equal => ["equal", "==", "=", "≠"],
+        }
+    }
 }
 
 /// One node. Real-valued unless it is a `Compare`, `Not`, `And` or `Or`.

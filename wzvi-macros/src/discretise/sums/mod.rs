@@ -22,7 +22,7 @@ mod vanish;
 use std::collections::HashMap;
 
 use crate::model::index::{Atom, Bounds, Index, Loop};
-use crate::model::{Element, Half, Local, Slot, Table};
+use crate::model::{Element, Half, Local, Slot, System, Table};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 pub(crate) use contract::Increments;
@@ -88,23 +88,18 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    pub(crate) fn new<'e>(
-        size: Index,
-        components: i128,
-        names: [String; 2],
-        tables: Vec<Table>,
-        elements: impl Iterator<Item = &'e Element>,
-    ) -> Self {
+    /// That of a system.
+    pub(crate) fn of(system: &System) -> Self {
         let mut space = Self {
-            size,
-            components,
-            names,
-            tables,
+            size: system.size.clone(),
+            components: system.components,
+            names: system.names.clone(),
+            tables: system.tables.clone(),
             symbols: HashMap::new(),
             slots: HashMap::new(),
             first: 0,
         };
-        for element in elements {
+        for element in system.terms().flat_map(|term| term.values.iter().chain(&term.elements)) {
             for Local { symbol, slot } in &element.locals {
                 space.symbols.insert(slot.clone(), *symbol);
                 space.slots.insert(*symbol, slot.clone());

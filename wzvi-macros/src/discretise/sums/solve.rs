@@ -17,6 +17,7 @@
 use super::{Space, variable};
 use crate::diagnostics::Promised;
 use crate::model::{Atom, Index, Loop, Operation};
+use crate::symbolic::rational::gcd;
 
 /// The loops of two elements where their slots meet.
 pub(super) struct Placement {
@@ -91,11 +92,11 @@ impl Solver<'_> {
     /// Whether an equation holds anywhere; from here on only where it does.
     fn can_hold(&mut self, equation: Equation) -> Option<bool> {
         let difference = simplified(self.space, &equation.difference, &self.loops)?;
-        let divisor =
-            difference.terms.iter().fold(0, |gcd, (_, coefficient)| greatest_divisor(gcd, *coefficient));
-        if divisor == 0 {
+        if difference.terms.is_empty() {
             return Some(difference.constant == 0);
         }
+        let divisor = difference.terms.iter().fold(0, |divisor, (_, c)| gcd(divisor, c.unsigned_abs()));
+        let divisor = i128::try_from(divisor).unwrap_or(1);
         let Some((difference, 0)) = difference.divided(divisor) else { return Some(false) };
         let negated = Index::default().subtract(&difference)?;
         if self.is_positive(&difference) || self.is_positive(&negated) {
@@ -400,12 +401,4 @@ pub(super) fn simplified(space: &Space, index: &Index, loops: &[Loop]) -> Option
         sum = sum.plus(&part, *coefficient)?;
     }
     Some(sum)
-}
-
-fn greatest_divisor(a: i128, b: i128) -> i128 {
-    let (mut a, mut b) = (a.unsigned_abs(), b.unsigned_abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    i128::try_from(a).unwrap_or(1)
 }
