@@ -17,7 +17,7 @@
 //! zeros with their signs, subnormal and huge arguments give what `std` gives.
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
-mod elementary;
+pub(crate) mod elementary;
 pub mod instructions;
 pub(crate) mod single;
 

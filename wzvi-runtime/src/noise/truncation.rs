@@ -13,7 +13,7 @@
 //! least twice the strong order.
 
 use super::NoiseError;
-use super::normal::ln_shifted;
+use crate::algebra::lanes::elementary::ln_shifted;
 
 /// Whether and how increments are truncated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,7 +80,7 @@ const FLOOR: f64 = 6.0;
 pub fn clip_bound(h: f64, k: f64) -> f64 {
     let h = h.abs();
     // Subnormal step sizes are raised to the least normal one, infinite ones lowered to the largest.
-    let logarithm = ln_shifted(h.clamp(f64::MIN_POSITIVE, f64::MAX), 0).abs();
+    let logarithm = ln_shifted(h.clamp(f64::MIN_POSITIVE, f64::MAX), 0.0).abs();
     (2.0 * k * logarithm).sqrt().max(FLOOR)
 }
 

@@ -21,8 +21,12 @@ mod trigonometric;
 pub(super) use exponential::{Exp, Exp2, ExpM1};
 pub(super) use hyperbolic::{Acosh, Asinh, Atanh, Cosh, Sinh, Tanh};
 pub(super) use inverse::{Acos, Asin, Atan, Atan2};
+#[cfg(feature = "noise")]
+pub(crate) use logarithm::ln_shifted;
 pub(super) use logarithm::{Ln, Ln1p, Log2, Log10};
 pub(super) use power::{Cbrt, Hypot, Pow};
+#[cfg(feature = "noise")]
+pub(crate) use trigonometric::{COSINE, SINE};
 pub(super) use trigonometric::{Cos, Sin, Tan};
 
 /// A function of one number.
@@ -192,7 +196,7 @@ fn exponent_and_mantissa(x: f64) -> (f64, f64) {
 
 /// An integer below 2^52 as a number; the conversion instruction has no vector form before AVX-512.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn small_integer(n: u64) -> f64 {
+pub(crate) fn small_integer(n: u64) -> f64 {
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     f64::from_bits(n | TWO_52.to_bits()) - TWO_52
 }

@@ -43,6 +43,20 @@ fn series(f: f64) -> (f64, f64) {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn ln(x: f64) -> f64 {
     let (k, mantissa) = exponent_and_mantissa(x);
+    of_parts(k, mantissa)
+}
+
+/// `ln(x 2^shift)` of a positive normal number, for a whole `shift`.
+#[cfg(feature = "noise")]
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn ln_shifted(x: f64, shift: f64) -> f64 {
+    let (k, mantissa) = exponent_and_mantissa(x);
+    of_parts(k + shift, mantissa)
+}
+
+/// `ln(2^k m)`
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn of_parts(k: f64, mantissa: f64) -> f64 {
     let f = mantissa - 1.0;
     let (half, rest) = series(f);
     k * LN2_HIGH - ((half - (rest + k * LN2_LOW)) - f)

@@ -5,6 +5,26 @@ use super::{Unary, functions, high, nearest, select};
 /// `n π/2` is known to the last digit for `n` below 2^20: that is `|x|` up to here.
 const LARGEST: f64 = 1.6e6;
 
+/// The polynomial of `(sin x - x) / x³` in `x²`.
+pub(crate) const SINE: [f64; 6] = [
+    -1.666_666_666_666_663_2e-1,
+    8.333_333_333_322_49e-3,
+    -1.984_126_982_985_795e-4,
+    2.755_731_370_707_006_8e-6,
+    -2.505_076_025_340_686_3e-8,
+    1.589_690_995_211_55e-10,
+];
+
+/// The polynomial of `(cos x - 1 + x²/2) / x⁴` in `x²`.
+pub(crate) const COSINE: [f64; 6] = [
+    4.166_666_666_666_66e-2,
+    -1.388_888_888_887_411e-3,
+    2.480_158_728_947_673e-5,
+    -2.755_731_435_139_066_3e-7,
+    2.087_572_321_298_175e-9,
+    -1.135_964_755_778_819_5e-11,
+];
+
 functions! {
     Unary /// Sine.
     Sin(x): sin(x), where x.abs() <= LARGEST, else libm::sin;
@@ -42,35 +62,20 @@ fn difference(a: f64, b: f64) -> (f64, f64) {
 /// `sin(x + tail)` for `|x| <= π/4`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn sine(x: f64, tail: f64) -> f64 {
-    const S: [f64; 6] = [
-        -1.666_666_666_666_663_2e-1,
-        8.333_333_333_322_49e-3,
-        -1.984_126_982_985_795e-4,
-        2.755_731_370_707_006_8e-6,
-        -2.505_076_025_340_686_3e-8,
-        1.589_690_995_211_55e-10,
-    ];
     let z = x * x;
     let w = z * z;
     // In pairs, so that few operations wait for one another.
-    let p = ((S[0] + z * S[1]) + w * (S[2] + z * S[3])) + (w * w) * (S[4] + z * S[5]);
+    let p = ((SINE[0] + z * SINE[1]) + w * (SINE[2] + z * SINE[3])) + (w * w) * (SINE[4] + z * SINE[5]);
     x + ((z * x) * p + (tail - 0.5 * z * tail))
 }
 
 /// `cos(x + tail)` for `|x| <= π/4`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn cosine(x: f64, tail: f64) -> f64 {
-    const C: [f64; 6] = [
-        4.166_666_666_666_66e-2,
-        -1.388_888_888_887_411e-3,
-        2.480_158_728_947_673e-5,
-        -2.755_731_435_139_066_3e-7,
-        2.087_572_321_298_175e-9,
-        -1.135_964_755_778_819_5e-11,
-    ];
     let z = x * x;
     let w = z * z;
-    let r = ((C[0] + z * C[1]) + w * (C[2] + z * C[3])) + (w * w) * (C[4] + z * C[5]);
+    let r = ((COSINE[0] + z * COSINE[1]) + w * (COSINE[2] + z * COSINE[3]))
+        + (w * w) * (COSINE[4] + z * COSINE[5]);
     let half = 0.5 * z;
     let rounded = 1.0 - half;
     rounded + (((1.0 - rounded) - half) + (w * r - x * tail))
