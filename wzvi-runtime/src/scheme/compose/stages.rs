@@ -132,22 +132,9 @@ const fn carry_derivatives<S: Scalar>() -> bool {
 pub(crate) struct Rooms<S: Scalar, H: Shape>(pub(crate) [List<S, H>; 6]);
 
 impl<S: Scalar, H: Shape> Rooms<S, H> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of_length(length: usize) -> Self {
         Self(std::array::from_fn(|_| H::list(length, S::from_f64(0.0))))
-    }
-
-    /// The rooms, for the duration of a step.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take(&mut self) -> Self {
-        Self(self.0.each_mut().map(|list| H::take(list, S::from_f64(0.0))))
-    }
-
-    /// Takes them back.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn give_back(&mut self, Self(rooms): Self) {
-        for (list, room) in self.0.iter_mut().zip(rooms) {
-            H::give_back(list, room);
-        }
     }
 }
 
@@ -294,7 +281,7 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
         memory.fit(degrees, dw.len());
     }
     check_lengths(system, [degrees, p.len(), dw.len()])?;
-    let mut rooms = memory.rooms.take();
+    let mut rooms = H::lend(&mut memory.rooms, Rooms::of_length(0));
     let [next_q, next_p, lost_q, lost_p, ..] = &mut rooms.0;
     next_q.as_mut().copy_from_slice(q);
     next_p.as_mut().copy_from_slice(p);
@@ -323,7 +310,7 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
             carry.keep(lost_q.as_ref(), lost_p.as_ref());
         }
     }
-    memory.rooms.give_back(rooms);
+    H::give_back(&mut memory.rooms, rooms);
     taken_all?;
     if is_good { Ok(Effort::fast(0)) } else { Err(StepFailure::NonFinite) }
 }

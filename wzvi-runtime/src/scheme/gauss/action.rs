@@ -2,7 +2,7 @@
 
 use super::Field;
 use super::advance::{Friction, Prepared, PreparedOf};
-use super::kept::MemoryOf;
+use super::kept::{Memory, MemoryOf};
 use super::stages::Stages;
 use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
@@ -28,12 +28,10 @@ pub(super) fn value<F: Field, const N: usize>(
     let mut memory = MemoryOf::<F, f64, N>::default();
     memory.fit(degrees, dw.len());
     let table = common.table();
-    let (mut given, mut lists) = (memory.given.take(), memory.lists.take());
+    let Memory { mut given, mut lists, mut left } = memory;
     given.read(common, q, p, dw, &Plain);
     let step = given.step(system, (parameters, common), [segment.t, segment.h]);
-    if step.solve::<true>(&mut lists, &mut memory.left).is_err()
-        || !step.finish([q, p], dw, &mut lists, &Plain)
-    {
+    if step.solve::<true>(&mut lists, &mut left).is_err() || !step.finish([q, p], dw, &mut lists, &Plain) {
         return f64::NAN;
     }
     // The momenta of the stages, which the Nyström form does without: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.

@@ -1,6 +1,6 @@
 //! The step of a Gauss method.
 
-use super::kept::{GivenOf, LeftOf, Lists, Memory, MemoryOf};
+use super::kept::{Given, GivenOf, LeftOf, Lists, Memory, MemoryOf};
 use super::shape::Shape;
 use super::stiff::Modes;
 use super::sweep::Solved;
@@ -181,10 +181,11 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
             // More than there are registers for: where they are.
             return self.step.take(given, lists, left);
         }
-        let (mut own_given, mut own_lists) = (given.take(), lists.take());
+        let mut own_given = F::Shape::lend(given, Given::of_length(0, 0));
+        let mut own_lists = F::Shape::lend(lists, Lists::of_length(0));
         let taken = self.step.take(&mut own_given, &mut own_lists, left);
-        lists.give_back(own_lists);
-        given.give_back(own_given);
+        F::Shape::give_back(lists, own_lists);
+        F::Shape::give_back(given, own_given);
         taken
     }
 }

@@ -4,7 +4,7 @@ use super::Field;
 use super::advance::Common;
 use super::kept::{Given, Lists, OfStages, Room};
 use super::shape::Shape;
-use super::stages::{Observer, Part, Stages};
+use super::stages::{Observer, Part, Parts, Stages};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 
@@ -117,7 +117,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         observer: &mut impl Observer<Part<S, N>>,
     ) {
         let Placement { at: [q, p], by_p, by_q } = into;
-        let mut rooms = room.parts.take();
+        let mut rooms = F::Shape::lend(&mut room.parts, Parts::of_length(0, 0));
         let h = S::Stages::<N>::same(S::constant(self.h));
         for part in 0..S::Stages::<N>::PARTS {
             let momenta = S::Stages::parts_mut(p, rooms.p.as_mut());
@@ -139,7 +139,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 stages.set_part(part, next);
             }
         }
-        room.parts.give_back(rooms);
+        F::Shape::give_back(&mut room.parts, rooms);
     }
 
     /// The stages to start from: what the slopes of the last step extrapolate to, else those of the state itself.
@@ -167,7 +167,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     pub(super) fn field(&self, lists: &mut Lists<S, F::Shape, N>, room: &mut Room<F, S, N>, stay: S::Mask) {
         let Lists { at: [q, p], slopes: [by_p, by_q], spare, .. } = lists;
         let (q, p, by_p, by_q) = (q.as_ref(), p.as_ref(), by_p.as_mut(), by_q.as_mut());
-        let mut rooms = room.parts.take();
+        let mut rooms = F::Shape::lend(&mut room.parts, Parts::of_length(0, 0));
         for part in 0..S::Stages::<N>::PARTS {
             let (t, h) = (self.times(part), self.weights(part));
             let q = S::Stages::parts(q, part, rooms.q.as_mut());
@@ -197,7 +197,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             }
             S::Stages::store(by_q, part, rooms.by_q.as_ref(), stay);
         }
-        room.parts.give_back(rooms);
+        F::Shape::give_back(&mut room.parts, rooms);
     }
 
     /// The new state from the slopes at the stages; where it is finite.

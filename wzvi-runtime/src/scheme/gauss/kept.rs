@@ -111,7 +111,9 @@ pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
+        const { assert!(H::IS_FIXED == W::IS_FIXED, "both are arrays, or both vectors") }
         let zero = S::from_f64(0.0);
         Self {
             start: [H::list(degrees, zero), H::list(degrees, zero)],
@@ -123,36 +125,10 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     fn fits(&self, noises: usize) -> bool {
         self.dw.as_ref().len() == noises
     }
-
-    /// The lists, for the duration of a step.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn take(&mut self) -> Self {
-        let zero = S::from_f64(0.0);
-        Self {
-            start: self.start.each_mut().map(|list| H::take(list, zero)),
-            dw: W::take(&mut self.dw, S::Stages::<N>::splat(zero)),
-        }
-    }
-
-    /// Takes them back.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn give_back(&mut self, given: Self) {
-        give_back::<H, _, 2>(&mut self.start, given.start);
-        W::give_back(&mut self.dw, given.dw);
-    }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn give_back<H: Shape, T: Copy + std::fmt::Debug, const K: usize>(
-    lists: &mut [H::Of<T>; K],
-    room: [H::Of<T>; K],
-) {
-    for (list, room) in lists.iter_mut().zip(room) {
-        H::give_back(list, room);
-    }
 }
 
 impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_length(length: usize) -> Self {
         let zero = S::from_f64(0.0);
         let stages = || H::list(length, S::Stages::<N>::splat(zero));
@@ -170,31 +146,6 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fits(&self, degrees: usize) -> bool {
         self.spare.as_ref().len() == degrees
-    }
-
-    /// The lists, for the duration of a step.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn take(&mut self) -> Self {
-        let zero = S::from_f64(0.0);
-        let zeros = S::Stages::<N>::splat(zero);
-        Self {
-            at: self.at.each_mut().map(|list| H::take(list, zeros)),
-            slopes: self.slopes.each_mut().map(|list| H::take(list, zeros)),
-            spare: H::take(&mut self.spare, zeros),
-            changes: Part::<S, N>::from_f64(0.0),
-            next: self.next.each_mut().map(|list| H::take(list, zero)),
-            lost: self.lost.each_mut().map(|list| H::take(list, zero)),
-        }
-    }
-
-    /// Takes them back.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn give_back(&mut self, lists: Self) {
-        give_back::<H, _, 2>(&mut self.at, lists.at);
-        give_back::<H, _, 2>(&mut self.slopes, lists.slopes);
-        H::give_back(&mut self.spare, lists.spare);
-        give_back::<H, _, 2>(&mut self.next, lists.next);
-        give_back::<H, _, 2>(&mut self.lost, lists.lost);
     }
 
     /// Where all stages are finite.

@@ -19,10 +19,20 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
 
     /// A list of `length` entries.
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Self::Of<T>;
-    /// Room for a list of the same length during a step: a new array, which stays in registers, or the vector itself.
-    fn take<T: Copy + Debug>(list: &mut Self::Of<T>, fill: T) -> Self::Of<T>;
+
+    /// Room for lists during a step: `new` ones where they are arrays, which stay in registers, or the vectors of `room`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lend<T>(room: &mut T, new: T) -> T {
+        if Self::IS_FIXED { new } else { std::mem::replace(room, new) }
+    }
+
     /// Gives the room back.
-    fn give_back<T: Copy + Debug>(list: &mut Self::Of<T>, room: Self::Of<T>);
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn give_back<T>(room: &mut T, lent: T) {
+        if !Self::IS_FIXED {
+            *room = lent;
+        }
+    }
 }
 
 /// Arrays.
@@ -38,12 +48,6 @@ impl<const D: usize> Shape for Fixed<D> {
     fn list<T: Copy + Debug>(_: usize, fill: T) -> [T; D] {
         [fill; D]
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<T: Copy + Debug>(_: &mut [T; D], fill: T) -> [T; D] {
-        [fill; D]
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn give_back<T: Copy + Debug>(_: &mut [T; D], _: [T; D]) {}
 }
 
 /// Vectors.
@@ -55,13 +59,8 @@ impl Shape for Dynamic {
     type Compensation<S: Scalar> = CompensationVec<S>;
     const IS_FIXED: bool = false;
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Vec<T> {
         vec![fill; length]
-    }
-    fn take<T: Copy + Debug>(list: &mut Vec<T>, _: T) -> Vec<T> {
-        std::mem::take(list)
-    }
-    fn give_back<T: Copy + Debug>(list: &mut Vec<T>, room: Vec<T>) {
-        *list = room;
     }
 }

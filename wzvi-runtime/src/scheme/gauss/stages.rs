@@ -126,10 +126,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
     pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
         let is_needed = <S::Stages<N> as Stages<S, N>>::PARTS > 1;
         let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };
-        let zero = Part::<S, N>::from_f64(0.0);
-        let list = || H::list(degrees, zero);
-        let parts = Parts { q: list(), p: list(), by_q: list(), by_p: list(), dw: W::list(noises, zero) };
-        Self { parts, one: One::default() }
+        Self { parts: Parts::of_length(degrees, noises), one: One::default() }
     }
 
     /// Makes room for steps whose stages are evaluated one by one.
@@ -140,27 +137,10 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Parts<S, H, W, N> {
-    /// The room, for the duration of a sweep.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn take(&mut self) -> Self {
+    pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
         let zero = Part::<S, N>::from_f64(0.0);
-        let Self { q, p, by_q, by_p, dw } = self;
-        Self {
-            q: H::take(q, zero),
-            p: H::take(p, zero),
-            by_q: H::take(by_q, zero),
-            by_p: H::take(by_p, zero),
-            dw: W::take(dw, zero),
-        }
-    }
-
-    /// Takes it back.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn give_back(&mut self, room: Self) {
-        H::give_back(&mut self.q, room.q);
-        H::give_back(&mut self.p, room.p);
-        H::give_back(&mut self.by_q, room.by_q);
-        H::give_back(&mut self.by_p, room.by_p);
-        W::give_back(&mut self.dw, room.dw);
+        let list = || H::list(degrees, zero);
+        Self { q: list(), p: list(), by_q: list(), by_p: list(), dw: W::list(noises, zero) }
     }
 }
