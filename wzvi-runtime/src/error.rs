@@ -227,6 +227,19 @@ pub struct UnknownName {
     pub known: Vec<String>,
 }
 
+impl UnknownName {
+    /// What stands under this name among all of its kind.
+    pub(crate) fn find<N: AsRef<str>, T>(
+        kind: &'static str,
+        name: &str,
+        all: impl Iterator<Item = (N, T)> + Clone,
+    ) -> Result<T, Self> {
+        let known = all.clone().map(|(known, _)| known.as_ref().to_owned());
+        let unknown = || Self { kind, name: name.to_owned(), known: known.collect() };
+        all.clone().find(|(known, _)| known.as_ref() == name).map(|(_, found)| found).ok_or_else(unknown)
+    }
+}
+
 messages! { UnknownName:
     Self { kind, name, known } if known.is_empty() => "no {kind} has the name `{name}`: the run has none";
     Self { kind, name, known } => "no {kind} has the name `{name}`: there are `{}`", known.join("`, `");

@@ -195,9 +195,7 @@ impl Extras {
         paths: u64,
     ) -> Result<Statistics, ConfigError> {
         let histogram = |(name, [lower, upper], bins): (String, [f64; 2], usize)| {
-            let observable = names.iter().position(|known| *known == name);
-            let observable = observable.ok_or_else(|| unknown(name, &names))?;
-            Ok((observable, Histogram::new(lower, upper, bins)?))
+            Ok((observable(&name, &names)?, Histogram::new(lower, upper, bins)?))
         };
         let histograms =
             self.histograms.into_iter().map(histogram).collect::<Result<Vec<_>, ConfigError>>()?;
@@ -236,9 +234,10 @@ fn passages(names: Vec<String>, grid: &Grid, are_kept: bool) -> Result<Vec<Passa
     Ok(names.into_iter().map(|name| Passages::new(name, [start, end], bins.clone(), are_kept)).collect())
 }
 
-/// There is no observable of this name.
-pub(super) fn unknown(name: String, names: &[String]) -> ConfigError {
-    ConfigError::Setting(UnknownName { kind: "observable", name, known: names.to_vec() }.to_string())
+/// The number of the observable with this name.
+pub(super) fn observable(name: &str, names: &[String]) -> Result<usize, ConfigError> {
+    let found = UnknownName::find("observable", name, names.iter().zip(0..));
+    found.map_err(|unknown| ConfigError::Setting(unknown.to_string()))
 }
 
 /// Coordinates and momenta by the names of the drift's closure, which are observed beside the energy if nothing is asked for.

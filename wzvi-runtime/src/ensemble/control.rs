@@ -42,10 +42,7 @@ impl Control {
                 let wrong = format!("a standard error of {target} as target: take a finite number above 0");
                 return Err(ConfigError::Setting(wrong));
             }
-            match names.iter().position(|known| known == name) {
-                Some(observable) => Ok((observable, *target)),
-                None => Err(super::checks::unknown(name.clone(), names)),
-            }
+            Ok((super::checks::observable(name, names)?, *target))
         };
         Ok(Targets(self.targets.iter().map(target).collect::<Result<_, _>>()?))
     }

@@ -182,12 +182,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// # Errors
     /// [`UnknownName`] for a name that the run did not have.
     pub fn observed(&self, name: &str) -> Result<&[f64], UnknownName> {
-        let found = self.path.observed.iter().find(|(known, _)| known == name);
-        found.map(|(_, values)| values.as_slice()).ok_or_else(|| UnknownName {
-            kind: "observable",
-            name: name.to_owned(),
-            known: self.path.observed.iter().map(|(known, _)| known.clone()).collect(),
-        })
+        let observed = self.path.observed.iter();
+        UnknownName::find("observable", name, observed.map(|(known, values)| (known, values.as_slice())))
     }
 
     /// Why the last [checkpoint](crate::path::simulate::Simulation::checkpoint) of the run could not be written. Only this path then

@@ -85,10 +85,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         let degrees = 0..self.path.last().q.components().len();
         let coordinates = degrees.clone().map(|i| (names.q.name(i), Variable::Coordinate(i)));
         let momenta = degrees.map(|i| (names.p.name(i), Variable::Momentum(i)));
-        let all = || coordinates.clone().chain(momenta.clone()).chain([(names.t.to_owned(), Variable::Time)]);
-        let found = all().find(|(known, _)| known == name).map(|(_, variable)| variable);
-        let known = || all().map(|(known, _)| known).collect();
-        found.ok_or_else(|| UnknownName { kind: "variable", name: name.to_owned(), known: known() })
+        let all = coordinates.chain(momenta).chain([(names.t.to_owned(), Variable::Time)]);
+        UnknownName::find("variable", name, all)
     }
 
     /// Coordinates (lines) and momenta (dashed) against time.

@@ -172,9 +172,7 @@ impl Statistics {
 
     /// The index of an observable.
     pub(crate) fn known(&self, name: &str) -> Result<usize, StatisticsError> {
-        let known = || self.names.to_vec();
-        let unknown = || UnknownName { kind: "observable", name: name.to_owned(), known: known() };
-        self.index(name).ok_or_else(|| StatisticsError::Unknown(unknown()))
+        UnknownName::find("observable", name, self.names.iter().zip(0..)).map_err(StatisticsError::Unknown)
     }
 
     fn at_end<T>(
@@ -274,10 +272,8 @@ impl Statistics {
     /// # Errors
     /// [`StatisticsError::Unknown`] for a name that does not exist.
     pub fn passage(&self, name: &str) -> Result<&Passages, StatisticsError> {
-        let found = self.events.0.iter().find(|passages| passages.name() == name);
-        let known = || self.events.0.iter().map(|passages| passages.name().to_owned()).collect();
-        let unknown = || UnknownName { kind: "event", name: name.to_owned(), known: known() };
-        found.ok_or_else(|| StatisticsError::Unknown(unknown()))
+        let all = self.events.0.iter().map(|passages| (passages.name(), passages));
+        UnknownName::find("event", name, all).map_err(StatisticsError::Unknown)
     }
 
     /// How often paths crossed each section of the run, in the order in which they were asked for.

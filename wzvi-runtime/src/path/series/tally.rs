@@ -44,9 +44,7 @@ impl<'a, V> Tally<'a, V> {
         let names = &averaged.names;
         let mut wanted = vec![f64::INFINITY; names.len()];
         for (name, target) in targets {
-            let place = names.iter().position(|known| known == name);
-            let unknown = || UnknownName { kind: "observable", name: name.clone(), known: names.clone() };
-            let place = place.ok_or_else(unknown)?;
+            let place = UnknownName::find("observable", name, names.iter().zip(0..))?;
             if !(target.is_finite() && *target > 0.0) {
                 let wrong = format!("an error of {target} for `{name}`: take a finite number above 0");
                 return Err(ConfigError::Setting(wrong).into());
