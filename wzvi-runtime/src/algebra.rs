@@ -11,3 +11,4 @@ pub mod stages;
 pub mod state;
 pub(crate) mod sum;
 pub(crate) mod threads;
+pub(crate) mod welford;

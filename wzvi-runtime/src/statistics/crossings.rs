@@ -1,9 +1,9 @@
 //! Crossings of sections by many paths.
 
-use super::moments::Welford;
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::algebra::crossing::Direction;
+use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Cell::{Count, Number, Text};
 use crate::saving::table::{COUNT, NUMBER, TEXT, Table};

@@ -1,7 +1,4 @@
-//! Means, variances and covariances as the samples come.
-//!
-//! B. P. Welford, Technometrics 4 (1962) 419; merged as in T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a
-//! pairwise algorithm for computing sample variances", 1979.
+//! Means and covariances as the samples come, as in [`Welford`](crate::algebra::welford::Welford).
 
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -44,71 +41,6 @@ impl Extremes {
 
     fn largest_deviation(&self, mean: f64) -> f64 {
         (self.0[1] - mean).max(mean - self.0[0])
-    }
-}
-
-/// Mean and variance of one quantity.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Welford {
-    count: u64,
-    mean: f64,
-    /// Sum of squares of deviations.
-    squares: f64,
-}
-
-impl Welford {
-    pub(crate) fn push(&mut self, value: f64) {
-        self.count += 1;
-        let deviation = value - self.mean;
-        self.mean += deviation / self.count as f64;
-        self.squares += deviation * (value - self.mean);
-    }
-
-    /// The samples of both. The order matters to the last bit.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        if other.count == 0 {
-            return;
-        }
-        let (a, b) = (self.count as f64, other.count as f64);
-        let difference = other.mean - self.mean;
-        self.squares += other.squares + difference * difference * (a * b / (a + b));
-        self.mean += difference * (b / (a + b));
-        self.count += other.count;
-    }
-
-    pub(crate) fn count(&self) -> u64 {
-        self.count
-    }
-
-    /// NaN without samples.
-    pub(crate) fn mean(&self) -> f64 {
-        if self.count == 0 { f64::NAN } else { self.mean }
-    }
-
-    /// Unbiased; NaN for fewer than two samples.
-    pub(crate) fn variance(&self) -> f64 {
-        if self.count < 2 { f64::NAN } else { self.squares / (self.count - 1) as f64 }
-    }
-
-    /// The sum of all samples.
-    pub(crate) fn sum(&self) -> f64 {
-        self.mean * self.count as f64
-    }
-
-    /// The sum of the squares of the deviations from the mean.
-    pub(crate) fn squares(&self) -> f64 {
-        self.squares
-    }
-
-    pub(crate) fn standard_error(&self) -> f64 {
-        (self.variance() / self.count as f64).sqrt()
-    }
-}
-
-impl Numbers for Welford {
-    fn pass(&mut self, tape: &mut Tape) {
-        tape.word(&mut self.count);
-        tape.numbers([&mut self.mean, &mut self.squares]);
     }
 }
 
@@ -287,6 +219,7 @@ impl Numbers for Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algebra::welford::Welford;
 
     /// In two passes over numbers with a large mean, where the textbook formula would lose everything.
     #[test]

@@ -1,10 +1,10 @@
 //! The first time at which something happens.
 
 use super::histogram::Histogram;
-use super::moments::Welford;
 use super::quantiles::Quantiles;
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
+use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Cell::{Count, Number, Text};
 use crate::saving::table::{COUNT, NUMBER, TEXT, Table};

@@ -14,6 +14,7 @@
 //! * There is no error until neighbours among the batches of a quarter of the size, 128 or more, are correlated by less than [`MOST`].
 
 use super::student;
+use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// So many batches give a variance to a quarter, and Student's t of 13 degrees of freedom, a tenth above that of many.
@@ -24,28 +25,18 @@ const LEAST: u64 = 32;
 /// of batches of `1.4 τ`, and the longest batches then have `5.5 τ`.
 const MOST: f64 = 0.45;
 
-/// Mean and spread of the values of a level (B. P. Welford), and one that waits for its neighbour.
+/// The values of a level, and one that waits for its neighbour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Level {
-    count: u64,
-    mean: f64,
-    /// The sum of the squares of the deviations.
-    squares: f64,
+    values: Welford,
     waiting: Option<f64>,
 }
 
 impl Level {
-    fn add(&mut self, value: f64) {
-        self.count += 1;
-        let before = value - self.mean;
-        self.mean += before / self.count as f64;
-        self.squares += before * (value - self.mean);
-    }
-
     /// The variance of the mean, if values were independent.
     fn variance_of_mean(&self) -> f64 {
-        let count = self.count as f64;
-        self.squares / (count * (count - 1.0))
+        let count = self.values.count() as f64;
+        self.values.squares() / (count * (count - 1.0))
     }
 }
 
@@ -69,7 +60,7 @@ impl BatchMeans {
                 self.levels.push(Level::default());
             }
             let level = &mut self.levels[level];
-            level.add(value);
+            level.values.push(value);
             match level.waiting.take() {
                 None => {
                     level.waiting = Some(value);
@@ -82,31 +73,32 @@ impl BatchMeans {
 
     /// Values so far.
     pub fn count(&self) -> u64 {
-        self.levels.first().map_or(0, |level| level.count)
+        self.levels.first().map_or(0, |level| level.values.count())
     }
 
     /// Their mean; NaN of none.
     pub fn mean(&self) -> f64 {
-        self.levels.first().map_or(f64::NAN, |level| level.mean)
+        self.levels.first().map_or(f64::NAN, |level| level.values.mean())
     }
 
     /// Their variance; NaN of fewer than two.
     pub fn variance(&self) -> f64 {
-        self.levels
-            .first()
-            .filter(|level| level.count > 1)
-            .map_or(f64::NAN, |level| level.squares / (level.count - 1) as f64)
+        self.levels.first().map_or(f64::NAN, |level| level.values.variance())
     }
 
     /// The variance of the mean, and its degrees of freedom; NaN while correlations last too long for it to be known.
     fn error(&self) -> (f64, f64) {
-        let longest = self.levels.iter().rposition(|level| level.count >= LEAST);
+        let longest = self.levels.iter().rposition(|level| level.values.count() >= LEAST);
         let known = longest.and_then(|longest| self.levels.get(longest.checked_sub(2)?..=longest));
         let Some([short, half, long]) = known else { return (f64::NAN, f64::NAN) };
         let [quarters, halves, whole] = [short, half, long].map(Level::variance_of_mean);
         // NaN of values that are all the same: what changes them has not been seen.
         let is_known = (halves / quarters - 1.0).abs() <= MOST;
-        if is_known { (whole * (whole / halves), 0.4 * long.count as f64) } else { (f64::NAN, f64::NAN) }
+        if is_known {
+            (whole * (whole / halves), 0.4 * long.values.count() as f64)
+        } else {
+            (f64::NAN, f64::NAN)
+        }
     }
 
     /// The standard error of the mean, correlations included; NaN until it can be known: from 128 values on, and once the path has lasted for some 200
@@ -136,10 +128,8 @@ impl BatchMeans {
 
 impl Numbers for Level {
     fn pass(&mut self, tape: &mut Tape) {
-        let Self { count, mean, squares, waiting } = self;
-        tape.word(count);
-        mean.pass(tape);
-        squares.pass(tape);
+        let Self { values, waiting } = self;
+        values.pass(tape);
         let mut waits = waiting.is_some();
         waits.pass(tape);
         let mut value = waiting.unwrap_or_default();
