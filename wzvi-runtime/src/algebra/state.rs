@@ -53,6 +53,11 @@ impl Vector for DVector<f64> {
     }
 }
 
+/// `x · y`
+pub(crate) fn dot<V: Vector>(x: &V, y: &V) -> f64 {
+    x.components().iter().zip(y.components()).map(|(x, y)| x * y).sum()
+}
+
 /// Types for coordinates and momenta: arrays with one number for each degree of freedom, `Vec`s for systems of any size, and vectors of
 /// nalgebra. Arrays and `Vec`s of points give their components point by point.
 #[diagnostic::on_unimplemented(

@@ -24,7 +24,7 @@
 //! the same phase each time.
 
 use crate::algebra::scalar::{Dual, Rounded};
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, dot};
 use crate::error::{StepError, StepFailure};
 use crate::scheme::dense::copy_state;
 use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass};
@@ -281,7 +281,7 @@ impl<V: Vector> Room<V> {
         let (q, p) = (state.q.components(), state.p.components());
         system.differentiate(0, q, p, state.t, by_q.components_mut(), by_p.components_mut());
         if let KeptEnergy::Point(l) = H::PROPERTIES.kept_energy {
-            return energy + h * (l - 0.5) * dot(by_q.components(), by_p.components());
+            return energy + h * (l - 0.5) * dot(by_q, by_p);
         }
         if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::KickDriftKick) } {
             // `H_p(q, p + ε H_q)`
@@ -303,10 +303,6 @@ impl<V: Vector> Room<V> {
         }
         energy
     }
-}
-
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 /// What rounding may have done to the energy up to this state, `n r max(1, s (s + 1) √(R/A))`: `r` is the difference of the energies of all states that round to

@@ -10,12 +10,10 @@ mod straight;
 use std::fmt::Debug;
 use std::ops::AddAssign;
 
-use nalgebra::SVector;
-
 use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, dot};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
 use crate::scheme::plan::Plan;
@@ -35,6 +33,13 @@ pub struct Gradient<V> {
     pub q: V,
     /// `∂/∂p`
     pub p: V,
+}
+
+impl<V: Vector> Gradient<V> {
+    /// The Poisson bracket `{f, g} = f_p · g_q - f_q · g_p`.
+    pub(crate) fn bracket(&self, other: &Self) -> f64 {
+        dot(&self.p, &other.q) - dot(&self.q, &other.p)
+    }
 }
 
 /// A state of the system `H`: `fn energies(states: &[SystemState<Kubo>])` names the type without its vectors.
@@ -148,10 +153,7 @@ pub trait Hamiltonian {
             return f64::NAN;
         }
         let (noise, drift) = (self.noise_gradient(k, state), self.energy_gradient(state));
-        let dot = |a: &Self::Vector, b: &Self::Vector| -> f64 {
-            a.components().iter().zip(b.components()).map(|(a, b)| a * b).sum()
-        };
-        dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
+        noise.bracket(&drift)
     }
 
     /// The drift Hamiltonian `H_0`.
@@ -242,17 +244,12 @@ pub struct LagrangianGradient<V> {
     pub p: V,
 }
 
-#[doc(hidden)]
-impl<const D: usize> LagrangianGradient<SVector<f64, D>> {
-    /// Of the three derivatives by component.
-    pub fn from_components(q0: [f64; D], q1: [f64; D], p: [f64; D]) -> Self {
-        Self { q0: q0.into(), q1: q1.into(), p: p.into() }
-    }
-
+impl<V: Vector> LagrangianGradient<V> {
     /// The answer where there is none.
-    pub fn not_a_number() -> Self {
-        let nan = [f64::NAN; D];
-        Self::from_components(nan, nan, nan)
+    pub(crate) fn nowhere(degrees: usize) -> Self {
+        let mut nan = V::zeros(degrees);
+        nan.components_mut().fill(f64::NAN);
+        Self { q0: nan.clone(), q1: nan.clone(), p: nan }
     }
 }
 

@@ -9,7 +9,7 @@
 //! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works along the way `Δq`, and explicit time is
 //! `H(t + h) - H(t)` there.
 
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, dot};
 use crate::scheme::dense::{DenseOutput, copy_state};
 use crate::scheme::gauss::quadrature;
 use crate::scheme::system::{Discretized, Exchange, Gradient, Hamiltonian};
@@ -115,12 +115,8 @@ impl<V: Vector> Ledger<V> {
             return 0.0;
         }
         system.differentiate_noises(of_noises, at, noise);
-        dot(&noise.p, &drift.q) - dot(&noise.q, &drift.p)
+        noise.bracket(drift)
     }
-}
-
-fn dot<V: Vector>(x: &V, y: &V) -> f64 {
-    x.components().iter().zip(y.components()).map(|(x, y)| x * y).sum()
 }
 
 /// `h ∂H/∂t`, by a difference over the part of a step that makes truncation and rounding alike: exactly zero without explicit time.

@@ -69,13 +69,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     dw: &[f64],
 ) -> LagrangianGradient<H::Vector> {
     let Some(evaluated) = Evaluated::new(system, segment, dw) else {
-        let d = segment.q0.components().len();
-        let nan = || {
-            let mut nan = H::Vector::zeros(d);
-            nan.components_mut().fill(f64::NAN);
-            nan
-        };
-        return LagrangianGradient { q0: nan(), q1: nan(), p: nan() };
+        return LagrangianGradient::nowhere(segment.q0.components().len());
     };
     let mut gradient =
         LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: segment.q1.clone() };

@@ -15,13 +15,6 @@ use super::{At, Hamiltonian, LagrangianGradient, Scheme, Segment, as_they_are};
 use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::Vector;
 
-/// No gradient.
-fn nowhere<H: Hamiltonian>(segment: &Segment<H::Vector>) -> LagrangianGradient<H::Vector> {
-    let mut nan = H::Vector::zeros(segment.q0.components().len());
-    nan.components_mut().fill(f64::NAN);
-    LagrangianGradient { q0: nan.clone(), q1: nan.clone(), p: nan }
-}
-
 /// The gradient, by dual numbers; NaN where the step has no solution or no Lagrangian.
 pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
     system: &H,
@@ -29,7 +22,7 @@ pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
     dw: &[f64],
 ) -> LagrangianGradient<H::Vector> {
     let d = segment.q0.components().len();
-    let nowhere = || nowhere::<H>(segment);
+    let nowhere = || LagrangianGradient::nowhere(d);
     if !T::PROPERTIES.is_variational {
         return nowhere();
     }
