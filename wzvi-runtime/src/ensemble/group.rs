@@ -364,18 +364,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         }
     }
 
-    fn state_of(&self, lane: usize, t: f64) -> State<H::Vector> {
-        if self.is_stepped() {
-            return State { t, ..self.states[lane].clone() };
-        }
-        let vector = |lanes: &[Lanes<L>]| {
-            let mut vector = H::Vector::zeros(lanes.len());
-            for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
-                *to = from[lane];
-            }
-            vector
-        };
-        State { q: vector(&self.q), p: vector(&self.p), t }
+    fn state_of(&mut self, lane: usize, t: f64) -> State<H::Vector> {
+        State { t, ..self.look(lane).clone() }
     }
 
     fn put(&mut self, lane: usize, q: &H::Vector, p: &H::Vector) {
@@ -404,11 +394,10 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             return &mut self.states[lane];
         }
         let state = &mut self.states[0];
-        for (to, from) in state.q.components_mut().iter_mut().zip(&self.q) {
-            *to = from[lane];
-        }
-        for (to, from) in state.p.components_mut().iter_mut().zip(&self.p) {
-            *to = from[lane];
+        for (vector, lanes) in [(&mut state.q, &self.q), (&mut state.p, &self.p)] {
+            for (to, from) in vector.components_mut().iter_mut().zip(lanes) {
+                *to = from[lane];
+            }
         }
         state
     }
@@ -488,8 +477,6 @@ fn in_order_of_paths(mut failures: Vec<PathFailure>) -> Vec<PathFailure> {
 }
 
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance for Group<'_, '_, H, E, P, L> {
-    type Error = Error;
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         if let (Some(h), true) = (self.job.grid.shorter, step + 1 == self.job.steps) {

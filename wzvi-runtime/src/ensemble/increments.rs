@@ -19,12 +19,10 @@ fn slot(step: u64) -> usize {
 
 /// Where the increments of `L` paths come from.
 enum Origin<'j, const L: usize> {
-    /// Normals with these keys, by process.
-    Normals(Vec<[u32; 8]>),
+    /// Normals with these keys, by process; those that more is made of than increments are kept, by process and step.
+    Normals(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// The key of the first process, and increments of one path, which goes alone, in the order of `values`.
     Alone([u32; 8], Vec<f64>),
-    /// Normals that more is made of than increments, by process and step.
-    Kept(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// For paths `2k` and `2k + 1` the normals of path `k`, as they are and negated.
     Pairs(Vec<[u32; 8]>, Vec<[[f64; L]; STEPS]>),
     /// A noise for each path, and the increments of one of them.
@@ -53,7 +51,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
             .map(|normals| (0..processes).map(|k| normals.key(k as u64, h)).collect::<Vec<_>>());
         let origin = match keys {
             Some(keys) if source.is_antithetic() => Origin::Pairs(keys, vec![[[0.0; L]; STEPS]; processes]),
-            Some(keys) => Origin::Normals(keys),
+            Some(keys) => Origin::Normals(keys, Vec::new()),
             None => Origin::Each((0..L).map(|_| source.path(0)).collect(), vec![0.0; processes]),
         };
         let values = vec![Lanes::from_f64(0.0); STEPS * processes];
@@ -62,7 +60,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 
     /// For paths that go one after the other.
     pub(super) fn path_by_path(mut self) -> Self {
-        if let Origin::Normals(keys) = &self.origin
+        if let Origin::Normals(keys, _) = &self.origin
             && let Some(&key) = keys.first()
         {
             self.origin = Origin::Alone(key, vec![0.0; STEPS * self.processes]);
@@ -73,9 +71,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
 
     /// Keeps normals for whoever makes more of them than increments.
     pub(super) fn keeping_normals(mut self) -> Self {
-        if let Origin::Normals(keys) = self.origin {
-            let kept = vec![[[0.0; L]; STEPS]; keys.len()];
-            self.origin = Origin::Kept(keys, kept);
+        if let Origin::Normals(keys, kept) = &mut self.origin {
+            kept.resize(keys.len(), [[0.0; L]; STEPS]);
         }
         self
     }
@@ -100,7 +97,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     ) -> Result<(), NoiseError> {
         let (step, processes) = (interval.step, self.processes);
         match &mut self.origin {
-            Origin::Normals(keys) => {
+            Origin::Normals(keys, kept) => {
                 if slot(step) > 0 {
                     return Ok(());
                 }
@@ -111,22 +108,14 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                         self.values[step * processes + process] =
                             increment(Lanes::new(*drawn), self.clip, self.deviation);
                     }
+                    if let Some(kept) = kept.get_mut(process) {
+                        *kept = drawn;
+                    }
                 }
             }
             Origin::Alone(..) => {
                 if slot(step) == 0 {
                     self.draw_alone(step / STEPS as u64);
-                }
-            }
-            Origin::Kept(keys, kept) => {
-                if slot(step) == 0 {
-                    for (key, kept) in keys.iter().zip(kept.iter_mut()) {
-                        normals(key, self.path, step / STEPS as u64, kept);
-                    }
-                }
-                let row = self.values.iter_mut().skip(slot(step) * processes);
-                for (value, kept) in row.zip(kept) {
-                    *value = increment(Lanes::new(kept[slot(step)]), self.clip, self.deviation);
                 }
             }
             Origin::Pairs(..) => self.draw_pairs(step),
@@ -196,7 +185,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// [`InternalError`] where they are not kept.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn normals(&self, process: usize, step: u64) -> Result<Lanes<L>, InternalError> {
-        let kept = if let Origin::Kept(_, kept) = &self.origin { kept.get(process) } else { None };
+        let kept = if let Origin::Normals(_, kept) = &self.origin { kept.get(process) } else { None };
         let missing = || InternalError::new("normals are kept where they are asked for", process);
         kept.map(|kept| Lanes::new(kept[slot(step)])).ok_or_else(missing)
     }

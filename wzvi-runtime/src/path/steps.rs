@@ -15,20 +15,17 @@ use crate::scheme::system::Discretized;
 
 /// One path or several: what takes their steps.
 pub(crate) trait Advance {
-    /// Why a step cannot be taken.
-    type Error;
-
     /// Draws the increments of the step with this number, and takes it. Steps are taken in order.
     ///
     /// # Errors
     /// If the run cannot go on; where it was before, it still is.
-    fn advance(&mut self, step: u64) -> Result<(), Self::Error>;
+    fn advance(&mut self, step: u64) -> Result<(), Error>;
 }
 
 /// Looks at the nodes of a run.
 pub(crate) trait Monitor<P: Advance> {
     /// What ends the run.
-    type Error: From<P::Error>;
+    type Error: From<Error>;
 
     /// The next node, after this one, at which it wants to look. The last node of the run is looked at in any case.
     fn next(&self, path: &P, node: u64) -> u64;
@@ -72,15 +69,15 @@ pub(crate) fn take_steps<P: Advance, M: Monitor<P>>(
 pub(crate) fn take_each<P: Advance>(
     path: &mut P,
     steps: Range<u64>,
-    look: impl FnMut(&mut P, u64) -> Result<(), P::Error>,
-) -> Result<(), P::Error> {
+    look: impl FnMut(&mut P, u64) -> Result<(), Error>,
+) -> Result<(), Error> {
     take_steps(path, steps, &mut Each(look))
 }
 
 struct Each<F>(F);
 
-impl<P: Advance, F: FnMut(&mut P, u64) -> Result<(), P::Error>> Monitor<P> for Each<F> {
-    type Error = P::Error;
+impl<P: Advance, F: FnMut(&mut P, u64) -> Result<(), Error>> Monitor<P> for Each<F> {
+    type Error = Error;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, _path: &P, node: u64) -> u64 {
@@ -88,7 +85,7 @@ impl<P: Advance, F: FnMut(&mut P, u64) -> Result<(), P::Error>> Monitor<P> for E
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, path: &mut P, node: u64) -> Result<(), P::Error> {
+    fn look(&mut self, path: &mut P, node: u64) -> Result<(), Error> {
         self.0(path, node)
     }
 }
@@ -149,8 +146,6 @@ pub(crate) struct Single<'r, T, V, N, A> {
 }
 
 impl<T: TakeStep<V>, V, N: Noise, A: Account> Advance for Single<'_, T, V, N, A> {
-    type Error = Error;
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         let Self { stepper, state, noise, dw, first, account } = self;
@@ -164,6 +159,7 @@ impl<T: TakeStep<V>, V, N: Noise, A: Account> Advance for Single<'_, T, V, N, A>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::ConfigError;
 
     /// The steps that were taken, and the nodes that were looked at.
     #[derive(Default)]
@@ -173,12 +169,14 @@ mod tests {
         bad: Option<u64>,
     }
 
-    impl Advance for Seen {
-        type Error = &'static str;
+    fn wrong(what: &str) -> Error {
+        ConfigError::Setting(what.into()).into()
+    }
 
-        fn advance(&mut self, step: u64) -> Result<(), &'static str> {
+    impl Advance for Seen {
+        fn advance(&mut self, step: u64) -> Result<(), Error> {
             if self.bad == Some(step) {
-                return Err("step");
+                return Err(wrong("step"));
             }
             self.steps.push(step);
             Ok(())
@@ -192,16 +190,16 @@ mod tests {
     }
 
     impl Monitor<Seen> for Every {
-        type Error = &'static str;
+        type Error = Error;
 
         fn next(&self, _path: &Seen, node: u64) -> u64 {
             (node / self.stride + 1).saturating_mul(self.stride)
         }
 
-        fn look(&mut self, path: &mut Seen, node: u64) -> Result<(), &'static str> {
+        fn look(&mut self, path: &mut Seen, node: u64) -> Result<(), Error> {
             assert_eq!(path.steps.last(), Some(&(node - 1)));
             self.nodes.push(node);
-            if node == self.last { Err("node") } else { Ok(()) }
+            if node == self.last { Err(wrong("node")) } else { Ok(()) }
         }
     }
 
@@ -217,7 +215,7 @@ mod tests {
         assert_eq!(run(5..9, 3, None, 99), ((5..9).collect(), vec![6, 9], Ok(())));
         assert_eq!(run(0..3, u64::MAX, None, 99), ((0..3).collect(), vec![3], Ok(())));
         assert_eq!(run(4..4, 1, None, 99), (vec![], vec![], Ok(())));
-        assert_eq!(run(0..7, 2, Some(3), 99), (vec![0, 1, 2], vec![2], Err("step")));
-        assert_eq!(run(0..7, 2, None, 4), (vec![0, 1, 2, 3], vec![2, 4], Err("node")));
+        assert_eq!(run(0..7, 2, Some(3), 99), (vec![0, 1, 2], vec![2], Err(wrong("step"))));
+        assert_eq!(run(0..7, 2, None, 4), (vec![0, 1, 2, 3], vec![2, 4], Err(wrong("node"))));
     }
 }

@@ -126,10 +126,6 @@ impl<'a> Sums<f64> for Window<'a> {
         }
         points
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
-        self.run(place, 1).add(0, value);
-    }
 }
 
 /// A stretch of a window.
