@@ -24,32 +24,31 @@ const LANES: u64 = 8;
 /// What became of the paths of one scheme and step size.
 #[derive(Default)]
 struct Found {
-    good: Vec<u64>,
-    errors: Vec<f64>,
-    trends: Vec<f64>,
-    oscillations: Vec<f64>,
-    /// For each observable, what each path has.
-    weak: Vec<Vec<f64>>,
+    good: Vec<Good>,
     failures: usize,
     failure: Option<String>,
 }
 
-impl Found {
-    fn new(observables: usize) -> Self {
-        Self { weak: vec![vec![]; observables], ..Self::default() }
-    }
+/// A path that reached the end.
+struct Good {
+    number: u64,
+    error: f64,
+    trend: Trend,
+    /// For each observable.
+    weak: Vec<f64>,
+}
 
+impl Found {
     /// The paths of both, which follow each other in number.
     fn append(&mut self, other: Self) {
         self.good.extend(other.good);
-        self.errors.extend(other.errors);
-        self.trends.extend(other.trends);
-        self.oscillations.extend(other.oscillations);
-        for (ours, theirs) in self.weak.iter_mut().zip(other.weak) {
-            ours.extend(theirs);
-        }
         self.failures += other.failures;
         self.failure = self.failure.take().or(other.failure);
+    }
+
+    /// A number of each path.
+    fn each(&self, of: impl Fn(&Good) -> f64) -> Vec<f64> {
+        self.good.iter().map(of).collect()
     }
 }
 
@@ -206,7 +205,7 @@ where
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Cell>, Error> {
         let method = self.method_of(run)?;
-        let mut found = Found::new(self.observables.len());
+        let mut found = Found::default();
         let block = |paths| self.block(plan, run, method, references, paths);
         self.in_blocks(plan, run.steps, stopped, block, |block: Found| {
             work.advance(run.steps * (block.good.len() + block.failures));
@@ -215,27 +214,28 @@ where
         if found.good.is_empty() && found.failures == 0 {
             return Ok(None);
         }
-        let weak = self.observables.iter().zip(&found.weak).map(|(observable, values)| Weak {
+        let weak = self.observables.iter().enumerate().map(|(place, observable)| Weak {
             observable: observable.name.clone(),
-            bias: Estimate::mean(values),
+            bias: Estimate::mean(&found.each(|path| path.weak[place])),
         });
+        let (errors, span) = (found.each(|path| path.error), plan.end - plan.start.t);
         Ok(Some(Cell {
             scheme: method.name(),
             h: run.h,
             steps: run.steps,
             paths: found.good.len(),
             failures: found.failures,
-            strong: Estimate::root_mean_square(&found.errors),
+            strong: Estimate::root_mean_square(&errors),
             weak: weak.collect(),
-            energy_trend: Estimate::root_mean_square(&found.trends),
-            energy_oscillation: Estimate::root_mean_square(&found.oscillations),
+            energy_trend: Estimate::root_mean_square(&found.each(|path| path.trend.slope * span)),
+            energy_oscillation: Estimate::root_mean_square(&found.each(|path| path.trend.oscillation)),
             iterations: 0.0,
             largest_iterations: 0,
+            path_numbers: found.good.iter().map(|path| path.number).collect(),
             failure: found.failure,
             time: None,
             noise_time: None,
-            path_numbers: found.good,
-            errors: found.errors,
+            errors,
             times: vec![],
             noise_times: vec![],
         }))
@@ -251,7 +251,7 @@ where
         paths: Range<u64>,
     ) -> Result<Option<Found>, Error> {
         let (system, start) = (self.system, &plan.start);
-        let mut found = Found::new(self.observables.len());
+        let mut found = Found::default();
         // A run that was stopped has fewer references than paths.
         let place = |path: u64| usize::try_from(path).unwrap_or(usize::MAX).min(references.len());
         let exact = references.get(place(paths.start)..place(paths.end)).unwrap_or_default();
@@ -280,15 +280,17 @@ where
                 found.failures += 1;
                 continue;
             };
-            found.good.push(path);
-            found.errors.push(distance(&last, exact));
-            let trend = Trend::of(&seen.energies);
-            found.trends.push(trend.slope * (plan.end - start.t));
-            found.oscillations.push(trend.oscillation);
-            for (observable, values) in self.observables.iter().zip(&mut found.weak) {
+            let weak = self.observables.iter().map(|observable| {
                 let f = &observable.value;
-                values.push(f(&last) - observable.expectation.unwrap_or_else(|| f(exact)));
-            }
+                f(&last) - observable.expectation.unwrap_or_else(|| f(exact))
+            });
+            let weak = weak.collect();
+            found.good.push(Good {
+                number: path,
+                error: distance(&last, exact),
+                trend: Trend::of(&seen.energies),
+                weak,
+            });
         }
         Ok(Some(found))
     }
