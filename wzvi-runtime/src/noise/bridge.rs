@@ -91,38 +91,6 @@ impl Cut {
     }
 }
 
-/// What can be summed over adjacent intervals: the increment alone, or with it the integral.
-pub(super) trait Measure: Copy {
-    /// Of an empty interval.
-    const EMPTY: Self;
-    /// Of one interval of the tree.
-    fn of(node: BridgeInterval, length: f64) -> Self;
-    /// Of the union with the interval that follows.
-    fn then(self, next: Self) -> Self;
-    /// Of the same interval with time running backwards.
-    fn mirrored(self) -> Self;
-}
-
-/// `W(b) - W(a)`.
-impl Measure for f64 {
-    const EMPTY: Self = 0.0;
-
-    #[inline]
-    fn of(node: BridgeInterval, _: f64) -> Self {
-        node.w
-    }
-
-    #[inline]
-    fn then(self, next: Self) -> Self {
-        self + next
-    }
-
-    #[inline]
-    fn mirrored(self) -> Self {
-        -self
-    }
-}
-
 /// `W(b) - W(a)`, `int_a^b (W(s) - W(a)) ds` and `b - a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
@@ -131,16 +99,19 @@ pub(super) struct Span {
     pub(super) length: f64,
 }
 
-impl Measure for Span {
-    const EMPTY: Self = Self { w: 0.0, integral: 0.0, length: 0.0 };
+impl Span {
+    /// Of an empty interval.
+    pub(super) const EMPTY: Self = Self { w: 0.0, integral: 0.0, length: 0.0 };
 
+    /// Of one interval of the tree.
     #[inline]
-    fn of(node: BridgeInterval, length: f64) -> Self {
+    pub(super) fn of(node: BridgeInterval, length: f64) -> Self {
         Self { w: node.w, integral: node.area + 0.5 * length * node.w, length }
     }
 
+    /// Of the union with the interval that follows.
     #[inline]
-    fn then(self, next: Self) -> Self {
+    pub(super) fn then(self, next: Self) -> Self {
         Self {
             w: self.w + next.w,
             integral: self.integral + (next.integral + next.length * self.w),
@@ -148,8 +119,9 @@ impl Measure for Span {
         }
     }
 
+    /// Of the same interval with time running backwards.
     #[inline]
-    fn mirrored(self) -> Self {
+    pub(super) fn mirrored(self) -> Self {
         Self { w: -self.w, integral: self.integral - self.length * self.w, length: self.length }
     }
 }

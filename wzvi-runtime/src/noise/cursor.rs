@@ -5,7 +5,7 @@
 //! between them. Nothing cancels, so that small increments at large times keep their digits, and the sum is a function of the two
 //! times alone: the order of the queries changes nothing.
 
-use super::bridge::{BridgeInterval, Measure, Scale};
+use super::bridge::{BridgeInterval, Scale, Span};
 use super::grid::{self, DEPTH, GridTime, NODES, Parting};
 use super::stream::{Address, PAIRS, Source, Words};
 
@@ -95,21 +95,21 @@ impl Cursor {
 
     /// Goes to a point and measures the interval in between, as time goes forward.
     #[inline]
-    pub(super) fn advance<M: Measure>(&mut self, to: &GridTime) -> M {
+    pub(super) fn advance(&mut self, to: &GridTime) -> Span {
         let from = self.point;
         if from == *to {
-            return M::EMPTY;
+            return Span::EMPTY;
         }
         if from.negative != to.negative {
-            let before: M = self.since_zero();
+            let before = self.since_zero();
             self.descend(to, 0);
             return across(before, self.since_zero(), to.negative);
         }
         let parting = Parting::new(&from, to);
         let outward = to.beyond(&from);
-        let behind: M = self.side(&parting, outward);
+        let behind = self.side(&parting, outward);
         self.descend(to, if let Parting::Page { page, .. } = parting { page } else { 0 });
-        let ahead: M = self.side(&parting, !outward);
+        let ahead = self.side(&parting, !outward);
         self.join(&from, behind, ahead, outward)
     }
 
@@ -126,10 +126,10 @@ impl Cursor {
     }
 
     /// Measures the interval between two cursors of one process, as time goes forward.
-    pub(super) fn between<M: Measure>(&mut self, other: &mut Self) -> M {
+    pub(super) fn between(&mut self, other: &mut Self) -> Span {
         let (from, to) = (self.point, other.point);
         if from == to {
-            return M::EMPTY;
+            return Span::EMPTY;
         }
         if from.negative != to.negative {
             return across(self.since_zero(), other.since_zero(), to.negative);
@@ -141,47 +141,47 @@ impl Cursor {
     }
 
     /// Measures the interval between zero and this time, away from zero.
-    fn since_zero<M: Measure>(&mut self) -> M {
-        let mut sum = M::EMPTY;
+    fn since_zero(&mut self) -> Span {
+        let mut sum = Span::EMPTY;
         for octave in 0..self.point.octave {
-            sum = sum.then(self.octave::<M>(self.point.negative, octave));
+            sum = sum.then(self.octave(self.point.negative, octave));
         }
         sum.then(self.side(&Parting::Octaves, false))
     }
 
     /// The part of the interval between two points that lies on this cursor's side of the parting of their ways.
     #[inline]
-    fn side<M: Measure>(&self, parting: &Parting, near: bool) -> M {
+    fn side(&self, parting: &Parting, near: bool) -> Span {
         let start = match *parting {
             Parting::Octaves => 0,
-            Parting::Page { stop: true, .. } if near => return M::EMPTY,
+            Parting::Page { stop: true, .. } if near => return Span::EMPTY,
             // Where both go on, the two intervals of the cut contain the two points: neither was left behind.
             Parting::Page { page, cuts, stop } => usize::from(self.starts[page]) + cuts + usize::from(!stop),
         };
         let turns = self.turns[start..].iter();
-        let measure = |sum: M, turn: &Turn| sum.then(M::of(turn.node, turn.length));
+        let measure = |sum: Span, turn: &Turn| sum.then(Span::of(turn.node, turn.length));
         if near {
-            turns.rev().filter(|turn| !turn.right).fold(M::of(self.last.node, self.last.length), measure)
+            turns.rev().filter(|turn| !turn.right).fold(Span::of(self.last.node, self.last.length), measure)
         } else {
-            turns.filter(|turn| turn.right).fold(M::EMPTY, measure)
+            turns.filter(|turn| turn.right).fold(Span::EMPTY, measure)
         }
     }
 
     /// Puts the two sides together; `from` is where `behind` was measured, this cursor is at the other end.
     #[inline]
-    fn join<M: Measure>(&mut self, from: &GridTime, behind: M, ahead: M, outward: bool) -> M {
+    fn join(&mut self, from: &GridTime, behind: Span, ahead: Span, outward: bool) -> Span {
         let (near, far) = if outward { (behind, ahead) } else { (ahead, behind) };
         let (o, to) = (from.octave.min(self.point.octave), from.octave.max(self.point.octave));
         let mut sum = near;
         for octave in o + 1..to {
-            sum = sum.then(self.octave::<M>(from.negative, octave));
+            sum = sum.then(self.octave(from.negative, octave));
         }
         sum = sum.then(far);
         if from.negative { sum.mirrored() } else { sum }
     }
 
-    fn octave<M: Measure>(&mut self, negative: bool, octave: u8) -> M {
-        M::of(self.octave_node(negative, octave), grid::octave_length(octave))
+    fn octave(&mut self, negative: bool, octave: u8) -> Span {
+        Span::of(self.octave_node(negative, octave), grid::octave_length(octave))
     }
 
     fn octave_node(&mut self, negative: bool, octave: u8) -> BridgeInterval {
@@ -242,7 +242,7 @@ impl Cursor {
 }
 
 /// The interval between two points on different sides of zero, from their distances to it.
-fn across<M: Measure>(from: M, to: M, backward: bool) -> M {
+fn across(from: Span, to: Span, backward: bool) -> Span {
     let (negative, positive) = if backward { (to, from) } else { (from, to) };
     negative.mirrored().then(positive)
 }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::bridge::Span;
 use super::cursor::Cursor;
 use super::grid::{FARTHEST, GridTime};
 use super::stream::Source;
@@ -132,7 +131,7 @@ impl Wiener {
         let (from, to) = (self.point(a)?, self.point(b)?);
         let cursor = self.cursor(process);
         cursor.seek(&from);
-        let span: Span = cursor.advance(&to);
+        let span = cursor.advance(&to);
         let span = if from.after(&to) {
             // The span runs from b to a: int_a^b (W(s) - W(a)) ds = -(int_b^a (W(s) - W(b)) ds - (a - b) (W(a) - W(b))).
             -(span.integral - span.length * span.w)
@@ -157,7 +156,7 @@ impl Wiener {
         let scale = self.unit.sqrt();
         let cursor = self.cursor(process);
         cursor.seek(a);
-        let w: f64 = cursor.advance(b);
+        let w = cursor.advance(b).w;
         scale * if a.after(b) { -w } else { w }
     }
 

@@ -10,7 +10,6 @@
 //! A step uses the velocity at one point, `delta_i = h dW_eps/dt`, or the increment of `W_eps` ([`Sampling`]). Source: section 5 of
 //! the project's mathematics.
 
-use super::bridge::Span;
 use super::grid::GridTime;
 use super::truncation::truncation_setters;
 use super::wiener::{NOWHERE, Wiener, check_step};
@@ -205,13 +204,13 @@ impl WongZakai {
         let (early, late) = (self.early.cursor(process), self.late.cursor(process));
         early.seek(&points[0]);
         late.seek(&points[1]);
-        let across = scale * early.between::<f64>(late);
+        let across = scale * early.between(late).w;
         if !exact {
             return h / self.eps * across;
         }
         // eps (W_eps(t + h) - W_eps(t)) = int_{t + eps}^{t + eps + h} W ds - int_t^{t + h} W ds.
-        let before: Span = early.advance(&points[2]);
-        let after: Span = late.advance(&points[3]);
+        let before = early.advance(&points[2]);
+        let after = late.advance(&points[3]);
         (h * across + cube * (after.integral - before.integral)) / self.eps
     }
 }
