@@ -7,7 +7,6 @@
 
 mod constants_only;
 mod embeddings;
-mod expressions;
 mod fields;
 mod functions;
 mod macros;

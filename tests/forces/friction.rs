@@ -1,8 +1,8 @@
 //! Friction without a temperature: exact in the steps where it has one rate, a force otherwise.
 
+use fixtures::steps::{apart, asymmetry};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::scalar::Dual;
 
 /// Two coupled masses with one rate.
 macro_rules! coupled {
@@ -63,32 +63,11 @@ fn conformal_steps_are_those_of_the_reference() {
 }
 
 /// `Mᵀ J M = e^{-γ h} J` for the Jacobian `M` of a step, which has the determinant `e^{-γ h d}` then.
-fn conformal<E, H: Discretized<E, Vector = SVector<f64, 2>>>(system: &H, gamma: f64) {
-    let (h, z) = (0.15, [0.6, -0.3, 0.4, 0.9]);
-    let prepared = system.prepare(h).unwrap();
-    let mut columns = [[0.0; 4]; 4];
-    for (j, column) in columns.iter_mut().enumerate() {
-        let number = |i: usize| if i == j { Dual::<1>::variable(z[i], 0) } else { Dual::constant(z[i]) };
-        let (mut q, mut p) = ([number(0), number(1)], [number(2), number(3)]);
-        system.advance(&prepared, 0.3, h, &mut q, &mut p, &[], &mut Default::default()).unwrap();
-        *column = [q[0], q[1], p[0], p[1]].map(|x| x.derivative[0]);
-    }
-    let form = |a: &[f64; 4], b: &[f64; 4]| a[0] * b[2] + a[1] * b[3] - a[2] * b[0] - a[3] * b[1];
-    let factor = (-gamma * h).exp();
-    for i in 0..4 {
-        for j in 0..4 {
-            let unit = if j == i + 2 {
-                1.0
-            } else if i == j + 2 {
-                -1.0
-            } else {
-                0.0
-            };
-            let found = form(&columns[i], &columns[j]);
-            // A few roundings of products of entries below 2.
-            assert!((found - factor * unit).abs() < 1e-14, "{}: {i} {j} {found}", std::any::type_name::<E>());
-        }
-    }
+fn conformal<E, H: Discretized<E>>(system: &H, gamma: f64) {
+    let (start, h): ([&[f64]; 2], _) = ([&[0.6, -0.3], &[0.4, 0.9]], 0.15);
+    let gap = asymmetry::<E, _>(system, start, [0.3, h], &[], (-gamma * h).exp());
+    // A few roundings of products of entries below 2.
+    assert!(gap < 1e-14, "{}: {gap:e}", std::any::type_name::<E>());
 }
 
 macro_rules! every_scheme {
@@ -279,18 +258,10 @@ fn no_friction_is_the_bare_scheme() {
     #[hamiltonian(drift = |q, p| 0.5 * p * p - q.cos(), embedding = [Midpoint, Gauss<2>])]
     struct Bare;
     macro_rules! same {
-        ($($scheme:ty),*) => {$(
-            let (mut x, mut y) = (State::new([2.0], [0.3]), State::new([2.0], [0.3]));
-            let still = Pendulum { gamma: 0.0 };
-            let (mut one, mut other) =
-                (still.stepper::<$scheme>(0.1).unwrap().plain(), Bare.stepper::<$scheme>(0.1).unwrap().plain());
-            for _ in 0..50 {
-                one.step(&mut x, &[]).unwrap();
-                other.step(&mut y, &[]).unwrap();
-                // Sums in another order.
-                assert!((x.q - y.q).norm() < 1e-14 && (x.p - y.p).norm() < 1e-14);
-            }
-        )*};
+        ($($scheme:ty),*) => {
+            // Sums in another order.
+            $(assert!(apart::<$scheme, _, _>((&Pendulum { gamma: 0.0 }, &Bare), [&[2.0], &[0.3]], (0.1, 20), &[]) < 1e-14);)*
+        };
     }
     same!(Midpoint, Gauss<2>);
 }

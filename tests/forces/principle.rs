@@ -6,35 +6,11 @@ use wzvi::system::Segment;
 
 use crate::systems::*;
 
-/// A state of these coordinates, then momenta.
-fn state<V: Vector>([q, p]: [&[f64]; 2]) -> State<V> {
-    let vector = |list: &[f64]| {
-        let mut vector = V::zeros(list.len());
-        vector.components_mut().copy_from_slice(list);
-        vector
-    };
-    State { q: vector(q), p: vector(p), t: 0.0 }
-}
-
-fn numbers<V: Vector>(state: &State<V>) -> Vec<f64> {
-    state.q.components().iter().chain(state.p.components()).copied().collect()
-}
-
 /// Steps of two systems that are the same leave the same states.
 pub(crate) fn same<E, A: Discretized<E>, B: Discretized<E>>(a: &A, b: &B, start: [&[f64]; 2], dw: &[f64]) {
-    let h = 0.05;
-    let (mut one, mut other) = (a.stepper::<E>(h).unwrap(), b.stepper::<E>(h).unwrap());
-    let (mut x, mut y) = (state::<A::Vector>(start), state::<B::Vector>(start));
-    for step in 0..20 {
-        let dw: Vec<f64> =
-            dw.iter().enumerate().map(|(k, dw)| dw * f64::from(step * 7 + k as u32).sin()).collect();
-        one.step(&mut x, &dw).unwrap();
-        other.step(&mut y, &dw).unwrap();
-        for (a, b) in numbers(&x).iter().zip(&numbers(&y)) {
-            // Some twenty roundings of numbers below 4, and the tolerance of two iterations.
-            assert!((a - b).abs() < 4e-14, "{} step {step}: {a} {b}", std::any::type_name::<E>());
-        }
-    }
+    let gap = fixtures::steps::apart::<E, _, _>((a, b), start, (0.05, 20), dw);
+    // Some twenty roundings of numbers below 4, and the tolerance of two iterations.
+    assert!(gap < 4e-14, "{}: {gap:e}", std::any::type_name::<E>());
 }
 
 #[test]

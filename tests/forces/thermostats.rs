@@ -44,24 +44,12 @@ row!(
         |[x, y, _z]: [f64; 3]| [[self.gamma + x * x, 0.1 * y, 0.0], [0.1 * y, 0.5, -0.2], [0.0, -0.2, 0.7]]
 );
 
-fn same<E, A, B>(a: &A, b: &B)
-where
-    A: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 3>>,
-    B: Discretized<E, Vector = A::Vector>,
-{
-    let (mut one, mut other) = (a.stepper::<E>(0.1).unwrap(), b.stepper::<E>(0.1).unwrap());
-    let start = State::new([0.3, -0.5, 0.8], [0.2, 0.1, -0.4]);
-    let (mut x, mut y) = (start, start);
-    let normals = a.increments(3);
-    assert_eq!(normals, b.increments(3));
-    for step in 0..10 {
-        let dw: Vec<f64> = (0..normals).map(|k| 0.3 * ((11 * step + k) as f64).sin()).collect();
-        one.step(&mut x, &dw).unwrap();
-        other.step(&mut y, &dw).unwrap();
-        // A dozen roundings of numbers of size one.
-        assert!((x.q - y.q).norm() < 1e-14 && (x.p - y.p).norm() < 1e-14, "{x:?} {y:?}");
-    }
-    assert_ne!(x, start);
+fn same<E, A: Discretized<E>, B: Discretized<E>>(a: &A, b: &B) {
+    let (normals, others) = (a.increments(3), b.increments(3));
+    assert_eq!(normals, others);
+    let start: [&[f64]; 2] = [&[0.3, -0.5, 0.8], &[0.2, 0.1, -0.4]];
+    // A dozen roundings of numbers of size one.
+    assert!(fixtures::steps::apart::<E, _, _>((a, b), start, (0.1, 20), &vec![0.3; normals]) < 1e-14);
 }
 
 const MASS: [f64; 3] = [1.0, 2.0, 0.5];

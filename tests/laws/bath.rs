@@ -89,34 +89,6 @@ fn the_harmonic_variances_are_those_of_the_theory() {
     check_table::<Thermostat<Gauss<3>>>(|_| [1.0, 1.0]);
 }
 
-/// Means of `q²` and `p²` over paths from the start to `until`, within 4 of their standard errors.
-fn check_ensemble<E>(system: &Oscillator, h: f64, until: f64, expected: [f64; 2])
-where
-    Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
-    <Oscillator as Discretized<E>>::Prepared: Send + Sync,
-{
-    let run = system.ensemble::<E>(h).start(State::new([1.0], [0.0])).paths(20_000).seed(5).until(until);
-    let run = run.observe("q2", |state| state.q[0].powi(2)).observe("p2", |state| state.p[0].powi(2));
-    let statistics = run.run().expect("an ensemble");
-    for (name, expected) in ["q2", "p2"].into_iter().zip(expected) {
-        let (mean, error) =
-            (statistics.mean(name).expect("a mean"), statistics.standard_error(name).expect("an error"));
-        assert!((mean - expected).abs() < 4.0 * error, "{name} {mean} {error} {expected}");
-    }
-}
-
-#[test]
-fn ensembles_have_these_variances() {
-    let system = oscillator(1.5);
-    let Oscillator { m, k, .. } = system;
-    let (h, kt) = (0.8, 1.3);
-    let x = h * h * k / (4.0 * m);
-    let until = 40.0;
-    check_ensemble::<Baoab>(&system, h, until, [kt / k, m * kt * (1.0 - x)]);
-    check_ensemble::<Obabo>(&system, h, until, [kt / k / (1.0 - x), m * kt]);
-    check_ensemble::<Thermostat<Midpoint>>(&system, h, until, [kt / k, m * kt]);
-}
-
 /// `<q²>` of the quartic well, `kT = m = γ = 1`, and its standard error: over nodes of many paths, a few times of correlation apart.
 fn quartic<E>(h: f64) -> (f64, f64)
 where

@@ -12,7 +12,6 @@ mod tables;
 mod wide;
 
 use wzvi::prelude::*;
-use wzvi::scalar::Dual;
 
 /// Every system twice: with sums that stay loops, and unrolled with a literal size of 6 points.
 macro_rules! both_ways {
@@ -91,30 +90,17 @@ fn wave(n: usize, amplitude: f64, phase: f64) -> Vec<f64> {
     (0..n).map(|i| amplitude * (1.3 * i as f64 + phase).sin()).collect()
 }
 
-/// The largest difference after `steps` steps, against the largest component.
-fn difference<E, A, B, const D: usize>(sized: &A, unrolled: &B, h: f64, dw: &[f64], steps: usize) -> f64
-where
-    A: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
-    B: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, D>>,
-{
-    let (q, p) = (wave(D, 0.8, 0.2), wave(D, 0.5, 1.1));
-    let mut loops = State::new(q.clone(), p.clone());
-    let mut flat: State<B::Vector> = State::new(
-        wzvi::nalgebra::SVector::<f64, D>::from_vec(q),
-        wzvi::nalgebra::SVector::<f64, D>::from_vec(p),
-    );
-    let mut by_loops = sized.stepper::<E>(h).unwrap();
-    let mut by_hand = unrolled.stepper::<E>(h).unwrap();
-    let mut worst = 0.0_f64;
-    for _ in 0..steps {
-        by_loops.step(&mut loops, dw).unwrap();
-        by_hand.step(&mut flat, dw).unwrap();
-        for (a, b) in loops.q.iter().chain(&loops.p).zip(flat.q.iter().chain(&flat.p)) {
-            worst = worst.max((a - b).abs());
-        }
-    }
-    assert!(loops.q != State::<A::Vector>::new(wave(D, 0.8, 0.2), wave(D, 0.5, 1.1)).q, "nothing moved");
-    worst
+/// The largest difference in so many steps.
+fn difference<E, A: Discretized<E>, B: Discretized<E>>(
+    sized: &A,
+    unrolled: &B,
+    h: f64,
+    dw: &[f64],
+    steps: u32,
+) -> f64 {
+    let degrees = unrolled.degrees();
+    let start: [&[f64]; 2] = [&wave(degrees, 0.8, 0.2), &wave(degrees, 0.5, 1.1)];
+    fixtures::steps::apart::<E, _, _>((sized, unrolled), start, (h, steps), dw)
 }
 
 /// Twenty steps of order one each round a few dozen times: 1e-13 is 20 steps of 20 ulp. None of the systems is unstable
@@ -127,38 +113,31 @@ fn loops_and_unrolled_sums_take_the_same_steps() {
         Chain { beta: 0.7, mass: [1.0, 2.0, 0.5, 1.5, 1.0, 3.0] },
         ChainUnrolled { beta: 0.7, mass: [1.0, 2.0, 0.5, 1.5, 1.0, 3.0] },
     );
-    assert!(difference::<DeltaPlus, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
-    assert!(difference::<Midpoint, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
-    assert!(difference::<DeltaMinus, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
-    assert!(difference::<Lambda<1, 4>, _, _, 6>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaMinus, _, _>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Lambda<1, 4>, _, _>(&chain.0, &chain.1, 0.1, &[], 20) < ROUNDING);
     // So stiff that the fixed point does not contract.
-    assert!(difference::<Midpoint, _, _, 6>(&chain.0, &chain.1, 1.5, &[], 5) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&chain.0, &chain.1, 1.5, &[], 5) < ROUNDING);
     let ring = (Ring { k: 1.3 }, RingUnrolled { k: 1.3 });
-    assert!(difference::<DeltaPlus, _, _, 6>(&ring.0, &ring.1, 0.1, &[], 20) < ROUNDING);
-    assert!(difference::<Midpoint, _, _, 6>(&ring.0, &ring.1, 0.1, &[], 20) < ROUNDING);
-    assert!(difference::<Midpoint, _, _, 6>(&ring.0, &ring.1, 1.2, &[], 5) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _>(&ring.0, &ring.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&ring.0, &ring.1, 0.1, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&ring.0, &ring.1, 1.2, &[], 5) < ROUNDING);
     let coupled = (Coupled { a: 0.4 }, CoupledUnrolled { a: 0.4 });
-    assert!(difference::<DeltaPlus, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
-    assert!(difference::<Midpoint, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
-    assert!(difference::<DeltaMinus, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
-    assert!(difference::<Lambda<1, 3>, _, _, 6>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaMinus, _, _>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<Lambda<1, 3>, _, _>(&coupled.0, &coupled.1, 0.05, &[], 20) < ROUNDING);
     let gravity = (Gravity { g: 0.2 }, GravityUnrolled { g: 0.2 });
-    assert!(difference::<DeltaPlus, _, _, 12>(&gravity.0, &gravity.1, 0.05, &[], 20) < ROUNDING);
-    assert!(difference::<Midpoint, _, _, 12>(&gravity.0, &gravity.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _>(&gravity.0, &gravity.1, 0.05, &[], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&gravity.0, &gravity.1, 0.05, &[], 20) < ROUNDING);
     let noisy = (Noisy { s: 0.3 }, NoisyUnrolled { s: 0.3 });
-    assert!(difference::<Midpoint, _, _, 6>(&noisy.0, &noisy.1, 0.05, &[0.13], 20) < ROUNDING);
-    assert!(difference::<Uncorrected<DeltaPlus>, _, _, 6>(&noisy.0, &noisy.1, 0.05, &[0.03], 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&noisy.0, &noisy.1, 0.05, &[0.13], 20) < ROUNDING);
+    assert!(difference::<Uncorrected<DeltaPlus>, _, _>(&noisy.0, &noisy.1, 0.05, &[0.03], 20) < ROUNDING);
+    assert!(difference::<Mixed<DeltaPlus, Midpoint>, _, _>(&noisy.0, &noisy.1, 0.05, &[-0.1], 20) < ROUNDING);
     assert!(
-        difference::<Mixed<DeltaPlus, Midpoint>, _, _, 6>(&noisy.0, &noisy.1, 0.05, &[-0.1], 20) < ROUNDING
-    );
-    assert!(
-        difference::<Uncorrected<Mixed<Midpoint, DeltaPlus>>, _, _, 6>(
-            &noisy.0,
-            &noisy.1,
-            0.05,
-            &[-0.03],
-            20
-        ) < ROUNDING
+        difference::<Uncorrected<Mixed<Midpoint, DeltaPlus>>, _, _>(&noisy.0, &noisy.1, 0.05, &[-0.03], 20)
+            < ROUNDING
     );
 }
 
@@ -245,28 +224,12 @@ fn a_pinned_fixed_point_is_not_replaced() {
 
 #[test]
 fn steps_are_symplectic() {
-    const N: usize = 5;
-    let fput = Fput::<N> { beta: 0.25 };
-    let start = first_mode::<N>();
+    let q = first_mode::<5>().q;
     for h in [0.1, 1.5] {
-        let values: [f64; 2 * N] =
-            std::array::from_fn(|k| if k < N { start.q[k] } else { 0.1 * (k - N) as f64 });
-        let z: [Dual<{ 2 * N }>; 2 * N] = Dual::variables(values);
-        let (mut q, mut p) = (z[..N].to_vec(), z[N..].to_vec());
-        let mut memory = wzvi::elements::Memory::default();
-        Discretized::<Midpoint>::advance(&fput, &(), 0.0, h, &mut q, &mut p, &[], &mut memory).unwrap();
-        // Rows of the Jacobian by component; the symplectic form of every pair of columns.
-        for a in 0..2 * N {
-            for b in 0..2 * N {
-                let form: f64 = (0..N)
-                    .map(|i| {
-                        q[i].derivative[a] * p[i].derivative[b] - p[i].derivative[a] * q[i].derivative[b]
-                    })
-                    .sum();
-                let expected = f64::from(i8::from(b == a + N) - i8::from(a == b + N));
-                assert!((form - expected).abs() < 1e-12, "h = {h}: ({a}, {b}): {form}");
-            }
-        }
+        let start: [&[f64]; 2] = [q.as_slice(), &[0.0, 0.1, 0.2, 0.3, 0.4]];
+        let gap =
+            fixtures::steps::asymmetry::<Midpoint, _>(&Fput::<5> { beta: 0.25 }, start, [0.0, h], &[], 1.0);
+        assert!(gap < 1e-12, "h = {h}: {gap:e}");
     }
 }
 
@@ -307,9 +270,9 @@ fn tables_place_elements_and_families_drive_them() {
     let unrolled = NetworkUnrolled { sigma: 0.4 };
     assert_eq!((network.noises(), unrolled.noises()), (4, 4));
     let dw = [0.1, -0.2, 0.05, 0.3];
-    assert!(difference::<Midpoint, _, _, 4>(&network, &unrolled, 0.1, &dw, 20) < ROUNDING);
-    assert!(difference::<Midpoint, _, _, 4>(&network, &unrolled, 1.0, &dw, 3) < ROUNDING);
-    assert!(difference::<DeltaPlus, _, _, 4>(&network, &unrolled, 0.1, &dw, 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&network, &unrolled, 0.1, &dw, 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&network, &unrolled, 1.0, &dw, 3) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _>(&network, &unrolled, 0.1, &dw, 20) < ROUNDING);
     let state = State::new(wave(4, 1.0, 0.0), wave(4, 1.0, 2.0));
     let flat: State<wzvi::nalgebra::SVector<f64, 4>> = State::new(
         wzvi::nalgebra::SVector::<f64, 4>::from_vec(wave(4, 1.0, 0.0)),

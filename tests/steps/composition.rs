@@ -6,10 +6,11 @@ mod forced;
 mod parts;
 mod stages;
 
+use fixtures::extremes::state;
 use fixtures::small::{Driven, HenonHeiles, Pendulum};
+use fixtures::steps::{asymmetry, way_back};
 use serde_json::Value;
 use wzvi::prelude::*;
-use wzvi::scalar::Dual;
 use wzvi::state::Vector;
 use wzvi::system::Segment;
 
@@ -20,7 +21,7 @@ fn follow<E, H: Discretized<E>>(system: &H, case: &Value) {
     let list = |value: &Value| -> Vec<f64> {
         value.as_array().unwrap().iter().map(|x| x.as_str().unwrap().parse().unwrap()).collect()
     };
-    let mut state = State { q: vector::<H>(&list(&case["q0"])), p: vector::<H>(&list(&case["p0"])), t: 0.0 };
+    let mut state = state::<H::Vector>(&list(&case["q0"]), &list(&case["p0"]));
     let h = case["h"].as_str().unwrap().parse().unwrap();
     let mut stepper = system.stepper::<E>(h).unwrap();
     for node in case["trajectory"].as_array().unwrap() {
@@ -32,12 +33,6 @@ fn follow<E, H: Discretized<E>>(system: &H, case: &Value) {
             }
         }
     }
-}
-
-fn vector<H: Hamiltonian>(components: &[f64]) -> H::Vector {
-    let mut vector = H::Vector::zeros(components.len());
-    vector.components_mut().copy_from_slice(components);
-    vector
 }
 
 #[test]
@@ -130,14 +125,9 @@ fn check_gradient<E, H: Discretized<E, Vector = Line>>(system: &H) {
 
 /// `dq' ∧ dp' = dq ∧ dp` by dual numbers, and the step of `-h` leads back.
 fn check_symplectic_and_symmetric<E, H: Discretized<E>>(system: &H, h: f64) {
-    let [forth, back] = [h, -h].map(|h| system.prepare(h).unwrap());
-    let [q, p] = Dual::variables([0.4, 0.3]);
-    let (mut q, mut p, mut memory) = ([q], [p], Default::default());
-    system.advance(&forth, 0.2, h, &mut q, &mut p, &[], &mut memory).unwrap();
-    let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
-    assert!((a * d - b * c - 1.0).abs() < 1e-14, "{:e}", a * d - b * c - 1.0);
-    system.advance(&back, 0.2 + h, -h, &mut q, &mut p, &[], &mut memory).unwrap();
-    assert!((q[0].value - 0.4).abs() < 4e-15 && (p[0].value - 0.3).abs() < 4e-15, "{q:?} {p:?}");
+    let (start, at): ([&[f64]; 2], _) = ([&[0.4], &[0.3]], [0.2, h]);
+    assert!(asymmetry::<E, _>(system, start, at, &[], 1.0) < 1e-14);
+    assert!(way_back::<E, _>(system, start, at, &[]) < 4e-15);
 }
 
 #[test]

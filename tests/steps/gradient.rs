@@ -1,5 +1,6 @@
 //! Kicks by potentials with the square of the force: their order, what they keep, and that loops take the steps of straight-line code.
 
+use fixtures::steps::{apart, asymmetry, lanes_apart, way_back};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::scalar::{Dual, Scalar};
@@ -146,59 +147,23 @@ fn the_kick_is_that_of_the_formula() {
 
 #[test]
 fn loops_take_the_steps_of_straight_lines() {
-    fn check<W>(steps: u64)
-    where
-        Loops: Discretized<Composed<Verlet, W>, Vector = wzvi::nalgebra::DVector<f64>>,
-        Written: Discretized<Composed<Verlet, W>, Vector = SVector<f64, 3>>,
-    {
-        let (q, p) = ([0.3, -0.7, 0.5], [0.2, 0.1, -0.4]);
-        let loops = Loops.simulate::<Composed<Verlet, W>>(0.05).start(State::new(q.to_vec(), p.to_vec()));
-        let loops = loops.steps(steps).run().unwrap();
-        let written =
-            Written.simulate::<Composed<Verlet, W>>(0.05).start(State::new(q, p)).steps(steps).run().unwrap();
-        for i in 0..3 {
-            // Some roundings for each step.
-            let bound = 1e-15 * steps as f64;
-            assert!((loops.last().q[i] - written.last().q[i]).abs() < bound);
-            assert!((loops.last().p[i] - written.last().p[i]).abs() < bound);
-        }
-    }
-    check::<Chin4>(100);
-    check::<TakahashiImada4>(100);
+    let start: [&[f64]; 2] = [&[0.3, -0.7, 0.5], &[0.2, 0.1, -0.4]];
+    // Some roundings for each of twenty steps.
+    assert!(apart::<Composed<Verlet, Chin4>, _, _>((&Loops, &Written), start, (0.05, 20), &[]) < 2e-14);
+    assert!(
+        apart::<Composed<Verlet, TakahashiImada4>, _, _>((&Loops, &Written), start, (0.05, 20), &[]) < 2e-14
+    );
 }
 
-/// The tangent map `M` of a step, by dual numbers, has `Mᵀ J M = J`, and the step of `-h` undoes the step of `h`.
 #[test]
 fn steps_are_symplectic_and_symmetric() {
     fn check<E>()
     where
-        Masses: Discretized<E, Vector = SVector<f64, 2>>,
+        Masses: Discretized<E>,
     {
-        let (h, z) = (0.1, [0.4, -0.2, 0.3, 0.5]);
-        let prepared = Discretized::<E>::prepare(&MASSES, h).unwrap();
-        let dual: [Dual<4>; 4] = Dual::variables(z);
-        let (mut q, mut p) = ([dual[0], dual[1]], [dual[2], dual[3]]);
-        let mut memory = Default::default();
-        Discretized::<E>::advance(&MASSES, &prepared, 0.0, h, &mut q, &mut p, &[], &mut memory).unwrap();
-        let m = [q[0], q[1], p[0], p[1]].map(|row| row.derivative);
-        for a in 0..4 {
-            for b in 0..4 {
-                let form = m[0][a] * m[2][b] + m[1][a] * m[3][b] - m[2][a] * m[0][b] - m[3][a] * m[1][b];
-                let exact = if b == a + 2 {
-                    1.0
-                } else if a == b + 2 {
-                    -1.0
-                } else {
-                    0.0
-                };
-                assert!((form - exact).abs() < 1e-15, "{a} {b}: {form}");
-            }
-        }
-        let start: State<SVector<f64, 2>> = State::new([z[0], z[1]], [z[2], z[3]]);
-        let mut state = start;
-        MASSES.stepper::<E>(h).unwrap().step(&mut state, &[]).unwrap();
-        MASSES.stepper::<E>(-h).unwrap().step(&mut state, &[]).unwrap();
-        assert!((state.q - start.q).norm() < 1e-15 && (state.p - start.p).norm() < 1e-15);
+        let start: [&[f64]; 2] = [&[0.4, -0.2], &[0.3, 0.5]];
+        assert!(asymmetry::<E, _>(&MASSES, start, [0.0, 0.1], &[], 1.0) < 1e-15);
+        assert!(way_back::<E, _>(&MASSES, start, [0.0, 0.1], &[]) < 1e-15);
     }
     check::<Composed<Verlet, Chin4>>();
     check::<Composed<Verlet, TakahashiImada4>>();
@@ -239,21 +204,10 @@ fn the_discrete_lagrangian_is_that_of_the_step() {
     check::<Composed<Verlet, TakahashiImada4>>();
 }
 
-/// Paths of an ensemble lie in lanes, and their dual numbers with them: they are those of single runs with the same noise.
+/// Paths of an ensemble lie in lanes, and their dual numbers with them.
 #[test]
 fn ensembles_take_the_same_steps_in_lanes() {
     let shaken = Shaken { sigma: 0.3 };
-    let start = || State::new([0.3], [0.5]);
-    let ensemble =
-        shaken.ensemble::<Composed<Verlet, Chin4>>(0.05).start(start()).paths(20).seed(5).steps(40);
-    let all = ensemble.record_every(40).keep_paths(1 << 20).run().unwrap();
-    for path in [0, 7, 19] {
-        let noise = StepNormals::seed(5).path(path);
-        let single = shaken.simulate::<Composed<Verlet, Chin4>>(0.05).start(start()).noise(noise);
-        let single = single.steps(40).run().unwrap();
-        let kept = all.paths().unwrap().at(path as usize, 1).unwrap();
-        // Elementary functions of lanes differ by roundings.
-        assert!((kept[0] - single.last().q[0]).abs() < 1e-13, "{kept:?} {:?}", single.last());
-        assert!((kept[1] - single.last().p[0]).abs() < 1e-13, "{kept:?} {:?}", single.last());
-    }
+    // Elementary functions of lanes differ by roundings.
+    assert!(lanes_apart::<Composed<Verlet, Chin4>, _>(&shaken, [&[0.3], &[0.5]], 0.05) < 1e-13);
 }

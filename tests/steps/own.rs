@@ -103,15 +103,8 @@ fn steps_allocate_nothing() {
 
 #[test]
 fn paths_of_an_ensemble_have_the_bits_of_single_ones() {
-    let (start, noise) = (State::new([0.3], [0.8]), || StepNormals::seed(5));
     let kubo = Kubo { a: 0.7, sigma: 0.9 };
-    let run = kubo.ensemble::<Rk4>(0.02).start(start).noise(noise()).paths(19).steps(40);
-    let run = run.keep_paths(1 << 20).run().unwrap();
-    for path in 0..19 {
-        let single = kubo.simulate::<Rk4>(0.02).start(start).noise(noise().path(path)).steps(40);
-        let last = *single.run().unwrap().last();
-        assert_eq!(run.paths().unwrap().at(path as usize, 1).unwrap()[..2], [last.q[0], last.p[0]], "{path}");
-    }
+    assert_eq!(fixtures::steps::lanes_apart::<Rk4, _>(&kubo, [&[0.3], &[0.8]], 0.02), 0.0);
 }
 
 #[test]

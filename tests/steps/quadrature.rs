@@ -1,7 +1,6 @@
 //! Quadratures of the program's own: their facts, their order, and the same steps in straight lines, in loops and in lanes. That they are symplectic, and what their
 //! equations say, is in `symplectic`.
 
-use wzvi::increments::Interval;
 use wzvi::plan::{Plan, Solver};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -169,25 +168,11 @@ fn the_limit_reads_the_mean_of_the_points() {
     assert_eq!(consistent, [false, true, true]);
 }
 
-/// Every path of an ensemble, in lanes, is that of a stepper.
+/// Every path of an ensemble, in lanes, is that of a single run.
 #[test]
 fn lanes_take_the_steps_of_a_stepper() {
-    let (h, steps, paths, start) = (0.05, 40, 19, State::new([0.7], [0.4]));
-    let run = One.ensemble::<Simpson>(h).start(start).paths(paths).seed(3).steps(steps).threads(1);
-    let run = run.observe("q", |state| state.q[0]).run().unwrap();
-    let ends = (0..paths).map(|path| {
-        let mut noise = StepNormals::seed(3).path(path);
-        noise.prepare(&<One as Discretized<Simpson>>::PLAN, h, 1, 0.0).unwrap();
-        let (mut state, mut stepper, mut dw) = (start, One.stepper::<Simpson>(h).unwrap(), [0.0]);
-        for step in 0..steps {
-            noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
-            stepper.step(&mut state, &dw).unwrap();
-        }
-        state.q[0]
-    });
-    let mean = ends.sum::<f64>() / paths as f64;
     // Cosines of lanes and of single numbers differ by their last bits.
-    assert!((run.mean("q").unwrap() - mean).abs() < 1e-13, "{:?} {mean}", run.mean("q"));
+    assert!(fixtures::steps::lanes_apart::<Simpson, _>(&One, [&[0.7], &[0.4]], 0.05) < 1e-13);
 }
 
 /// The modified energy that is printed: of the motion without time, noise and force, its drift falls with the fourth power of the step.

@@ -7,6 +7,7 @@
 use std::array::from_fn;
 
 use fixtures::Uniform as Random;
+#[cfg(debug_assertions)]
 use fixtures::random::inline::*;
 use wzvi::prelude::*;
 use wzvi::scalar::Dual;
@@ -332,6 +333,7 @@ macro_rules! check {
     };
 }
 
+#[cfg(debug_assertions)]
 fixtures::every_random_system!(check);
 
 /// A system with every kind of scheme.
@@ -371,13 +373,6 @@ with_every_scheme!(
     Pendulum { omega: 1.3 },
     drift = |q, p| 0.5 * p * p - omega * omega * q.cos(),
     noise = [|q, p| 0.3 * q.sin() + 0.2 * p],
-);
-with_every_scheme!(
-    double_well,
-    2,
-    DoubleWell { s: 0.3 },
-    drift = |q, p| 0.5 * p * p + 0.25 * (q * q - 1.0).powi(2),
-    noise = [|q, p| s * q * p],
 );
 with_every_scheme!(
     metric,

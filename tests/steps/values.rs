@@ -124,6 +124,12 @@ same_as_rust! { a, n, k;
     composed: |q, p, _| ((q * q + p).ln().sin() + 2.0).sqrt().exp() / (1.0 + (q * p).tanh().powi(2));
     kepler: |q, p, _| 0.5 * p * p - 1.0 / (q * q + 0.25).sqrt() + (q * q + 0.25).powf(-1.5);
     morse: |q, p, _| p * p / 2.0 + a * (1.0 - (-0.75 * (q - 0.5)).exp()).powi(2);
+    bindings: |q, p, _| { let [x, .., z] = [q, a, p]; let r = &q; *r * x + z + if true { p } else { q } };
+    captures: |q, p, _| { let mut f = 0.0; let g = move |x: f64| x + f; f = 1.0; g(q) + p + f };
+    unpacked: |q, p, _| { let v = |x: f64, (y, z): (f64, f64)| x * y + z; v(q, (p, a)) + v(p, (a, q)) };
+    collected: |q, p, _| { let v: Vec<f64> = (0..3).map(|i| q + i as f64).collect(); v[2] * p + v[1..].iter().sum::<f64>() };
+    mapped: |q, p, _| [0.5; 3].map(|x| x * q).iter().sum::<f64>() + (0..3).zip(1..).map(|(i, j)| q * (i * j) as f64 + p).sum::<f64>();
+    reversed: |q, p, _| (1..=3).rev().skip(1).take(1).step_by(1).map(|i| p + f64::from(i)).product::<f64>() * q;
     small_differences: |q, p, _| (1.0 - q.cos()) + (q.exp() - 1.0) + (1.0 + q).ln() + p;
 }
 

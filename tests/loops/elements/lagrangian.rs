@@ -134,36 +134,14 @@ where
     }
 }
 
-/// `Jᵀ Ω J = Ω` for the Jacobian of one step by dual numbers.
-fn step_is_symplectic<E, M>(system: &M, dw: &[f64])
-where
-    M: Discretized<E, Vector = DVector<f64>>,
-{
-    let (q, p) = (wave(0.2), wave(1.1));
-    let start: [f64; 2 * N] = std::array::from_fn(|k| if k < N { q[k] } else { p[k - N] });
-    let z: [Dual<{ 2 * N }>; 2 * N] = Dual::variables(start);
-    let (mut q, mut p) = (z[..N].to_vec(), z[N..].to_vec());
-    let dw: Vec<Dual<{ 2 * N }>> = dw.iter().map(|&dw| Dual::from_f64(dw)).collect();
-    let prepared = system.prepare(H).unwrap();
-    system.advance(&prepared, 0.4, H, &mut q, &mut p, &dw, &mut Default::default()).unwrap();
-    for a in 0..2 * N {
-        for b in 0..2 * N {
-            let form: f64 = (0..N)
-                .map(|i| q[i].derivative[a] * p[i].derivative[b] - p[i].derivative[a] * q[i].derivative[b])
-                .sum();
-            let expected = f64::from(i8::from(b == a + N) - i8::from(a == b + N));
-            // Ten products of slopes of order one, each solved to a few roundings.
-            assert!((form - expected).abs() < 100.0 * f64::EPSILON, "({a}, {b}): {form}");
-        }
-    }
-}
-
 macro_rules! check {
     ($system:expr, $dw:expr, $($scheme:ty: ($drift:expr, $noise:expr, $is_corrected:expr)),* $(,)?) => {$(
         let quadrature = Quadrature { drift: $drift, noise: $noise, is_corrected: $is_corrected };
         gradient_is_that_of_the_definition::<$scheme, _>($system, &quadrature, $dw);
         step_solves_its_equations::<$scheme, _>($system, $dw);
-        step_is_symplectic::<$scheme, _>($system, $dw);
+        let start: [&[f64]; 2] = [&wave(0.2), &wave(1.1)];
+        // Ten products of slopes of order one, each solved to a few roundings.
+        assert!(fixtures::steps::asymmetry::<$scheme, _>($system, start, [0.4, H], $dw, 1.0) < 100.0 * f64::EPSILON);
     )*};
 }
 

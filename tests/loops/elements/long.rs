@@ -92,7 +92,7 @@ fn hard_steps_find_the_solution_of_unrolled_ones() {
         let (loops, unrolled) = (Chain { beta, mass }, ChainUnrolled { beta, mass });
         // Three steps of a stiff chain magnify rounding by h² times the largest curvature each.
         let bound = 1e-13 * (h * h * beta * 3.0_f64).powi(3);
-        let worst = difference::<Midpoint, _, _, 6>(&loops, &unrolled, h, &[], 3);
+        let worst = difference::<Midpoint, _, _>(&loops, &unrolled, h, &[], 3);
         assert!(worst < bound, "beta = {beta}: {worst:e}");
     }
 }

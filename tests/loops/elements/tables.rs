@@ -38,8 +38,8 @@ fn tuples_and_lists_of_lists_place_elements() {
     let unrolled = NetworkUnrolled { sigma: 0.4 };
     let dw = [0.1, -0.2, 0.05, 0.3];
     assert_eq!(listed().noises(), 4);
-    assert!(difference::<Midpoint, _, _, 4>(&listed(), &unrolled, 0.1, &dw, 20) < ROUNDING);
-    assert!(difference::<DeltaPlus, _, _, 4>(&listed(), &unrolled, 0.1, &dw, 20) < ROUNDING);
+    assert!(difference::<Midpoint, _, _>(&listed(), &unrolled, 0.1, &dw, 20) < ROUNDING);
+    assert!(difference::<DeltaPlus, _, _>(&listed(), &unrolled, 0.1, &dw, 20) < ROUNDING);
 }
 
 #[test]

@@ -6,9 +6,9 @@
 //! Δq = Σ c_m ∂H_m/∂p(P, Q)      P - p_i = -(1 - l) Σ c_m ∂H_m/∂q(P, Q)      Δp = -Σ c_m ∂H_m/∂q(P, Q)
 //! ```
 
+pub(crate) use fixtures::extremes::state;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
-use wzvi::state::Vector;
 use wzvi::system::{At, Listed, Scheme, SchemeOf};
 use wzvi_runtime::algebra::carry::Carry;
 
@@ -226,11 +226,4 @@ pub(crate) fn percentile(errors: &[f64], percent: usize) -> f64 {
     let mut sorted = errors.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[(sorted.len() - 1) * percent / 100]
-}
-
-pub(crate) fn state<V: Vector>(q: &[f64], p: &[f64]) -> State<V> {
-    let mut state = State { q: V::zeros(q.len()), p: V::zeros(p.len()), t: 0.0 };
-    state.q.components_mut().copy_from_slice(q);
-    state.p.components_mut().copy_from_slice(p);
-    state
 }

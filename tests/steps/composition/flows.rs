@@ -6,7 +6,9 @@ use wzvi::state::Vector;
 use wzvi::system::Segment;
 
 use super::counted::{Counted, sines};
-use super::{HenonHeiles, Pendulum, check_gradient, check_symplectic_and_symmetric, order, vector};
+use super::{HenonHeiles, Pendulum, check_gradient, check_symplectic_and_symmetric, order};
+use fixtures::extremes::state;
+use fixtures::steps::{apart, lanes_apart};
 
 /// Separable, with time in the force, with noises of both kinds.
 #[hamiltonian(
@@ -66,7 +68,7 @@ fn forces_at_shared_nodes_are_evaluated_once() {
 fn check_reuse<E, H: Discretized<E>>(system: &H, [q, p]: [&[f64]; 2]) {
     let h = 0.05;
     let mut stepper = system.stepper::<E>(h).unwrap();
-    let mut state = State { q: vector::<H>(q), p: vector::<H>(p), t: 0.3 };
+    let mut state = State { t: 0.3, ..self::state::<H::Vector>(q, p) };
     for n in 0..20 {
         let mut anew = state.clone();
         stepper.step(&mut state, &[]).unwrap();
@@ -98,7 +100,7 @@ fn check_halves<H: Discretized<Verlet> + Discretized<DeltaPlus> + Discretized<De
     rounding: f64,
 ) {
     let (h, half): (f64, Vec<f64>) = (0.1, dw.iter().map(|dw| 0.5 * dw).collect());
-    let start = State { q: vector::<H>(q), p: vector::<H>(p), t: 0.7 };
+    let start = State { t: 0.7, ..state::<H::Vector>(q, p) };
     let (mut whole, mut halves) = (start.clone(), start);
     system.stepper::<Verlet>(h).unwrap().step(&mut whole, dw).unwrap();
     system.stepper::<DeltaPlus>(0.5 * h).unwrap().step(&mut halves, &half).unwrap();
@@ -153,42 +155,11 @@ use sweep_of::{inline, sweep};
 /// The steps of elements and of straight-line code.
 #[test]
 fn loops_are_what_they_would_be_written_out() {
-    fn check<E>()
-    where
-        inline::Noisy: Discretized<E>,
-        sweep::Noisy: Discretized<E>,
-    {
-        let (q, p) = ([0.1, 0.3, -0.2, 0.4, 0.0], [0.2, -0.1, 0.3, 0.1, -0.4]);
-        let mut a = State { q: vector::<inline::Noisy>(&q), p: vector::<inline::Noisy>(&p), t: 0.1 };
-        let mut b = State { q: vector::<sweep::Noisy>(&q), p: vector::<sweep::Noisy>(&p), t: 0.1 };
-        let mut first = inline::Noisy.stepper::<E>(0.1).unwrap().compensated();
-        let (mut second, mut third) =
-            (sweep::Noisy.stepper::<E>(0.1).unwrap(), sweep::Noisy.stepper::<E>(0.1).unwrap().compensated());
-        let mut c = b;
-        for n in 0..10 {
-            let dw = [0.1 * f64::from(n % 3), -0.07];
-            first.step(&mut a, &dw).unwrap();
-            second.step(&mut b, &dw).unwrap();
-            third.step(&mut c, &dw).unwrap();
-        }
-        let all = |state: &State<_>| [state.q, state.p].concat_all();
-        for ((a, b), c) in all(&a).iter().zip(all(&b)).zip(all(&c)) {
-            // Roundings of some hundred operations with numbers below 1.
-            assert!((a - b).abs() < 1e-14 && (a - c).abs() < 1e-14, "{a} {b} {c}");
-        }
-    }
-    check::<Verlet>();
-    check::<Composed<Verlet, BlanesMoan6>>();
-}
-
-trait Concat {
-    fn concat_all(&self) -> Vec<f64>;
-}
-
-impl<V: Vector> Concat for [V; 2] {
-    fn concat_all(&self) -> Vec<f64> {
-        self.iter().flat_map(|vector| vector.components().to_vec()).collect()
-    }
+    let start: [&[f64]; 2] = [&[0.1, 0.3, -0.2, 0.4, 0.0], &[0.2, -0.1, 0.3, 0.1, -0.4]];
+    let pair = (&inline::Noisy, &sweep::Noisy);
+    // Roundings of some hundred operations with numbers below 1.
+    assert!(apart::<Verlet, _, _>(pair, start, (0.1, 20), &[0.2, -0.07]) < 1e-14);
+    assert!(apart::<Composed<Verlet, BlanesMoan6>, _, _>(pair, start, (0.1, 20), &[0.2, -0.07]) < 1e-14);
 }
 
 #[test]
@@ -204,11 +175,11 @@ fn a_step_that_fails_changes_nothing() {
         let mut stepper = system.stepper::<E>(0.1).unwrap().compensated();
         let mut q = vec![0.3; degrees];
         let p = vec![0.1; degrees];
-        let mut state = State { q: vector::<H>(&q), p: vector::<H>(&p), t: 0.0 };
+        let mut state = self::state::<H::Vector>(&q, &p);
         stepper.step(&mut state, &[]).unwrap();
         q[0] = 1e200;
         let good = state.clone();
-        let bad = State { q: vector::<H>(&q), p: vector::<H>(&p), t: good.t };
+        let bad = self::state::<H::Vector>(&q, &p).at(good.t);
         let mut failed = bad.clone();
         let error = stepper.step(&mut failed, &[]).unwrap_err();
         assert!(matches!(error.cause, wzvi::error::StepFailure::NonFinite), "{error}");
@@ -254,22 +225,10 @@ fn the_discrete_lagrangian_is_that_of_its_parts() {
 /// Paths of an ensemble are those that its noise drives alone.
 #[test]
 fn ensembles_take_flows_side_by_side() {
-    macro_rules! check {
-        ($scheme:ty) => {
-            let start = State::new([0.4, 0.1], [0.3, 0.2]);
-            let ensemble = Forced.ensemble::<$scheme>(0.05).start(start).paths(20).seed(7).until(1.0);
-            let statistics = ensemble.observe("x", |state| state.q[0]).run().unwrap();
-            let alone = |path| {
-                let noise = StepNormals::seed(7).path(path);
-                Forced.simulate::<$scheme>(0.05).start(start).noise(noise).until(1.0).run().unwrap().last().q
-                    [0]
-            };
-            let mean = (0..20).map(alone).sum::<f64>() / 20.0;
-            assert!((mean - statistics.mean("x").unwrap()).abs() < 1e-14);
-        };
-    }
-    check!(Verlet);
-    check!(Composed<Verlet, BlanesMoan4>);
+    let start: [&[f64]; 2] = [&[0.4, 0.1], &[0.3, 0.2]];
+    // Sums of single paths are compensated.
+    assert!(lanes_apart::<Verlet, _>(&Forced, start, 0.05) < 1e-14);
+    assert!(lanes_apart::<Composed<Verlet, BlanesMoan4>, _>(&Forced, start, 0.05) < 1e-14);
 }
 
 #[test]

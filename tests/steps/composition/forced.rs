@@ -1,9 +1,8 @@
 //! Forces and friction beside `drift = [H_A, H_B]`: each in the flow in which it changes nothing else.
 
 use wzvi::prelude::*;
-use wzvi::scalar::Dual;
 
-use super::parts::step;
+use fixtures::steps::{advance, asymmetry, step_apart};
 
 /// A force without potential, in the kick.
 #[hamiltonian(
@@ -55,22 +54,12 @@ const AT: [&[f64]; 2] = [&[0.5, -0.3, 0.2], &[0.4, 0.1, -0.6]];
 /// Where the parts are drift and kick, steps are those of the sum.
 #[test]
 fn a_separable_drift_is_forced_in_its_kicks() {
-    let compare = |ours: Vec<f64>, theirs: Vec<f64>| {
-        for (a, b) in ours.iter().zip(theirs) {
-            // Some twenty sums of numbers below 1.
-            assert!((a - b).abs() < 20.0 * f64::EPSILON, "{a} {b}");
-        }
-    };
     let (at, times) = ([&[0.5, -0.3][..], &[0.4, 0.1]], [0.7, 0.3]);
-    compare(step::<Verlet, _>(&Apart, at, times), step::<Verlet, _>(&Together, at, times));
-    compare(
-        step::<Composed<Verlet, Aba1064>, _>(&Apart, at, times),
-        step::<Composed<Verlet, Aba1064>, _>(&Together, at, times),
-    );
-    compare(
-        step::<Composed<Verlet, Aba864>, _>(&Apart, at, times),
-        step::<Composed<Verlet, Aba864>, _>(&Together, at, times),
-    );
+    // Some twenty sums of numbers below 1.
+    let bound = 20.0 * f64::EPSILON;
+    assert!(step_apart::<Verlet, _, _>((&Apart, &Together), at, times) < bound);
+    assert!(step_apart::<Composed<Verlet, Aba1064>, _, _>((&Apart, &Together), at, times) < bound);
+    assert!(step_apart::<Composed<Verlet, Aba864>, _, _>((&Apart, &Together), at, times) < bound);
 }
 
 /// Half of the step leaves `2^-(order + 1)` of its error.
@@ -82,12 +71,9 @@ fn forced_and_damped_parts_have_the_order_of_their_table() {
     {
         let system = Coupled { gamma: 0.7 };
         let gap = |h: f64| {
-            let pairs = step::<E, _>(&system, AT, [0.3, h]).into_iter().zip(step::<Gauss<6>, _>(
-                &system,
-                AT,
-                [0.3, h],
-            ));
-            pairs.map(|(ours, exact)| (ours - exact).powi(2)).sum::<f64>().sqrt()
+            let ours = advance::<E, f64, _>(&system, AT, [0.3, h], &[]);
+            let exact = advance::<Gauss<6>, f64, _>(&system, AT, [0.3, h], &[]);
+            ours.iter().zip(exact).map(|(ours, exact)| (ours - exact).powi(2)).sum::<f64>().sqrt()
         };
         (gap(h) / gap(0.5 * h)).log2() - 1.0
     }
@@ -102,29 +88,19 @@ fn forced_and_damped_parts_have_the_order_of_their_table() {
 /// Loops are what they would be written out.
 #[test]
 fn loops_are_forced_and_damped_too() {
-    type Aba = Composed<Verlet, Aba864>;
-    let ours = step::<Aba, _>(&Coupled { gamma: 0.7 }, AT, [0.3, 0.4]);
-    let theirs = step::<Aba, _>(&strategies::sweep::Coupled { gamma: 0.7 }, AT, [0.3, 0.4]);
-    for (a, b) in ours.iter().zip(theirs) {
-        // Maps of 6 numbers below 1, in 15 stages.
-        assert!((a - b).abs() < 1e-14, "{a} {b}");
-    }
+    let pair = (&Coupled { gamma: 0.7 }, &strategies::sweep::Coupled { gamma: 0.7 });
+    // Maps of 6 numbers below 1, in 15 stages.
+    assert!(step_apart::<Composed<Verlet, Aba864>, _, _>(pair, AT, [0.3, 0.4]) < 1e-14);
 }
 
 /// `Mᵀ J M = e^{-γ h} J` without the force that has no potential, by dual numbers: the weights of the maps sum up to 1.
 #[test]
 fn friction_of_a_part_is_conformally_symplectic() {
-    type Aba = Composed<Verlet, Aba1064>;
-    let (system, h) = (Damped { gamma: 0.9 }, 0.5);
-    let prepared = Discretized::<Aba>::prepare(&system, h).unwrap();
-    let mut q = [Dual { value: 0.4, derivative: [1.0, 0.0] }];
-    let mut p = [Dual { value: 0.3, derivative: [0.0, 1.0] }];
-    Discretized::<Aba>::advance(&system, &prepared, 0.2, h, &mut q, &mut p, &[], &mut Default::default())
-        .unwrap();
-    let ([a, b], [c, d]) = (q[0].derivative, p[0].derivative);
+    let (start, at): ([&[f64]; 2], _) = ([&[0.4], &[0.3]], [0.2, 0.5]);
+    let factor = f64::exp(-0.9 * 0.5);
+    let gap = asymmetry::<Composed<Verlet, Aba1064>, _>(&Damped { gamma: 0.9 }, start, at, &[], factor);
     // Twenty maps, of which some go back.
-    let gap = (a * d - b * c) - (-system.gamma * h).exp();
-    assert!(gap.abs() < 20.0 * f64::EPSILON, "{gap:e}");
+    assert!(gap < 20.0 * f64::EPSILON, "{gap:e}");
 }
 
 #[hamiltonian(drift = [|_, p| 0.5 * p * p, |q, _| -q.cos()], friction = gamma, embedding = Verlet)]

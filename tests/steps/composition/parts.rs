@@ -2,9 +2,10 @@
 
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::state::Vector;
 
-use super::{check_gradient, check_symplectic_and_symmetric, vector};
+use super::{check_gradient, check_symplectic_and_symmetric};
+use fixtures::extremes::state;
+use fixtures::steps::{advance, step_apart};
 
 /// Oscillators of three frequencies, and a weak coupling.
 #[hamiltonian(
@@ -100,19 +101,12 @@ fn errors_of_near_integrable_systems_are_small_by_their_parameter() {
     assert!(error::<Composed<Verlet, BlanesMoan4>>(1e-5, 8) > 1e3 * small[1]);
 }
 
-/// A step from `q`, `p` at `t`.
-pub(super) fn step<E, H: Discretized<E>>(system: &H, [q, p]: [&[f64]; 2], [t, h]: [f64; 2]) -> Vec<f64> {
-    let mut state = State { q: vector::<H>(q), p: vector::<H>(p), t };
-    system.stepper::<E>(h).unwrap().step(&mut state, &[]).unwrap();
-    state.q.components().iter().chain(state.p.components()).copied().collect()
-}
-
 /// Half of the step leaves `2^-(4 + 1)` of its error, whatever the parts read.
 #[test]
 fn parts_may_be_mixed_read_the_time_and_have_linear_terms() {
     let gap = |h: f64| {
-        let ours = step::<Composed<Verlet, Aba864>, _>(&Rotating, [&[0.5], &[0.4]], [0.3, h]);
-        let exact = step::<Gauss<6>, _>(&Rotating, [&[0.5], &[0.4]], [0.3, h]);
+        let ours = advance::<Composed<Verlet, Aba864>, f64, _>(&Rotating, [&[0.5], &[0.4]], [0.3, h], &[]);
+        let exact = advance::<Gauss<6>, f64, _>(&Rotating, [&[0.5], &[0.4]], [0.3, h], &[]);
         (ours[0] - exact[0]).hypot(ours[1] - exact[1])
     };
     let order = (gap(0.4) / gap(0.2)).log2() - 1.0;
@@ -123,8 +117,8 @@ fn parts_may_be_mixed_read_the_time_and_have_linear_terms() {
 #[test]
 fn a_separable_drift_has_its_parts() {
     let [ours, theirs] = [
-        step::<Composed<Verlet, Aba1064>, _>(&Relativistic, [&[0.5], &[0.4]], [0.0, 0.3]),
-        step::<Composed<Verlet, Aba1064>, _>(&Together, [&[0.5], &[0.4]], [0.0, 0.3]),
+        advance::<Composed<Verlet, Aba1064>, f64, _>(&Relativistic, [&[0.5], &[0.4]], [0.0, 0.3], &[]),
+        advance::<Composed<Verlet, Aba1064>, f64, _>(&Together, [&[0.5], &[0.4]], [0.0, 0.3], &[]),
     ];
     assert_eq!(ours, theirs);
     let state = State::new([0.5], [0.4]);
@@ -134,21 +128,14 @@ fn a_separable_drift_has_its_parts() {
 /// Other schemes are those of the sum.
 #[test]
 fn loops_are_what_they_would_be_written_out() {
-    let (q, p) = ([0.1, 0.3, -0.2, 0.4, 0.0, 0.2], [0.2, -0.1, 0.3, 0.1, -0.4, 0.0]);
+    let start: [&[f64]; 2] = [&[0.1, 0.3, -0.2, 0.4, 0.0, 0.2], &[0.2, -0.1, 0.3, 0.1, -0.4, 0.0]];
     let (a, b) = (chains::inline::Chain, chains::sweep::Chain);
-    let compare = |ours: Vec<f64>, theirs: Vec<f64>| {
-        for (a, b) in ours.iter().zip(theirs) {
-            // Maps of 12 numbers below 1, in 15 stages.
-            assert!((a - b).abs() < 1e-14, "{a} {b}");
-        }
-    };
     type Aba = Composed<Verlet, Aba864>;
-    compare(step::<Aba, _>(&a, [&q, &p], [0.0, 0.5]), step::<Aba, _>(&b, [&q, &p], [0.0, 0.5]));
-    compare(step::<Verlet, _>(&a, [&q, &p], [0.0, 0.5]), step::<Verlet, _>(&b, [&q, &p], [0.0, 0.5]));
-    let start =
-        || State { q: vector::<chains::sweep::Chain>(&q), p: vector::<chains::sweep::Chain>(&p), t: 0.0 };
-    let lagrangian = b.simulate::<Aba>(0.2).start(start()).steps(20).run().unwrap();
-    assert!(lagrangian.euler_lagrange_residual(&b).unwrap() < 1e-14);
+    // Maps of 12 numbers below 1, in 15 stages.
+    assert!(step_apart::<Aba, _, _>((&a, &b), start, [0.0, 0.5]) < 1e-14);
+    assert!(step_apart::<Verlet, _, _>((&a, &b), start, [0.0, 0.5]) < 1e-14);
+    let path = b.simulate::<Aba>(0.2).start(state(start[0], start[1])).steps(20).run().unwrap();
+    assert!(path.euler_lagrange_residual(&b).unwrap() < 1e-14);
 }
 
 #[test]
