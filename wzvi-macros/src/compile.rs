@@ -121,3 +121,5 @@ fn values(embeddings: &[Located<Embedding>]) -> Vec<Embedding> {
 mod effort_tests;
 #[cfg(test)]
 mod golden_tests;
+#[cfg(test)]
+mod message_tests;

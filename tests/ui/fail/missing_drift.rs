@@ -1,8 +1,0 @@
-use wzvi::prelude::*;
-
-#[hamiltonian(embedding = Midpoint)]
-struct System;
-
-fn main() {
-    let _ = System.stepper::<Midpoint>(0.1);
-}

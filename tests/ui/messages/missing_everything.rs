@@ -1,0 +1,8 @@
+#[hamiltonian]
+struct Bare;
+
+#[hamiltonian()]
+struct Empty;
+
+#[hamiltonian(|q, p| q * p)]
+struct Positional;

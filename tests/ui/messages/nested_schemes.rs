@@ -1,0 +1,14 @@
+#[hamiltonian(
+    drift = |q, p| q * p,
+    embedding = [
+        Corrected<Uncorrected<DeltaPlus>>,
+        Mixed<Corrected<DeltaPlus>, Midpoint>,
+        Mixed<Mixed<DeltaPlus, Midpoint>, Midpoint>,
+        Corrected<3>,
+        Corrected,
+        Mixed<DeltaPlus>,
+        &Midpoint,
+        fn(),
+    ],
+)]
+struct System;
