@@ -66,6 +66,9 @@ fn any_byte_flipped() {
             changed[i] ^= mask;
             let error = error_of(&run, &good, &changed);
             assert!(files::is_told(&error), "byte {i} ^ {mask}: {error:?}");
+            let by_checksum =
+                matches!(error, CheckpointError::Damaged { damage: Damage::Checksum { .. }, .. });
+            assert!(i <= line || by_checksum, "byte {i} ^ {mask}: {error:?}");
         }
     }
     assert_eq!(go_on(&run, 40).unwrap(), whole());
