@@ -6,17 +6,42 @@ use proc_macro2::Span;
 use quote::ToTokens;
 use syn::{Error, Item};
 
-use super::{at, closest, quoted, source, suggest};
+use super::{at, closest, source, suggest};
 use crate::symbolic::Rational;
 
 /// The keys that users know.
-pub(crate) const KEYS: Listed =
-    Listed("drift noise force noise_force friction damping temperature embedding invariant crate");
+pub(crate) const KEYS: Listed = Listed(&[
+    "drift",
+    "noise",
+    "force",
+    "noise_force",
+    "friction",
+    "damping",
+    "temperature",
+    "embedding",
+    "invariant",
+    "crate",
+]);
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
                        `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
 /// Names that are no types of the program.
-pub(crate) const SCHEME_NAMES: &str = "DeltaPlus Midpoint DeltaMinus Lambda Mixed Verlet Gauss Corrected Uncorrected \
-                                       Baoab Obabo Gjf GjI Splitting Thermostat";
+pub(crate) const SCHEME_NAMES: [&str; 15] = [
+    "DeltaPlus",
+    "Midpoint",
+    "DeltaMinus",
+    "Lambda",
+    "Mixed",
+    "Verlet",
+    "Gauss",
+    "Corrected",
+    "Uncorrected",
+    "Baoab",
+    "Obabo",
+    "Gjf",
+    "GjI",
+    "Splitting",
+    "Thermostat",
+];
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -109,7 +134,7 @@ messages! {
     } = "unknown key `{word}`; the keys are {KEYS}{meant}";
     unknown_embedding(name) {
         word = name.to_string();
-        meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, SCHEME_NAMES.split(' '))));
+        meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, SCHEME_NAMES)));
     } = "unknown embedding `{word}`; there are {SCHEMES}{meant}";
     /// What asks for another sense of the stochastic integral.
     key_of_ito(key) = "{STRATONOVICH}";
@@ -153,7 +178,7 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
 
 /// The key that `key` may stand for.
 pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
-    closest(key, KEYS.0.split(' ')).or_else(|| synonym(key))
+    closest(key, KEYS.0.iter().copied()).or_else(|| synonym(key))
 }
 
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an equation of Ito, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
@@ -199,14 +224,19 @@ fn scheme_synonym(name: &str) -> Option<&'static str> {
     })
 }
 
-/// Words as a sentence lists them.
-pub(crate) struct Listed(pub(crate) &'static str);
+/// Names as a sentence lists them.
+pub(crate) struct Listed(pub(crate) &'static [&'static str]);
 
 impl Display for Listed {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self.0.rsplit_once(' ') {
-            Some((others, last)) => write!(f, "{} and `{last}`", quoted(others.split(' '))),
-            None => write!(f, "`{}`", self.0),
+        for (i, name) in self.0.iter().enumerate() {
+            let before = match i {
+                0 => "",
+                i if i + 1 == self.0.len() => " and ",
+                _ => ", ",
+            };
+            write!(f, "{before}`{name}`")?;
         }
+        Ok(())
     }
 }

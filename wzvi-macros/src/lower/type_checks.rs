@@ -170,9 +170,11 @@ fn with_our_self(tokens: TokenStream) -> TokenStream {
 /// The closure with `*a` written `a` for scalar fields, if there is such a thing.
 fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<ExprClosure> {
     let scalars = system.fields.iter().filter(|field| is_scalar(field));
-    let scalars = scalars.filter_map(|field| match &field.member {
-        Member::Named(name) => Some(name.clone()),
-        Member::Unnamed(_) => None,
-    });
-    dereferenced(&hamiltonian.tokens, scalars)
+    let scalars: Vec<&Ident> = scalars
+        .filter_map(|field| match &field.member {
+            Member::Named(name) => Some(name),
+            Member::Unnamed(_) => None,
+        })
+        .collect();
+    dereferenced(&hamiltonian.tokens, &scalars)
 }
