@@ -246,18 +246,21 @@ where
     where
         N: Serves<R>,
     {
-        self.run_observed().map(|(path, _)| path)
+        self.run_until(None).map(|(path, _)| path)
     }
 
-    /// [`Simulation::run_partial`] until the observer has seen enough; the observer as well.
-    pub(crate) fn run_observed(self) -> Result<(Partial<H::Vector, E>, O), Error>
+    /// [`Simulation::run_partial`] until the observer has seen enough, or `stop` says so, which is asked about ten times a second; the observer as well.
+    pub(crate) fn run_until(
+        self,
+        stop: Option<&dyn Fn() -> bool>,
+    ) -> Result<(Partial<H::Vector, E>, O), Error>
     where
         N: Serves<R>,
     {
         let Self { setup, noise, mut observer, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
         let Setup { is_watched, execution, keeping, more: (), .. } = setup;
-        let Execution { threads, is_quiet, handle, stop, .. } = execution;
+        let Execution { threads, is_quiet, handle, stop: asked, .. } = execution;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let (start, grid) = span.checked::<H, E>(system, h)?;
@@ -282,9 +285,8 @@ where
             looks.arrive(first, &state);
         }
         let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
-        let stop = stop
-            .as_deref()
-            .map(|stop| (stop as &dyn Fn() -> bool, Due::new(None, Some(PAUSE), first, grid.steps)));
+        let stop = stop.or(asked.as_deref().map(|stop| stop as _));
+        let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
         let mut monitor = Nodes { observer, keeper: &mut keeper, shown, stop, due: 0, grid, looks, dense };
         monitor.due = monitor.next_due();

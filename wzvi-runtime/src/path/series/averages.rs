@@ -18,6 +18,7 @@ pub struct TimeAveraging<'a, H: Discretized<E>, E, N, O, R> {
     simulation: Simulation<'a, H, E, N, O, R>,
     discarded: f64,
     targets: Targets,
+    stop: Option<Box<dyn Fn() -> bool + 'a>>,
 }
 
 /// The average of one observable.
@@ -64,7 +65,11 @@ impl<V> TimeAverages<V> {
     /// # Errors
     /// [`UnknownName`] for a name that nothing was observed under.
     pub fn of(&self, name: &str) -> Result<&TimeAverage, UnknownName> {
-        UnknownName::find("observable", name, self.averages.iter().map(|average| (&average.name, average)))
+        self.averages.iter().find(|average| average.name == name).ok_or_else(|| UnknownName {
+            kind: "observable",
+            name: name.to_owned(),
+            known: self.averages.iter().map(|average| average.name.clone()).collect(),
+        })
     }
 }
 
@@ -80,7 +85,7 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     ///
     /// With `checkpoint` a run that was stopped goes on from its file, as one that keeps its path does; targets may then differ.
     pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R> {
-        TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new() }
+        TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
     }
 }
 
@@ -118,8 +123,8 @@ where
     /// Ends the run early when `stop` says so: a deadline, for one. The averages are then those of what is done
     /// ([`TimeAverages::is_partial`]). It is asked about ten times a second. The
     /// [handle](Simulation::handle) of the path stops it, too.
-    pub fn stop_when(mut self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
-        self.simulation = self.simulation.stop_when(stop);
+    pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
+        self.stop = Some(Box::new(stop));
         self
     }
 
@@ -129,11 +134,11 @@ where
     /// Those of [`Simulation::run`]; [`Error::Name`] for a target of an observable that there is not, [`Error::Config`] for targets that are not positive
     /// and settings that averages have no use for: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or gone on from.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
-        let Self { simulation, discarded, targets } = self;
+        let Self { simulation, discarded, targets, stop } = self;
         let (simulation, averaged) = simulation.without_path()?;
         let Averaged { h, stride, .. } = averaged;
         let run = simulation.observed_by(Tally::new(averaged, discarded, &targets)?);
-        let ((path, error), tally) = run.run_observed()?;
+        let ((path, error), tally) = run.run_until(stop.as_deref())?;
         let is_partial = matches!(error, Some(Error::Stopped(_)));
         if let Some(error) = error.filter(|_| !is_partial) {
             return Err(error);
