@@ -1,5 +1,7 @@
 //! The whole compiler on one page.
 
+use std::rc::Rc;
+
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -97,12 +99,12 @@ fn compile(
     }
 
     // derive, describe, emit
-    let line = written_out(&mut system);
-    let (line, listed) = (line.as_ref(), values(&system.embeddings));
-    let steps: Vec<Step<'_>> =
-        derived(&listed).iter().map(|embedding| Step::of(&mut system, line, &facts, embedding)).collect();
-    let texts = Texts::new(&mut system, line, &facts, &listed, &steps);
-    Some(emit(&mut system, line, &facts, &steps, &texts))
+    system.line = written_out(&mut system).map(Rc::new);
+    let listed = values(&system.embeddings);
+    let steps: Vec<Step> =
+        derived(&listed).iter().map(|embedding| Step::of(&mut system, &facts, embedding)).collect();
+    let texts = Texts::new(&mut system, &facts, &listed, &steps);
+    Some(emit(&mut system, &facts, &steps, &texts))
 }
 
 /// The schemes, and those inside of thermostats.

@@ -4,7 +4,7 @@ use crate::discretise::describe::{describe, hamiltonians, properties, staged, sw
 use crate::discretise::facts::split::{self, Form};
 use crate::discretise::{Facts, Flows, Step};
 use crate::embedding::{Embedding, Kind};
-use crate::model::{StraightLine, System};
+use crate::model::System;
 use crate::symbolic::Rational;
 
 /// What `EQUATIONS` and the documentation say.
@@ -43,13 +43,7 @@ impl Texts {
     }
 
     /// `steps` are those of `derived(listed)`.
-    pub(crate) fn new(
-        system: &mut System,
-        line: Option<&StraightLine>,
-        facts: &Facts,
-        listed: &[Embedding],
-        steps: &[Step<'_>],
-    ) -> Self {
+    pub(crate) fn new(system: &mut System, facts: &Facts, listed: &[Embedding], steps: &[Step]) -> Self {
         let (flows, parts) = (Flows::of(system, facts, listed), split::forms(system));
         let of_parts: Vec<String> = steps.iter().map(|step| of_step(system, facts, step)).collect();
         let parts = parts.filter(|_| listed.contains(&Embedding::Verlet));
@@ -57,13 +51,13 @@ impl Texts {
         let of_listed = |embedding: &Embedding| {
             let mut text = match embedding.parts().as_slice() {
                 _ if embedding.is_thermostat() => {
-                    let declared = hamiltonians(system, line, facts);
+                    let declared = hamiltonians(system, facts);
                     format!("{embedding}\n{declared}{}", thermostat(embedding, system.has_forces()))
                 }
                 [whole] => return (embedding.clone(), text_of(whole, &derived).to_owned()),
                 [] => match embedding.stages() {
-                    Some(stages) => staged::describe(system, line, facts, stages),
-                    None => hamiltonians(system, line, facts),
+                    Some(stages) => staged::describe(system, facts, stages),
+                    None => hamiltonians(system, facts),
                 },
                 halves => of_halves(embedding, halves, &derived, flows.is_some()),
             };
@@ -76,9 +70,9 @@ impl Texts {
 }
 
 /// What is said of a step.
-fn of_step(system: &mut System, facts: &Facts, step: &Step<'_>) -> String {
+fn of_step(system: &mut System, facts: &Facts, step: &Step) -> String {
     match step {
-        Step::StraightLine(line, scheme) => describe(system, line, facts, scheme),
+        Step::StraightLine(_, scheme) => describe(system, facts, scheme),
         Step::InLoops(embedding, strategy) => sweep::describe(system, facts, embedding, *strategy),
     }
 }

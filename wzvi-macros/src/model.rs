@@ -8,6 +8,8 @@
 //! variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its index is an
 //! [`Index`]. The element of a small system has no loops and locals with constant indices: that is all that sets it apart.
 
+use std::rc::Rc;
+
 use proc_macro2::TokenStream;
 
 pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation};
@@ -235,11 +237,18 @@ pub(crate) struct System {
     pub(crate) crate_path: syn::Path,
     /// The way to emit it, where it is not the compiler's to choose.
     pub(crate) emission: Option<Emission>,
+    /// The same with each degree of freedom a variable of its own, where it is written out.
+    pub(crate) line: Option<Rc<StraightLine>>,
     /// Functions that repeat the user's closures for `rustc` to type-check at the user's spans; never called.
     pub(crate) type_checks: TokenStream,
 }
 
 impl System {
+    /// The parameters of the system as it is emitted.
+    pub(crate) fn listed(&self) -> &[Parameter] {
+        self.line.as_ref().map_or(&self.parameters, |line| &line.parameters)
+    }
+
     /// The drift, the noises, the first integrals, the forces.
     pub(crate) fn terms(&self) -> impl Iterator<Item = &Term> {
         let noise = self.noise.iter().map(|noise| &noise.term);

@@ -16,12 +16,12 @@ use crate::discretise::{
     Block, Facts, MomentumUpdate, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
-use crate::model::{StraightLine, System, Term};
+use crate::model::{System, Term};
 use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
 
 /// The text of one scheme.
-pub(crate) fn describe(system: &mut System, line: &StraightLine, facts: &Facts, scheme: &Scheme) -> String {
-    let mut text = format!("{}\n{}", scheme.embedding, hamiltonians(system, Some(line), facts));
+pub(crate) fn describe(system: &mut System, facts: &Facts, scheme: &Scheme) -> String {
+    let mut text = format!("{}\n{}", scheme.embedding, hamiltonians(system, facts));
     let graph = &mut system.graph;
     lagrangian(graph, scheme, &mut text);
     equations(graph, scheme, &mut text);
@@ -31,9 +31,9 @@ pub(crate) fn describe(system: &mut System, line: &StraightLine, facts: &Facts, 
 }
 
 /// Every Hamiltonian and force, as sums of elements.
-pub(crate) fn hamiltonians(system: &mut System, line: Option<&StraightLine>, facts: &Facts) -> String {
+pub(crate) fn hamiltonians(system: &mut System, facts: &Facts) -> String {
     let numbers = system.noise_numbers();
-    let System { graph, drift, parts, noise, force, conformal, names, .. } = system;
+    let System { graph, drift, parts, noise, force, conformal, names, line, .. } = system;
     let text = &mut String::new();
     let value =
         |graph: &mut Graph, term: &Term| facts.space.display(graph, &unweighted(&term.values), Rational::ONE);
@@ -52,7 +52,7 @@ pub(crate) fn hamiltonians(system: &mut System, line: Option<&StraightLine>, fac
         let of_work = if line.is_some() { "" } else { ", as virtual work" };
         say!(text, "\nForces{of_work}");
     }
-    let mut components = line.into_iter().flat_map(|line| line.force.iter().chain(&line.noise_forces));
+    let mut components = line.iter().flat_map(|line| line.force.iter().chain(&line.noise_forces));
     for (number, force) in forces {
         let components = components.next().map(|components| -> Vec<String> {
             components.iter().map(|&component| graph.display(component)).collect()

@@ -11,6 +11,8 @@
 //! | every `l_m` is 0 | `v`: it is read nowhere else |
 //! | otherwise | `u` and `v` |
 
+use std::rc::Rc;
+
 use crate::discretise::{Facts, Part, Quadrature, Scheme, discretise};
 use crate::embedding::Embedding;
 use crate::model::{Element, Reads, StraightLine, System, Term};
@@ -32,23 +34,19 @@ pub(crate) struct Strategy {
 }
 
 /// A scheme, and how its steps are taken.
-pub(crate) enum Step<'l> {
-    StraightLine(&'l StraightLine, Box<Scheme>),
+pub(crate) enum Step {
+    StraightLine(Rc<StraightLine>, Box<Scheme>),
     InLoops(Embedding, Strategy),
 }
 
-impl<'l> Step<'l> {
+impl Step {
     /// In straight lines where the system is one, and loops do not cost less.
-    pub(crate) fn of(
-        system: &mut System,
-        line: Option<&'l StraightLine>,
-        facts: &Facts,
-        embedding: &Embedding,
-    ) -> Self {
-        let scheme = line.map(|line| (line, discretise(&mut system.graph, line, facts, embedding)));
-        let pays = |scheme: &Scheme| system.emission.is_some() || !scheme.is_cheaper_swept(facts.noise);
-        match scheme.filter(|(_, scheme)| pays(scheme)) {
-            Some((line, scheme)) => Self::StraightLine(line, Box::new(scheme)),
+    pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
+        let System { graph, line, emission, .. } = system;
+        let scheme = line.clone().map(|line| (discretise(graph, &line, facts, embedding), line));
+        let pays = |scheme: &Scheme| emission.is_some() || !scheme.is_cheaper_swept(facts.noise);
+        match scheme.filter(|(scheme, _)| pays(scheme)) {
+            Some((scheme, line)) => Self::StraightLine(line, Box::new(scheme)),
             None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
         }
     }

@@ -17,18 +17,13 @@ use crate::model::{Element, StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
 /// Every `Gauss<S>` that was listed, and the flows.
-pub(super) fn emit(
-    system: &mut System,
-    line: Option<&StraightLine>,
-    facts: &Facts,
-    texts: &Texts,
-) -> TokenStream {
+pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
     if texts.staged().next().is_none() && texts.flows.is_none() {
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(system, facts);
-    let in_windows = line.is_none().then(terms::in_windows);
-    let mut generated = field(system, line, is_nystrom);
+    let in_windows = system.line.is_none().then(terms::in_windows);
+    let mut generated = field(system, is_nystrom);
     if let Some(flows) = texts.flows {
         generated.extend(compose::flows(&system.item, flows, in_windows));
     }
@@ -49,7 +44,9 @@ struct Slopes {
 }
 
 /// `impl Field`
-fn field(system: &mut System, line: Option<&StraightLine>, is_nystrom: bool) -> TokenStream {
+fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
+    let line = system.line.clone();
+    let line = line.as_deref();
     let slopes = line.map(|line| slopes(&mut system.graph, line, is_nystrom));
     let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
     let in_lanes = line.is_some() || !system.acting().any(reads_time);

@@ -16,7 +16,7 @@ use quote::{ToTokens, quote};
 
 use crate::describe::{Texts, stepped};
 use crate::discretise::{Facts, Step};
-use crate::model::{StraightLine, System};
+use crate::model::System;
 
 pub(crate) use names::Names;
 use names::{Surroundings, readable};
@@ -33,15 +33,8 @@ pub(crate) struct Expansion {
 
 /// The struct as it was written, documented, and in a scope of its own everything that `#[hamiltonian]` stands for: the terms, what is
 /// made of them, and the steps.
-pub(crate) fn emit(
-    system: &mut System,
-    line: Option<&StraightLine>,
-    facts: &Facts,
-    steps: &[Step<'_>],
-    texts: &Texts,
-) -> Expansion {
-    let parameters = line.map(|line| line.parameters.as_slice());
-    let mut generated = terms::terms(system, parameters, facts, steps, texts);
+pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> Expansion {
+    let mut generated = terms::terms(system, facts, steps, texts);
     let is_taken =
         stepped(&texts.listed.iter().map(|(listed, _)| listed.clone()).collect::<Vec<_>>(), texts.flows);
     let is_alone = is_taken.len() == 1;
@@ -54,13 +47,13 @@ pub(crate) fn emit(
             Step::InLoops(embedding, strategy) => terms::step(system, facts, embedding, *strategy, text),
         });
     }
-    generated.extend(gauss::emit(system, line, facts, texts));
+    generated.extend(gauss::emit(system, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
     // It says that there is a modified energy.
     let conservative = || implementation(&system.item, &quote!(__wzvi::Conservative), &TokenStream::new());
     generated.extend(facts.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
-    let listed = parameters.unwrap_or_default().iter().map(|parameter| &parameter.tokens);
+    let listed = system.listed().iter().map(|parameter| &parameter.tokens);
     let generated = readable(
         generated,
         &Surroundings {

@@ -128,6 +128,7 @@ pub(crate) fn lower(
         item: container.item,
         crate_path: declaration.crate_path,
         emission: declaration.emission,
+        line: None,
         type_checks,
     })
 }

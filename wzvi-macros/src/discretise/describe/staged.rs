@@ -4,17 +4,13 @@ use std::collections::HashMap;
 
 use crate::discretise::describe::hamiltonians;
 use crate::discretise::{Facts, StepSlopes, is_nystrom};
-use crate::model::{Phase, StraightLine, System};
+use crate::model::{Phase, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
 /// The text of `Gauss<stages>`, without its facts: with a line for each equation where the system is in straight lines.
-pub(crate) fn describe(
-    system: &mut System,
-    line: Option<&StraightLine>,
-    facts: &Facts,
-    stages: u32,
-) -> String {
-    let hamiltonians = hamiltonians(system, line, facts);
+pub(crate) fn describe(system: &mut System, facts: &Facts, stages: u32) -> String {
+    let (hamiltonians, line) = (hamiltonians(system, facts), system.line.clone());
+    let line = line.as_deref();
     let numbers = system.noise_numbers();
     let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
     let mut text = format!(

@@ -17,7 +17,7 @@ pub(crate) fn describe(
     embedding: &Embedding,
     strategy: Strategy,
 ) -> String {
-    let mut text = format!("{embedding}\n{}", hamiltonians(system, None, facts));
+    let mut text = format!("{embedding}\n{}", hamiltonians(system, facts));
     sweep(system, facts, embedding, strategy, &mut text);
     properties(&mut system.graph, facts, embedding, &mut text);
     text

@@ -13,7 +13,7 @@ use crate::model::{Parameter, System};
 use crate::symbolic::{Expr, Graph};
 
 /// What the system says of itself.
-pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStream {
+pub(super) fn emit(model: &mut System) -> TokenStream {
     let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
     let model = &*model;
     let vector = vector_type(model);
@@ -22,7 +22,7 @@ pub(super) fn emit(model: &mut System, listed: Option<&[Parameter]>) -> TokenStr
         0 => None,
         known => Some(number_of("invariants", &count(known).into_token_stream())),
     };
-    let parameter = parameter(&model.graph, listed.unwrap_or(&model.parameters));
+    let parameter = parameter(&model.graph, model.listed());
     let validate = validate(&model.embeddings, model.friction.is_some());
     let variables = variables(&model.labels, model.graph.symbol_name(model.t), &model.invariant_names);
     quote! {

@@ -31,23 +31,17 @@ use crate::tokens::mentions;
 
 use self::weighted::Nests;
 
-/// Values and slopes of all terms, and what follows from them. People are told of the parameters `listed`, or of those of the system.
-pub(crate) fn terms(
-    model: &mut System,
-    listed: Option<&[Parameter]>,
-    facts: &Facts,
-    steps: &[Step<'_>],
-    texts: &Texts,
-) -> TokenStream {
+/// Values and slopes of all terms, and what follows from them.
+pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> TokenStream {
     let has_curvature = steps.iter().any(|step| needs_curvature(facts, step));
-    let mut generated = elements(model, listed, facts, has_curvature, &structure(texts));
+    let mut generated = elements(model, facts, has_curvature, &structure(texts));
     generated.extend(parts::emit(model, texts));
     generated.extend(parts::bath(model));
     generated
 }
 
 /// Whether something is solved with second derivatives: the step in loops, or its momentum between its ends.
-fn needs_curvature(facts: &Facts, step: &Step<'_>) -> bool {
+fn needs_curvature(facts: &Facts, step: &Step) -> bool {
     matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
         || !Quadrature::new(facts, step.embedding()).gives_momentum()
 }
@@ -137,14 +131,8 @@ impl Wanted {
 }
 
 /// `impl Elements`
-fn elements(
-    model: &mut System,
-    listed: Option<&[Parameter]>,
-    facts: &Facts,
-    has_curvature: bool,
-    structure: &TokenStream,
-) -> TokenStream {
-    let declared = hamiltonian::emit(model, listed);
+fn elements(model: &mut System, facts: &Facts, has_curvature: bool, structure: &TokenStream) -> TokenStream {
+    let declared = hamiltonian::emit(model);
     let mut parts = parts_of(model, facts);
     if model.conformal.is_some() {
         scale_momenta(model, &mut parts);
