@@ -13,7 +13,7 @@ pub(crate) mod sweep;
 
 use crate::discretise::branches::{Boundary, Crossing};
 use crate::discretise::{
-    Block, Facts, MomentumUpdate, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
+    Block, Facts, NoiseClass, Scheme, Solution, StepSymbols, Unknown, modified, unweighted,
 };
 use crate::embedding::{Embedding, Points};
 use crate::model::{System, Term};
@@ -107,10 +107,7 @@ fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
             graph.display(equations.phi_v[i])
         );
         let v = graph.symbol(symbols.v[i]);
-        let change = match equations.update[i] {
-            MomentumUpdate::Multiple(factor) => graph.scale(v, factor),
-            MomentumUpdate::Sum(rest) => graph.add(v, rest),
-        };
+        let change = equations.update[i].change(graph, v);
         let end = p0.strip_suffix("_i").map_or_else(|| p0.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change));
     }

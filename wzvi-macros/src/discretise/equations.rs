@@ -20,6 +20,16 @@ pub(crate) enum MomentumUpdate {
     Sum(Expr),
 }
 
+impl MomentumUpdate {
+    /// `p_{i+1} - p_i`
+    pub(crate) fn change(self, graph: &mut Graph, v: Expr) -> Expr {
+        match self {
+            Self::Multiple(factor) => graph.scale(v, factor),
+            Self::Sum(rest) => graph.add(v, rest),
+        }
+    }
+}
+
 /// `φ` and the momentum update, per degree of freedom.
 #[derive(Clone)]
 pub(crate) struct Equations {

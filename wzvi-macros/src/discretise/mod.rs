@@ -18,7 +18,7 @@ pub(crate) mod quadrature;
 pub(crate) mod structure;
 pub(crate) mod sums;
 
-pub(crate) use self::equations::{Equations, MomentumUpdate};
+pub(crate) use self::equations::Equations;
 pub(crate) use self::facts::flows::{Flows, is_nystrom};
 pub(crate) use self::facts::kinetic::Kinetic;
 pub(crate) use self::facts::{Facts, Failure, Invariant, NoiseClass, is_quadratic, split, summed};

@@ -32,10 +32,7 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
         true => syn::parse_quote!(::wzvi),
         false => diagnostics.accept(syn::parse::Parser::parse2(crate_argument, attribute.clone()))?,
     };
-    if let Some(token) = crate::input::too_deep(item) {
-        diagnostics.report(messages::nested_too_deeply(token));
-        return None;
-    }
+    crate::input::check_nesting(item, diagnostics)?;
     let asked = match diagnostics.accept(syn::parse2::<Item>(item.clone()))? {
         Item::Fn(function) => of_function(&function, diagnostics),
         Item::Impl(methods) => of_impl(&methods, diagnostics),

@@ -121,10 +121,7 @@ fn is_key(name: &str) -> bool {
 
 /// Reads the arguments of the attribute, each on its own: a mistake in one does not hide the others.
 pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
-    if let Some(token) = nesting::too_deep(&attribute) {
-        diagnostics.report(messages::nested_too_deeply(token));
-        return None;
-    }
+    nesting::check(&attribute, diagnostics)?;
     let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         closures: Vec::new(),

@@ -13,6 +13,6 @@ mod system;
 pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, Role, read_attribute};
 pub(crate) use groups::peeled;
 pub(crate) use library::{Function, Library};
-pub(crate) use nesting::too_deep;
+pub(crate) use nesting::check as check_nesting;
 pub(crate) use phase_space::{Labels, Length, PhaseSpace, Shape, read_phase_space};
 pub(crate) use system::{Container, Field, Kind, is_integer_type, read_struct};

@@ -6,6 +6,8 @@
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
+use crate::diagnostics::{Diagnostics, messages};
+
 /// About 1.5 MiB.
 const LIMIT: usize = 2200;
 
@@ -15,8 +17,14 @@ const BRACE: usize = 34;
 const ANGLE: usize = 50;
 const PREFIX: usize = 6;
 
+/// Reports tokens that nest too deeply; then nothing may read them.
+pub(crate) fn check(tokens: &TokenStream, diagnostics: &mut Diagnostics) -> Option<()> {
+    let error = too_deep(tokens).map(messages::nested_too_deeply);
+    diagnostics.accept(error.map_or(Ok(()), Err))
+}
+
 /// The innermost token at which `tokens` nest too deeply, if they do.
-pub(crate) fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
+fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
     // An explicit stack: this function has to survive what the others are guarded from.
     let mut pending = vec![(tokens.clone(), 0)];
     while let Some((stream, outer)) = pending.pop() {

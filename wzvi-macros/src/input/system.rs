@@ -41,10 +41,7 @@ pub(crate) enum Kind {
 
 /// Reads the struct that carries the attribute.
 pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Container> {
-    if let Some(token) = nesting::too_deep(&item) {
-        diagnostics.report(messages::nested_too_deeply(token));
-        return None;
-    }
+    nesting::check(&item, diagnostics)?;
     let item = match diagnostics.accept(syn::parse2::<Item>(item))? {
         Item::Struct(item) => item,
         other => {

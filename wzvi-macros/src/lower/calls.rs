@@ -6,7 +6,7 @@ use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, ExprPath, FnArg
 
 use super::floats::meant_method;
 use super::interpreter::{Closure, Interpreter};
-use super::names::{is_self, key, may_be_shared, real_function, type_of};
+use super::names::{is_self, key, may_be_shared, type_of};
 use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
@@ -46,10 +46,7 @@ impl<'a> Interpreter<'a, '_> {
                         })
                     }
                 },
-                None => match real_function(path) {
-                    Some(function) => Some(Value::Function(function.into())),
-                    None => self.refuse(expressions::function_call(path)),
-                },
+                None => self.function_of_reals(path),
             },
             other => self.evaluate(other).known(),
         };

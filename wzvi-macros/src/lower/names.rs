@@ -84,10 +84,13 @@ impl<'a> Interpreter<'a, '_> {
             let place = Place::new(name, path.to_token_stream(), Kind::Constant);
             return Some(Value::Constant(place.into()));
         }
-        match real_function(path) {
-            Some(function) => Some(Value::Function(function.into())),
-            None => self.refuse(expressions::function_call(path)),
-        }
+        self.function_of_reals(path)
+    }
+
+    /// `f64::sin`
+    pub(super) fn function_of_reals(&mut self, path: &ExprPath) -> Option<Value> {
+        let function = real_function(path).map(|function| Value::Function(function.into()));
+        function.or_else(|| self.refuse(expressions::function_call(path)))
     }
 
     /// `self.a` or a part of a tuple.

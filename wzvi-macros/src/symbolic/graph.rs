@@ -221,6 +221,16 @@ impl Graph {
         }
     }
 
+    /// A number times an expression that is no such product.
+    pub(crate) fn as_multiple(&self, expr: Expr) -> (Rational, Expr) {
+        match self.node(expr) {
+            Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
+                (terms[0].1, terms[0].0)
+            }
+            _ => (Rational::ONE, expr),
+        }
+    }
+
     pub(crate) fn is_zero(&self, expr: Expr) -> bool {
         self.as_number(expr).is_some_and(Rational::is_zero)
     }

@@ -24,10 +24,7 @@ pub(crate) enum Form {
 
 /// The forms of both parts; `None` if the drift has no parts, or one whose flow is not known.
 pub(crate) fn forms(system: &mut System) -> Option<[Form; 2]> {
-    let mut forms = Vec::new();
-    for part in 0..system.parts.len() {
-        forms.push(form(system, part).ok()?);
-    }
+    let forms = (0..system.parts.len()).map(|part| form(system, part).ok()).collect::<Option<Vec<_>>>()?;
     homes(system, &forms).ok()?;
     forms.try_into().ok()
 }
@@ -36,12 +33,9 @@ pub(crate) fn forms(system: &mut System) -> Option<[Form; 2]> {
 pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
     let mut forms = Vec::new();
     for part in 0..system.parts.len() {
-        match form(system, part) {
-            Ok(form) => forms.push(form),
-            Err(reason) => {
-                diagnostics.report(messages::part_without_flow(system.parts[part].extent, reason));
-            }
-        }
+        let extent = system.parts[part].extent;
+        let form = form(system, part).map_err(|reason| messages::part_without_flow(extent, reason));
+        forms.extend(diagnostics.accept(form));
     }
     if forms.len() == system.parts.len()
         && let Err((extent, reason)) = homes(system, &forms)

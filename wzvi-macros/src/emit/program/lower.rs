@@ -126,12 +126,7 @@ impl<'a> Lowering<'a> {
     /// A sum as a number times factors, if it has a factor to take out.
     fn opened(&mut self, base: Expr) -> Option<Flat> {
         let (coefficient, product) = match self.factored(base) {
-            Some(factored) => match self.graph.node(factored) {
-                Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
-                    (terms[0].1, terms[0].0)
-                }
-                _ => (Rational::ONE, factored),
-            },
+            Some(factored) => self.graph.as_multiple(factored),
             None => {
                 let Node::Sum { terms, constant } = self.graph.node(base).clone() else { return None };
                 let size = common_size(&terms, constant)?;

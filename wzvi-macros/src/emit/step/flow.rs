@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::discretise::{Block, MomentumUpdate, Pivot, Scheme, Solution, StepSymbols, Unknown, increment};
+use crate::discretise::{Block, Pivot, Scheme, Solution, StepSymbols, Unknown, increment};
 use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
@@ -276,10 +276,7 @@ fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>)
     for i in 0..symbols.u.len() {
         ends[0].push(increment(graph, symbols.u[i], definitions));
         let v = increment(graph, symbols.v[i], definitions);
-        ends[1].push(match scheme.equations.update[i] {
-            MomentumUpdate::Multiple(factor) => graph.scale(v, factor),
-            MomentumUpdate::Sum(rest) => graph.add(v, rest),
-        });
+        ends[1].push(scheme.equations.update[i].change(graph, v));
     }
     ends
 }

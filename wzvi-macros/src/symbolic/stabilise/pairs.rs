@@ -121,15 +121,6 @@ impl Graph {
         Some(if is_first_smaller { self.negate(product) } else { product })
     }
 
-    fn as_multiple(&self, expr: Expr) -> (Rational, Expr) {
-        match self.node(expr) {
-            Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
-                (terms[0].1, terms[0].0)
-            }
-            _ => (Rational::ONE, expr),
-        }
-    }
-
     /// `√s - y` as `(s - y²) / (√s + y)`, if `s - y²` is shorter than both together: something cancelled.
     fn difference_of_roots(&mut self, root: Expr, y: Expr) -> Option<Expr> {
         let s = self.radicand(root)?;
