@@ -192,7 +192,7 @@ pub enum PathError {
         /// How many it has.
         known: usize,
     },
-    /// The nodes are no time scale.
+    /// The nodes do not form a time scale.
     Domain(DomainError),
     /// The values along the path have no such estimate.
     Series(SeriesError),

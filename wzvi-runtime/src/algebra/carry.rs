@@ -10,17 +10,17 @@ use std::fmt::Debug;
 use crate::algebra::scalar::Scalar;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// What rounding took from a state, or nothing at all.
+/// The rounding errors of a state that are carried to the next step, or nothing for plain sums.
 pub trait Carry<S>: Clone + Debug + Default + Numbers {
     /// Whether it holds anything.
     const CARRIES: bool;
-    /// What is still to be added to coordinate `i`, which is less than the degrees of freedom.
+    /// The carried part of coordinate `i`, less than the degrees of freedom.
     fn of_coordinate(&self, i: usize) -> S;
-    /// What is still to be added to momentum `i`, likewise.
+    /// The carried part of momentum `i`, likewise.
     fn of_momentum(&self, i: usize) -> S;
-    /// `base + increment` with what is carried, and what rounding takes from that.
+    /// `base + increment` plus what is carried, and the rounding error of that sum.
     fn add(base: S, increment: S, carried: S) -> (S, S);
-    /// Takes what rounding took from a step that succeeded.
+    /// Keeps the rounding errors of a step that succeeded.
     fn keep(&mut self, coordinates: &[S], momenta: &[S]);
 }
 
@@ -51,7 +51,7 @@ impl Numbers for Plain {
     fn pass(&mut self, _tape: &mut Tape) {}
 }
 
-/// Sums that carry what rounding takes, for `D` degrees of freedom.
+/// Compensated sums for `D` degrees of freedom: rounding errors are carried to the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation<S, const D: usize> {
     coordinates: [S; D],

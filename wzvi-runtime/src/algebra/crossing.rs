@@ -2,7 +2,7 @@
 
 use super::state::State;
 
-/// To which side a path crosses a section, in the order in which it is run.
+/// The direction in which a path crosses a section, in the order of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Direction {
@@ -16,7 +16,7 @@ pub enum Direction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing<V> {
-    /// Which section, in the order in which they were asked for, from 0.
+    /// Number of the section, from 0, in the order of the calls.
     pub section: usize,
     /// To which side.
     pub direction: Direction,

@@ -50,11 +50,11 @@ pub struct LinearWork {
 pub enum Request {
     /// Forget the steps before, and keep what was allocated.
     Forget,
-    /// Keep of the steps before the last one alone, for the same step anew, a bit longer: it starts where that one ended.
+    /// Keep only the last step, to take the same step again with a slightly larger size: it starts where that one ended.
     Hold,
     /// Solve by this iteration.
     Pin(Iteration),
-    /// Take large steps on so many threads.
+    /// Take large steps on this many threads.
     Share(Threads),
     /// Solve some of the [blocks](Report::blocks) alone, and leave the others where they are.
     Restrict(Range<usize>),
@@ -67,7 +67,7 @@ pub struct Report {
     pub pinned: Iteration,
     /// How linear equations are solved, where a system of any size has some.
     pub method: Option<Method>,
-    /// How many parts the equations have that have no unknown in common, as far as steps with care have found them.
+    /// The number of blocks of equations without a common unknown, as far as careful steps have found them.
     pub blocks: usize,
     /// What linear equations took.
     pub linear_work: LinearWork,
@@ -90,13 +90,13 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         }
     }
 
-    /// Takes what a step left that was solved with another memory.
+    /// Takes over what a step solved with another memory left.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn adopt(&mut self, left: Self) {
         *self = left;
     }
 
-    /// Becomes a copy in the room that it has.
+    /// Becomes a copy, without allocating where it has room.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn copy(&mut self, other: &Self) {
         self.clone_from(other);

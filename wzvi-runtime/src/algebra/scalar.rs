@@ -73,7 +73,7 @@ pub trait Scalar:
     type Stages<const N: usize>: Stages<Self, N>;
     /// How the equations of a step are solved in numbers of this type.
     type Solver: Solve<Self>;
-    /// What elements compute with in vectors of this type: `T` for `f64`, else the type itself.
+    /// The number type in which elements of such vectors are evaluated: `T` for `f64`, else the type itself.
     type OfElements<T: Number<f64>>: Number<Self>;
 
     /// Whether they may be `f64`: of others nothing is compiled for lists of `f64`.
@@ -96,7 +96,7 @@ pub trait Scalar:
     fn magnitude(self) -> f64;
     /// Numbers that it holds side by side.
     const LANES: usize = 1;
-    /// Whether each of them is a matter of its own: paths beside each other.
+    /// Whether the lanes are independent paths.
     const IS_BESIDE: bool = false;
     /// Whether some of them take a step that others cannot: a [set](FailedLanes) says which.
     const GOES_IN_PART: bool = Self::IS_BESIDE && 1 < Self::LANES && Self::LANES <= FailedLanes::MOST;
@@ -225,9 +225,9 @@ pub trait Scalar:
     fn max(self, other: Self) -> Self;
 }
 
-/// What is computed with where numbers are kept as `S`.
+/// The number type of computations on values that are stored as `S`.
 pub trait Number<S>: Scalar {
-    /// A number that is kept.
+    /// The number of a stored value.
     fn of(kept: S) -> Self;
     /// As it is kept.
     fn kept(self) -> S;

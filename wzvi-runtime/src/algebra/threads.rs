@@ -7,15 +7,15 @@ use std::thread;
 
 use crate::error::ConfigError;
 
-/// On how many threads one step of a large system runs.
+/// The number of threads for one step of a large system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Threads {
-    /// On that of the caller.
+    /// The caller's thread alone.
     #[default]
     Caller,
-    /// On as many as pay, all cores at most.
+    /// As many as pay off, at most one for each core.
     Cores,
-    /// On so many, as far as the system is large enough to be divided.
+    /// This number, as far as the system is large enough to be divided.
     Exactly(NonZero<usize>),
 }
 

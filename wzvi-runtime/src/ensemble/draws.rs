@@ -19,7 +19,7 @@ pub struct Normals {
 }
 
 impl Normals {
-    /// Of process `process`, from 0, with this seed, in steps of size `h`.
+    /// The normals of process `process`, from 0, for this seed and steps of size `h`.
     pub fn new(seed: u64, process: u64, h: f64) -> Self {
         Self { key: key(seed, process, h, 0) }
     }

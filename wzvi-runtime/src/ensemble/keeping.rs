@@ -23,12 +23,11 @@ const COMPARED_STARTS: u64 = 512;
 const MOST_LISTED: usize = 32;
 
 impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
-    /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end:
-    /// see [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for
-    /// bit. The number of paths may grow from one run to the next, all else stays the same.
+    /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end: see
+    /// [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for bit. Only the number of
+    /// paths may grow from one run to the next.
     ///
-    /// A run until an error is small enough ([`Ensemble::until_error`]) ends at once if that of the checkpoint is, and goes on
-    /// otherwise; a run that was stopped goes on, too.
+    /// With [`Ensemble::until_error`] the run ends at once if the checkpoint meets the targets. Otherwise, and after a stop, it continues.
     ///
     /// Functions cannot be compared: observables and events are told apart by their names and by their values at the start and
     /// at the next three nodes of path 0.

@@ -12,7 +12,7 @@ pub enum BathError {
     },
     /// A rate of the friction is negative, NaN or infinite: it would heat without bound.
     Friction {
-        /// In 1/time: an eigenvalue of `Γ M⁻¹`, or an entry of `Γ` that is no number.
+        /// In 1/time: an eigenvalue of `Γ M⁻¹`, or an entry of `Γ` that is NaN.
         rate: f64,
     },
     /// The friction matrix is not symmetric.
@@ -29,7 +29,7 @@ pub enum BathError {
     },
     /// The matrix of the kinetic energy is not positive definite.
     Masses,
-    /// The degrees of freedom do not have one rate of friction, which `GjI` takes.
+    /// `GjI` needs one rate of friction for all degrees of freedom.
     Rates,
     /// Steps backwards in time, which a system with friction cannot take.
     Backwards {

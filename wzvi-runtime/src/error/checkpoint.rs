@@ -9,9 +9,9 @@ use super::{FileError, InternalError};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// A file could not be read or written. The checkpoint before, if there is one, is as good as it was.
+    /// A file could not be read or written. An earlier checkpoint, if there is one, is unchanged.
     File(FileError),
-    /// The file is something else.
+    /// The file is not a checkpoint.
     Foreign {
         /// Which one.
         path: PathBuf,
@@ -32,7 +32,7 @@ pub enum CheckpointError {
         /// The version that this program reads and writes.
         expected: u32,
     },
-    /// The file is a checkpoint, but no longer what was written.
+    /// The file is a checkpoint, but its content has changed since it was written.
     Damaged {
         /// Which one.
         path: PathBuf,
@@ -69,7 +69,7 @@ pub enum CheckpointError {
         /// Which one.
         path: PathBuf,
     },
-    /// The source of the increments does not say what it is.
+    /// The source of the increments has no identity.
     Noise,
     /// A bug of the library. Nothing was written.
     Internal(InternalError),
@@ -95,7 +95,7 @@ pub enum Damage {
     },
     /// Its first line cannot be read.
     Header,
-    /// Its content makes no sense.
+    /// Its content is inconsistent.
     Content(String),
 }
 
@@ -104,9 +104,9 @@ pub enum Damage {
 pub struct Difference {
     /// The setting.
     pub field: String,
-    /// Its value in the checkpoint, if it has it at all.
+    /// The value in the checkpoint; `None` if there is none.
     pub checkpoint: Option<String>,
-    /// Its value in this run, likewise.
+    /// The value in this run, likewise.
     pub run: Option<String>,
 }
 

@@ -5,7 +5,7 @@
 pub struct FailedLanes(pub(crate) u64);
 
 impl FailedLanes {
-    /// So many lanes have a place in it.
+    /// The number of lanes that it can hold.
     pub const MOST: usize = u64::BITS as usize;
 
     /// Those of either set.

@@ -39,16 +39,16 @@ pub enum StepFailure {
         /// The difference between the two relative to the length of the step, largest component.
         apart: f64,
     },
-    /// Of a Gauss method: sweeps over the stages do not contract, and their equations are too many for Newton's method, which factors one matrix of all.
+    /// The sweeps of a Gauss method do not contract, and its equations are too many for Newton's method, which factors one matrix of all stages.
     TooManyUnknowns {
         /// Unknowns of all stages.
         unknowns: usize,
-        /// As many as are factored.
+        /// The largest number that is factored.
         most: usize,
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
-    /// The number of increments is not the number of those that drive a step.
+    /// The number of increments is not the number that a step needs.
     Increments {
         /// Number of noises, and of the normals of a bath.
         expected: usize,

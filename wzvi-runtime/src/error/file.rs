@@ -4,7 +4,7 @@ use std::fs::FileType;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A file that could not be read or written. What was there before is there, unchanged.
+/// A file that could not be read or written. An existing file is unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FileError {

@@ -46,9 +46,9 @@ enum Limit {
 /// What an integer of a system has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IndexLimit {
-    /// One of this many points of the state, from 0 on.
+    /// The index of a point of the state: less than this.
     Points(usize),
-    /// One of this many entries of the list, from 0 on.
+    /// The index of an entry of the list: less than this.
     Entries(usize),
     /// An `isize`.
     Integers,

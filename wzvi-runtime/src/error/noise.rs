@@ -25,7 +25,7 @@ pub enum NoiseError {
     Exhausted {
         /// The step that has none, from 0.
         step: u64,
-        /// Steps that there were increments for.
+        /// The number of steps with increments.
         available: usize,
     },
     /// The source has another number of processes than the system has noises.

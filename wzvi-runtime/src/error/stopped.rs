@@ -3,9 +3,9 @@
 /// A single path was stopped by its [`Handle`](crate::ground::handle::Handle).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoppedError {
-    /// Steps that it had taken.
+    /// Steps taken.
     pub done: u64,
-    /// Steps that it was to take.
+    /// Steps requested.
     pub all: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Runs that are watched from elsewhere: how far they are, and an order to stop.
+//! Runs that another thread watches: their progress, and a request to stop.
 //!
 //! ```ignore
 //! let handle = Handle::new();
@@ -23,13 +23,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// How far a run is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// What is done: paths of an ensemble, steps of all other runs.
+    /// What is done: paths of an ensemble, or steps of any other run.
     pub done: u64,
-    /// How many there are, as far as is known.
+    /// The total, as far as it is known.
     pub all: u64,
 }
 
-/// Stops runs from any thread, and knows how far they are. A clone is the same handle.
+/// Stops runs from any thread, and knows their progress. A clone is the same handle.
 #[derive(Clone, Default)]
 pub struct Handle(Arc<Shared>);
 
@@ -52,12 +52,12 @@ impl fmt::Debug for Handle {
 }
 
 impl Handle {
-    /// For one run, or for several.
+    /// A handle for one run, or for several.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// One whose runs call `report` about ten times a second, from one of their threads.
+    /// A handle whose runs call `report` about ten times a second, from one of their threads.
     pub fn reporting(report: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         Self(Arc::new(Shared { report: Some(Box::new(report)), ..Shared::default() }))
     }
@@ -77,12 +77,12 @@ impl Handle {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Whether its runs are to stop.
+    /// Whether its runs have been told to stop.
     pub fn is_stopped(&self) -> bool {
         self.0.is_stopped.load(Ordering::Relaxed)
     }
 
-    /// How far the run is that said so last.
+    /// The progress of the run that reported last.
     pub fn progress(&self) -> Progress {
         Progress { done: self.0.done.load(Ordering::Relaxed), all: self.0.all.load(Ordering::Relaxed) }
     }

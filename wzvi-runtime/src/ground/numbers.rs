@@ -1,13 +1,13 @@
-//! Things that consist of numbers, to take apart and to put together again.
+//! Values as sequences of numbers, which a tape records and restores.
 
 use std::marker::PhantomData;
 
-/// What a step leaves for the next one, to the last bit: a checkpoint keeps it, and ranks send what they found out.
+/// What a checkpoint keeps and ranks send, to the last bit: the memory of a step, a statistic.
 ///
 /// One method serves both directions, so that reading cannot disagree with writing.
 pub trait Numbers {
-    /// Shows everything to a tape, in an order that depends on nothing but the type and what was shown before. A tape that is read
-    /// replaces what it is shown, so that the words of one value make another one equal to it.
+    /// Passes every number to a tape, in an order that depends only on the type and on what was passed before. A tape that is read replaces the
+    /// numbers, so that the words of one value make another one equal to it.
     fn pass(&mut self, tape: &mut Tape);
 }
 
@@ -111,13 +111,13 @@ for_tuples!(tuples);
 /// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
 #[derive(Debug)]
 pub enum Tape {
-    /// Takes down what it is shown.
+    /// Records what is passed.
     Writing(Vec<u64>),
-    /// Replaces what it is shown.
+    /// Replaces what is passed.
     Reading {
         /// What was taken down.
         words: std::vec::IntoIter<u64>,
-        /// Whether it was shown more than was taken down, or what was makes no sense.
+        /// Whether more was passed than was recorded, or the record is inconsistent.
         short: bool,
     },
     /// Takes down one lane of what it is shown, as that lane would be taken down alone.
@@ -201,7 +201,7 @@ impl Tape {
         }
     }
 
-    /// Takes down or replaces a word.
+    /// Records or replaces a word.
     pub fn word(&mut self, word: &mut u64) {
         match self {
             Self::Writing(words) | Self::Splitting { words, .. } => words.push(*word),
@@ -220,18 +220,18 @@ impl Tape {
         }
     }
 
-    /// Takes down or replaces a number of each lane.
+    /// Records or replaces a number of each lane.
     pub fn lanes(&mut self, numbers: &mut [f64]) {
         self.words_of_lanes(numbers, |number| number.to_bits(), |word| Some(f64::from_bits(word)));
     }
 
-    /// Takes down or replaces a truth of each lane: 0 or 1.
+    /// Records or replaces a boolean of each lane: 0 or 1.
     pub fn flags(&mut self, flags: &mut [bool]) {
         let read = |word| (word < 2).then_some(word == 1);
         self.words_of_lanes(flags, |flag| u64::from(*flag), read);
     }
 
-    /// Takes down or replaces a small count of each lane.
+    /// Records or replaces a small count of each lane.
     pub fn counts(&mut self, counts: &mut [u8]) {
         self.words_of_lanes(counts, |count| u64::from(*count), |word| u8::try_from(word).ok());
     }
@@ -273,7 +273,7 @@ impl Tape {
         }
     }
 
-    /// Takes down a length, or reads one that no more words can follow than there are.
+    /// Records a length, or reads one, which cannot exceed the words that are left.
     pub fn length(&mut self, length: usize) -> usize {
         let mut word = length as u64;
         self.word(&mut word);
@@ -289,12 +289,12 @@ impl Tape {
         read.unwrap_or(0)
     }
 
-    /// Whether it replaces what it is shown.
+    /// Whether it replaces what is passed.
     pub fn is_reading(&self) -> bool {
         matches!(self, Self::Reading { .. } | Self::Placing { .. } | Self::Joining { .. })
     }
 
-    /// What was read makes no sense: reading gives nothing.
+    /// Marks what was read as inconsistent: reading then fails.
     pub fn refuse(&mut self) {
         if let Self::Reading { short, .. } | Self::Placing { short, .. } | Self::Joining { short, .. } = self
         {
@@ -302,7 +302,7 @@ impl Tape {
         }
     }
 
-    /// Takes down or replaces a count that has fewer bits than a word; one that is too large makes no sense.
+    /// Records or replaces a count that has fewer bits than a word; one that is too large is inconsistent.
     pub fn count<T: Copy + Into<u64> + TryFrom<u64>>(&mut self, count: &mut T) {
         let mut word = (*count).into();
         self.word(&mut word);
@@ -312,7 +312,7 @@ impl Tape {
         }
     }
 
-    /// Takes down or replaces a truth: 0 or 1.
+    /// Records or replaces a boolean: 0 or 1.
     pub fn flag(&mut self, flag: &mut bool) {
         let mut word = u8::from(*flag);
         self.count(&mut word);
@@ -322,19 +322,19 @@ impl Tape {
         }
     }
 
-    /// Takes down or replaces several words.
+    /// Records or replaces several words.
     pub fn words<'x>(&mut self, words: impl IntoIterator<Item = &'x mut u64>) {
         words.into_iter().for_each(|word| self.word(word));
     }
 
-    /// Takes down or replaces a number.
+    /// Records or replaces a number.
     pub fn number(&mut self, number: &mut f64) {
         let mut word = number.to_bits();
         self.word(&mut word);
         *number = f64::from_bits(word);
     }
 
-    /// Takes down or replaces several numbers.
+    /// Records or replaces several numbers.
     pub fn numbers<'x>(&mut self, numbers: impl IntoIterator<Item = &'x mut f64>) {
         numbers.into_iter().for_each(|number| self.number(number));
     }

@@ -1,4 +1,4 @@
-//! What people call coordinates, momenta and time: the names in the closure of the drift.
+//! The names of coordinates, momenta and time in the closure of the drift.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ pub struct Variables {
     pub p: Labels,
     /// Of time.
     pub t: &'static str,
-    /// Of the first integrals that `invariant` lists, in its order; empty for those without a name, and none where no one has one.
+    /// The names of the first integrals, in the order of `invariant`; empty for one without a name, and no entries where none has one.
     pub invariants: &'static [&'static str],
 }
 
@@ -30,7 +30,7 @@ pub enum Labels {
 }
 
 impl Variables {
-    /// `q`, `p` and `t`: the names of a system that says nothing of its own.
+    /// `q`, `p` and `t`: the names of a system that gives none.
     pub const fn unnamed(degrees: usize) -> Self {
         match degrees {
             1 => Self { q: Labels::Each(&["q"]), p: Labels::Each(&["p"]), t: "t", invariants: &[] },

@@ -10,12 +10,12 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// A source of this kind, a name that no other source has.
+    /// The identity of a source of this kind, a name that no other source has.
     pub fn of(kind: &str) -> Self {
         Self { settings: vec![("noise".to_owned(), kind.to_owned())] }
     }
 
-    /// A source with this setting as well, which is compared as its `Debug` text. That of a number is exact.
+    /// Adds a setting, which is compared by its `Debug` text. That of a number is exact.
     pub fn with(mut self, name: &str, value: impl Debug) -> Self {
         self.settings.push((format!("noise {name}"), format!("{value:?}")));
         self

@@ -1,4 +1,4 @@
-//! Long runs: checkpoints, and going on from them.
+//! Long runs: checkpoints, and how a run resumes from one.
 //!
 //! [`Simulation::checkpoint`] saves the state of a run from time to time. A run may be stopped at any moment, by a signal, a crash or a loss
 //! of power. Started again with the same settings, it resumes from its last checkpoint. Its trajectory is bit for bit that of a run that was

@@ -308,7 +308,7 @@ macro_rules! options {
             self
         }
 
-        /// Lets this handle stop the run and say how far it is ([`crate::ground::handle`]). The result is then that of what is done, and says that
+        /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A stopped run returns what it has done, and says that
         /// it is partial.
         pub fn handle(mut self, handle: &crate::ground::handle::Handle) -> Self {
             self.setup.execution.handle = Some(handle.clone());

@@ -1,4 +1,4 @@
-//! Averages along one long path, whose neighbouring values are no independent ones.
+//! Averages along one long path, whose neighbouring values are not independent.
 //!
 //! With the autocorrelation `ρ(t)` of a stationary series, `τ = 1/2 + Σ_{t ≥ 1} ρ(t)` is its integrated autocorrelation time, in samples, and the mean of `N`
 //! values has the variance `2 τ σ² / N`: as of `N / 2τ` independent ones.

@@ -48,7 +48,7 @@ pub struct Node<'a> {
 
 /// Sees the nodes of a run. Implemented by closures `|state, node| ...`.
 pub trait Observer<V> {
-    /// Whether it looks at all; a run without observer does not prepare what it would be told.
+    /// Whether it observes anything; a run without observer does not prepare its nodes.
     const LOOKS: bool = true;
 
     /// Called at the start and then at each recorded node.
@@ -161,7 +161,7 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         self
     }
 
-    /// Lets this handle stop the run and say how far it is ([`crate::ground::handle`]). A path that is stopped ends at a node with
+    /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A path that is stopped ends at a node with
     /// [`Error::Stopped`]; [`Simulation::run_partial`] returns it up to there.
     pub fn handle(mut self, handle: &Handle) -> Self {
         self.setup.execution.handle = Some(handle.clone());

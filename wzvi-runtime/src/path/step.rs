@@ -269,10 +269,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// Whether care may find what the short way does not.
     const IS_ITERATED: bool = matches!(H::PLAN.solver, Solver::Newton);
 
-    /// [`Stepper::step`], and what lies between its nodes into `dense`: see [`crate::scheme::dense`]. Allocates nothing after the first step.
+    /// As [`Stepper::step`]; `dense` receives the path between the two nodes ([`crate::scheme::dense`]). Allocates nothing after the first step.
     ///
     /// # Errors
-    /// Those of [`Stepper::step`]; `dense` is then what it was, too.
+    /// Those of [`Stepper::step`]; `dense` is then unchanged, too.
     pub fn step_densely(
         &mut self,
         state: &mut State<H::Vector>,

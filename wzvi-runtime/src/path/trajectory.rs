@@ -28,7 +28,7 @@ pub use table::PathTable;
 pub struct Iterations {
     /// Over all steps.
     pub total: u64,
-    /// The most that one step took.
+    /// The largest number in one step.
     pub largest: u32,
     /// Steps that the previous ones did not predict ([`StepInfo::is_hard`]). Many such steps mean that the step is long for the fastest
     /// motion.

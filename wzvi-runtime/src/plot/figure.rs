@@ -10,13 +10,13 @@ use crate::saving::table::{NUMBER, TEXT, Table};
 /// One axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What is along it, with its unit.
+    /// Its label, with the unit.
     pub label: String,
     /// Whether its scale is logarithmic; then only positive values are drawn.
     pub logarithmic: bool,
-    /// From where to where it goes; `None` for all points and a margin.
+    /// Its limits; `None` for all points and a margin.
     pub range: Option<(f64, f64)>,
-    /// The names of 0, 1, 2, ..., in the place of numbers; empty for an axis of numbers.
+    /// Names at 0, 1, 2, ... instead of numbers; empty for an axis of numbers.
     pub names: Vec<String>,
 }
 
@@ -76,7 +76,7 @@ impl Colour {
     pub const VIOLET: usize = 5;
     /// Grey.
     pub const GREY: usize = 6;
-    /// That of axes and text.
+    /// The colour of axes and text.
     pub const INK: usize = usize::MAX;
 }
 
@@ -91,7 +91,7 @@ pub struct Series {
     pub colour: usize,
     /// `(x, y)`.
     pub points: Vec<(f64, f64)>,
-    /// What is said about each point besides its numbers; may be shorter.
+    /// A note for each point; the list may be shorter.
     pub notes: Vec<String>,
 }
 
@@ -113,7 +113,7 @@ impl Series {
     }
 }
 
-/// A plot with its sentence.
+/// A plot with its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Names its files: letters, digits and hyphens.
@@ -128,7 +128,7 @@ pub struct Figure {
     pub y: Axis,
     /// What is drawn, the first at the bottom.
     pub series: Vec<Series>,
-    /// Whether one unit is as long up as across.
+    /// Whether both axes have the same scale.
     pub has_equal_axes: bool,
 }
 
@@ -172,21 +172,21 @@ impl Figure {
         self
     }
 
-    /// With a name at 0, 1, 2, ... of the vertical axis in the place of numbers.
+    /// Puts names at 0, 1, 2, ... of the vertical axis instead of numbers.
     #[must_use]
     pub fn y_names(mut self, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.y.names = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// One unit is as long up as across.
+    /// Gives both axes the same scale.
     #[must_use]
     pub fn equal_axes(mut self) -> Self {
         self.has_equal_axes = true;
         self
     }
 
-    /// From where to where the horizontal axis goes; lines are interrupted where they leave it.
+    /// Sets the limits of the horizontal axis; lines are interrupted where they leave it.
     #[must_use]
     pub fn x_range(mut self, range: Range<f64>) -> Self {
         self.x.range = Some((range.start, range.end));

@@ -9,8 +9,8 @@ use crate::scheme::system::Hamiltonian;
 /// Degrees of freedom that are shown unless asked otherwise: as many as there are colours.
 pub(super) const SHOWN: usize = 6;
 
-/// A path to look at: [`Trajectory::plot`] begins it. Each method makes a [`Figure`], which [`Figure::write`] draws as SVG or PNG, a
-/// [`Sheet`](super::Sheet) puts beside others, and you may add to.
+/// Figures of a path: [`Trajectory::plot`] begins them. Each method returns a [`Figure`]: [`Figure::write`] draws it as SVG or PNG, and a
+/// [`Sheet`](super::Sheet) puts it beside others.
 #[derive(Debug)]
 #[must_use = "nothing is drawn before `write`"]
 pub struct PathPlot<'a, V, E> {

@@ -22,7 +22,7 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// An empty sheet: so many figures in a row, each of this width and height in pixels.
+    /// An empty sheet with this many figures in a row, each of this width and height in pixels.
     pub fn new(columns: usize, size: (u32, u32)) -> Self {
         Self { columns: columns.max(1), size, figures: Vec::new() }
     }

@@ -5,8 +5,8 @@ use super::path::SHOWN;
 use crate::error::StatisticsError;
 use crate::statistics::{Statistics, StatisticsNode};
 
-/// An ensemble to look at: [`Statistics::plot`] begins it. Each method makes a [`Figure`], which [`Figure::write`] draws as SVG or PNG, a
-/// [`Sheet`](super::Sheet) puts beside others, and you may add to.
+/// Figures of an ensemble: [`Statistics::plot`] begins them. Each method returns a [`Figure`]: [`Figure::write`] draws it as SVG or PNG, and a
+/// [`Sheet`](super::Sheet) puts it beside others.
 #[derive(Clone, Copy, Debug)]
 #[must_use = "nothing is drawn before `write`"]
 pub struct StatisticsPlot<'a> {
@@ -60,8 +60,8 @@ impl StatisticsPlot<'_> {
         Ok(figure)
     }
 
-    /// An observable of each kept path at the last recorded times, so many, against a parameter that depends on the number of the path: a sweep, a
-    /// bifurcation diagram.
+    /// An observable of each kept path, at this many of the last recorded times, against a parameter that depends on the number of the path: a sweep,
+    /// or a bifurcation diagram.
     ///
     /// # Errors
     /// [`StatisticsError::Unknown`] for a name that does not exist, [`StatisticsError::NotComputed`] if the run did not keep its paths.

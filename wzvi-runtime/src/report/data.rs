@@ -29,7 +29,7 @@ pub struct Cell {
     pub paths: usize,
     /// Paths that did not: a step failed.
     pub failures: usize,
-    /// What the first of them said.
+    /// The error of the first of them.
     pub failure: Option<String>,
     /// Root mean square over paths of `|z_N - z(T)|`, Euclidean in (q, p).
     pub strong: Estimate,
@@ -41,7 +41,7 @@ pub struct Cell {
     pub energy_oscillation: Estimate,
     /// Newton iterations per step.
     pub iterations: f64,
-    /// The most that one step took.
+    /// The largest number in one step.
     pub largest_iterations: u32,
     /// Seconds for the steps of one path; `None` if it was not timed.
     pub time: Option<Spread>,

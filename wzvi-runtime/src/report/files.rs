@@ -6,7 +6,7 @@ use std::path::Path;
 use super::ReportError;
 use crate::saving::file;
 
-/// Creates a folder and what leads to it.
+/// Creates a folder and its parents.
 ///
 /// # Errors
 /// [`ReportError::File`].
@@ -14,8 +14,8 @@ pub fn create_folder(path: &Path) -> Result<(), ReportError> {
     Ok(file::create_folder(path)?)
 }
 
-/// Writes a file under a temporary name in the same folder and renames it: a reader, or a run that was killed, sees the
-/// old file or the new one. Symbolic links are followed; what is no regular file is refused.
+/// Writes a file under a temporary name in the same folder and renames it: a reader, or a run that was killed, sees the old file or the new one.
+/// Symbolic links are followed; anything but a regular file is refused.
 ///
 /// # Errors
 /// [`ReportError::File`] with the path asked for; nothing is left behind then.

@@ -36,7 +36,7 @@ pub struct Sample {
     pub standard_error: f64,
 }
 
-/// What could be said of the slope.
+/// The result of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Slope {
     /// A straight part: `error ≈ factor h^order`.
@@ -56,7 +56,7 @@ pub enum Slope {
     },
     /// The error does not depend on the step size.
     Flat {
-        /// Where it stays: at the smallest step.
+        /// The error at the smallest step.
         error: f64,
         /// The step sizes, the largest first.
         used: Vec<f64>,

@@ -77,7 +77,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         }
     }
 
-    /// What tables and pages are called; the name of the system's type otherwise.
+    /// The title of tables and pages; the name of the system's type by default.
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
@@ -97,7 +97,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// How many paths errors are averaged over. A system without noise takes one.
+    /// The number of paths over which errors are averaged. A system without noise takes one.
     pub fn paths(mut self, paths: usize) -> Self {
         self.paths = paths;
         self
@@ -109,14 +109,13 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         self
     }
 
-    /// How often each time is measured, after one warm-up; 0 leaves times out.
+    /// The number of timings after one warm-up; 0 measures no times.
     pub fn repetitions(mut self, repetitions: usize) -> Self {
         self.repetitions = repetitions;
         self
     }
 
-    /// What drives the steps instead of the Wiener path itself, made from that path:
-    /// `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
+    /// Drives the steps by a noise that is made from the Wiener path: `.noise(|wiener| WongZakai::of(wiener, 0.02).exact())`.
     pub fn noise<N: Paths + Clone + Send + Sync + 'a>(
         mut self,
         driver: impl Fn(Wiener) -> N + Send + Sync + 'a,

@@ -37,7 +37,7 @@ pub(super) trait Method<H: Hamiltonian>: Send + Sync {
     /// The embedding as it is written, `Corrected<DeltaPlus>`.
     fn name(&self) -> String;
 
-    /// What the compiler found out.
+    /// What the compiler derived.
     fn plan(&self) -> Plan;
 
     /// How many numbers drive a step.

@@ -30,7 +30,7 @@ where
     /// Measures. Its [handle](WorkPrecision::handle), or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
     /// On a terminal, progress and the time that remains are shown.
     ///
-    /// A step that fails ends its path and is counted, no more.
+    /// A step that fails ends its path and is counted.
     ///
     /// # Errors
     /// [`Error::Config`] for settings that are missing or make no sense, [`Error::Noise`] if there are no increments,

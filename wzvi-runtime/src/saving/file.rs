@@ -38,7 +38,7 @@ fn folder(path: &Path) -> &Path {
     }
 }
 
-/// Creates a folder and what leads to it.
+/// Creates a folder and its parents.
 pub(crate) fn create_folder(path: &Path) -> Result<(), FileError> {
     fs::create_dir_all(path).map_err(FileError::system(path, "create the folder"))
 }

@@ -62,8 +62,8 @@ impl Table {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
-    /// Comma-separated values as in RFC 4180, with the names in the first line. Numbers come back to the last bit; those that
-    /// are none or infinite are `NaN`, `inf` and `-inf`.
+    /// Comma-separated values as in RFC 4180, with the names in the first line. Numbers are exact to the last bit; undefined and infinite ones are
+    /// `NaN`, `inf` and `-inf`.
     ///
     /// # Errors
     /// Those of `to`.
@@ -139,8 +139,7 @@ impl Table {
         Ok(())
     }
 
-    /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has `null` for those that are
-    /// none or infinite.
+    /// `[{"column":entry, ...}, ...]`, a line for each row, with numbers as in [`Table::write_csv`]; JSON has `null` for undefined and infinite ones.
     ///
     /// # Errors
     /// Those of `to`.
@@ -188,12 +187,12 @@ pub(crate) fn escaped(text: &str) -> String {
 }
 
 impl Table {
-    /// Without columns, under the name of its file.
+    /// A table without columns, with the name of its file.
     pub fn named(name: impl Into<String>) -> Self {
         Self { name: name.into(), columns: Vec::new() }
     }
 
-    /// One more column, as long as the others, under this name; under a longer one if another column has it.
+    /// Adds a column, as long as the others, under this name, or under a longer one if another column has it.
     pub fn push(&mut self, name: &str, entries: impl Into<Column>) {
         let mut free = name.to_owned();
         while self.columns.iter().any(|(known, _)| *known == free) {

@@ -81,8 +81,8 @@ pub use word::{A, B, HarmonicLaw, Letter, O, Part, Spelling, Word};
 pub struct Baoab;
 
 /// Friction and noise of half the step, half a kick, a drift, half a kick, friction and noise of the other half: one force for each step, explicit,
-/// for `T(p) + V(q, t)`. Momenta of a harmonic oscillator have the exact variance, positions too much by `1 / (1 - h² ω² / 4)`. Its middle is a step of
-/// [`Verlet`](crate::scheme::compose::Verlet), so that it can be made exact by accepting or rejecting that.
+/// for `T(p) + V(q, t)`. The momenta of a harmonic oscillator have the exact variance; that of the positions is too large by the factor `1 / (1 - h²
+/// ω² / 4)`. Its middle is a step of [`Verlet`](crate::scheme::compose::Verlet), so that it can be made exact by accepting or rejecting that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obabo;
 
@@ -93,8 +93,8 @@ pub struct Obabo;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gjf;
 
-/// [`Baoab`] whose kicks and drifts last `s h` with `s = √(tanh(γh/2)/(γh/2))` in the place of `h`: exact in the same as [`Gjf`], with the decay `e^{-γh}` of the momenta
-/// (N. Grønbech-Jensen, Mol. Phys. 118, 2020). One rate of friction for all degrees of freedom, and no other noises: else
+/// [`Baoab`] whose kicks and drifts last `s h` with `s = √(tanh(γh/2)/(γh/2))` in the place of `h`: exact where [`Gjf`] is, with the decay `e^{-γh}`
+/// of the momenta (N. Grønbech-Jensen, Mol. Phys. 118, 2020). One rate of friction for all degrees of freedom, and no other noises: else
 /// [`ConfigError`]. Ensembles with [`systems`](crate::ensemble::Ensemble::systems) take a stepper for each path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GjI;

@@ -154,7 +154,7 @@ pub trait Elements: Sized {
     /// As `Hamiltonian::Vector`.
     type Vector: Vector;
 
-    /// What the compiler found out of the system.
+    /// What the compiler derived about the system.
     const FACTS: Facts;
 
     /// What steps of `Verlet` take advantage of.

@@ -90,7 +90,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Those of an autonomous system without noise, in which nothing is listed as an integral and no loop goes.
+    /// The facts of an autonomous system without noise, without listed first integrals and without loops.
     pub const fn autonomous(degrees: usize) -> Self {
         Self {
             degrees,
@@ -114,7 +114,7 @@ impl Facts {
         Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting }
     }
 
-    /// That of a step of order two that is made of flows.
+    /// The plan of a step of order two that consists of flows.
     pub const fn explicit(self) -> Plan {
         self.plan(Solver::Explicit, 0, 2, true)
     }

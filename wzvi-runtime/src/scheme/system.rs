@@ -94,7 +94,7 @@ pub trait Hamiltonian {
         0.0
     }
 
-    /// Whether friction, where there is some, makes sense.
+    /// Checks the friction, if there is any.
     ///
     /// # Errors
     /// [`ConfigError::Bath`] if a rate is negative or no number, a matrix of damping not symmetric, or a mass with friction not positive.
@@ -310,7 +310,7 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
     note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
 pub trait Discretized<E>: Listed<E> {
-    /// What the compiler found out.
+    /// What the compiler derived.
     const PLAN: Plan;
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
@@ -322,8 +322,8 @@ pub trait Discretized<E>: Listed<E> {
     /// What one step leaves for the starting value of the next.
     type Memory<S: Scalar>: StepMemory;
 
-    /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
-    /// the standard normals of a bath.
+    /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
+    /// standard normals of a bath.
     fn increments(&self, degrees: usize) -> usize;
 
     /// The memory of a new stepper: all that its steps will need, where the system knows its size.
@@ -332,7 +332,7 @@ pub trait Discretized<E>: Listed<E> {
     /// Computes what does not change from step to step.
     ///
     /// # Errors
-    /// Where a parameter makes no sense, or a matrix that is factored here is singular.
+    /// If a parameter is invalid, or a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
     /// One step from `(q, p)` at `t` in place, by any numbers, with plain sums: the short way, and from zero with a line search where that

@@ -8,7 +8,7 @@ use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Cell::{Count, Number, Text};
 use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
 
-/// How often paths crossed a section, and where, as far as that was to be kept: see [`crate::algebra::crossing`].
+/// How often paths crossed a section, and the states there, as far as they are kept: see [`crate::algebra::crossing`].
 ///
 /// A path that fails counts with the crossings that it had before.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +97,8 @@ impl Crossings {
         self.of_path.standard_error()
     }
 
-    /// Those that were kept ([`Ensemble::keep_crossings`](crate::ensemble::Ensemble::keep_crossings)): path by path, each in the order of the run.
+    /// The crossings that were kept ([`Ensemble::keep_crossings`](crate::ensemble::Ensemble::keep_crossings)): path by path, each in the order of the
+    /// run.
     pub fn iter(&self) -> impl Iterator<Item = PathCrossing<'_>> {
         let rows = self.states.chunks_exact(self.width());
         self.kept.iter().zip(rows).map(|(&(path, direction), row)| {

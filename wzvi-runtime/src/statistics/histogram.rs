@@ -19,7 +19,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// So many bins from `lower` to `upper`, all empty.
+    /// This many empty bins from `lower` to `upper`.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] unless there is a bin, they have a width, and there are 2^24 at most.

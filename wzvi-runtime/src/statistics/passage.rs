@@ -148,7 +148,7 @@ impl Passages {
         self.kept.as_deref()
     }
 
-    /// The mean time of those that passed; too short for the others where some are censored.
+    /// The mean time of the paths that passed; it is too short where some are censored.
     pub fn mean(&self) -> f64 {
         self.times.mean()
     }

@@ -165,7 +165,7 @@ impl Statistics {
         &self.nodes.all
     }
 
-    /// The end; `None` never, since the start is always there.
+    /// The end; never `None`, since the start is always there.
     pub fn last(&self) -> Option<&StatisticsNode> {
         self.nodes().last()
     }
@@ -305,7 +305,7 @@ impl Statistics {
         (!self.targets.is_empty()).then_some(met)
     }
 
-    /// What became of the standard error that was asked for an observable.
+    /// Whether an observable has met its target.
     ///
     /// # Errors
     /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was asked for.

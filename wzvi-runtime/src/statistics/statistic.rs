@@ -12,7 +12,7 @@ use crate::ground::names::short_name;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Table;
 
-/// What a [`Statistic`] is shown of a path.
+/// What a [`Statistic`] sees of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Seen<'s> {
@@ -61,19 +61,19 @@ pub enum Seen<'s> {
     Failure(StepError),
 }
 
-/// Something to find out of the paths of an ensemble ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)).
+/// A statistic of the paths of an ensemble ([`Ensemble::statistic`](crate::ensemble::Ensemble::statistic)).
 ///
-/// Paths run in chunks of a fixed size. Each chunk has a clone of the statistic as it was given, which is shown its paths, and the chunks are merged in the
-/// order of their numbers. So the result has the same bits on any number of threads and ranks. Checkpoints and ranks keep what
-/// [`Numbers::pass`] shows to the tape: everything that paths change.
+/// Paths run in chunks of a fixed size. Each chunk has a clone of the given statistic, which sees the paths of the chunk, and the chunks are merged
+/// in the order of their numbers. The result therefore has the same bits on any number of threads and ranks. Checkpoints and ranks keep what
+/// [`Numbers::pass`] passes to the tape: everything that paths change.
 ///
-/// At each recorded time paths come in the order of their numbers; several of them run beside each other, so that what a statistic has to
-/// remember of a path it keeps by the number of the path.
+/// At each recorded time paths come in the order of their numbers. Several run side by side, so a statistic that remembers something of a path keeps
+/// it by the number of the path.
 pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 'static {
-    /// What happens to a path, by its number from 0.
+    /// Sees what happens to a path, by its number from 0.
     fn see(&mut self, path: u64, seen: &Seen<'_>);
 
-    /// Adds what was found of the paths of a later chunk. The order matters to the last bit.
+    /// Adds the statistic of a later chunk. The order matters to the last bit.
     fn merge(&mut self, later: &Self);
 
     /// What is known, as tables, which [`Statistics::tables`] and files have then. `run` knows the recorded times and the names of observables.

@@ -125,7 +125,7 @@ pub trait Constants {
     /// In numbers of one type.
     type Of<K: Constant>: Clone + Debug + Send + Sync;
 
-    /// Those of `L` systems, each in its lane.
+    /// The constants of `L` systems, one in each lane.
     fn gather<const L: usize>(of_lanes: [&Self::Of<f64>; L]) -> Self::Of<Lanes<L>>;
 }
 
@@ -138,7 +138,7 @@ pub struct Reals<const N: usize>;
 
 /// Constants that are numbers and nothing else.
 pub trait Parameters: Constants {
-    /// Those of one lane, without derivatives.
+    /// The constants of one lane, without derivatives.
     fn lane<K: Constant>(of: &Self::Of<K>, lane: usize) -> Self::Of<f64>;
 }
 

@@ -31,12 +31,12 @@ pub struct Rounded {
 }
 
 impl Rounded {
-    /// A number that is what it is.
+    /// An exact number.
     pub fn exact(value: f64) -> Self {
         Self { value, error: 0.0 }
     }
 
-    /// A number that stands for all that it is the nearest one to.
+    /// A rounded number: it stands for all numbers that round to it.
     pub fn nearest(value: f64) -> Self {
         Self::computed(value, 0.0, EPSILON)
     }

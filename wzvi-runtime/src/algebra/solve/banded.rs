@@ -41,7 +41,7 @@ impl<S: Scalar> Banded<S> {
         })
     }
 
-    /// Of a matrix with blocks of `half + 1` unknowns, next to each other and with nothing in common, where that `is_parted`.
+    /// For a matrix of uncoupled blocks of `half + 1` consecutive unknowns, if it `is_parted`.
     #[must_use]
     pub fn parted(self, is_parted: bool) -> Self {
         Self { is_parted, ..self }

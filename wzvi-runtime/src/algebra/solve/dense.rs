@@ -46,7 +46,7 @@ pub(super) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
 }
 
-/// What cannot be factored once for all steps is a mistake of the configuration, not of a step.
+/// A matrix that cannot be factored once for all steps is an error of the configuration, not of a step.
 ///
 /// # Errors
 /// The cause, with the step size.
@@ -66,9 +66,9 @@ fn singular(pivot: f64, scale: f64) -> StepFailure {
     }
 }
 
-/// `P A = L U` with pivots that do not depend on the units of rows and columns. Of two rows `k`, `i` and the columns that they stand for, those
-/// products are compared that have the same unit: rows change places where `|a_ik a_ki| > |a_kk a_ii|`, and of several the one for which that is most. What
-/// is eliminated through a pivot is then at most what is there, between any two of them. Powers of two on rows and columns change no bit of a solution but its scale.
+/// `P A = L U` with pivots that do not depend on the units of rows and columns. Only products of the same unit are compared: row `i` takes the place
+/// of row `k` where `|a_ik a_ki| > |a_kk a_ii|`, and of several rows the one with the largest product does. Elimination then subtracts at most what
+/// is there, between any two of them. Scaling rows and columns by powers of two changes no bit of a solution but its scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor<S, const N: usize> {
     /// `L` below the diagonal (its unit diagonal is not stored), `U` above, reciprocals of the pivots on it.

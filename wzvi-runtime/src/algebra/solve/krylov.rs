@@ -10,7 +10,7 @@ use crate::error::StepFailure;
 
 /// Vectors of the basis before a restart.
 const BASIS: usize = 32;
-/// Bases before it is given up.
+/// Restarts before GMRES gives up.
 const MOST_CYCLES: u32 = 32;
 /// A cycle that leaves more than this fraction of the residual is the last.
 const PROGRESS: f64 = 0.95;
@@ -33,15 +33,15 @@ pub struct Krylov<S> {
     image: Vec<S>,
 }
 
-/// A matrix, and what is about its inverse.
+/// A matrix and its preconditioner.
 pub trait Operator<S> {
     /// `y = A x`
     fn product(&mut self, x: &[S], y: &mut [S]);
 
-    /// `x` becomes about `A⁻¹ x`.
+    /// Applies the preconditioner: `x` becomes an approximation of `A⁻¹ x`.
     fn precondition(&mut self, x: &mut [S]);
 
-    /// How many times the basis may begin anew.
+    /// The largest number of restarts.
     fn most_cycles(&self) -> u32 {
         MOST_CYCLES
     }
@@ -50,7 +50,7 @@ pub trait Operator<S> {
 impl<S: Scalar> Krylov<S> {
     /// Vectors of the basis before a restart.
     pub const BASIS: usize = BASIS;
-    /// Bases before it is given up.
+    /// Restarts before GMRES gives up.
     pub const MOST_CYCLES: u32 = MOST_CYCLES;
 
     /// Room for `n` unknowns.
@@ -69,7 +69,7 @@ impl<S: Scalar> Krylov<S> {
         }
     }
 
-    /// `b` becomes `A⁻¹ b` up to a residual of `tolerance` times its norm; how many products that took. On `Err` it is what it was.
+    /// Replaces `b` by `A⁻¹ b` up to a residual of `tolerance` times its norm, and returns the number of products. On an error `b` is unchanged.
     ///
     /// # Errors
     /// [`StepFailure::NotConverged`] with the number of products and the relative residual that is left,

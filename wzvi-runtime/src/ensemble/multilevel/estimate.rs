@@ -67,7 +67,7 @@ pub struct Level {
 }
 
 impl Level {
-    /// The step size of its fine paths; that of the coarse ones beside them is twice this.
+    /// The step size of its fine paths; their coarse partners have twice this.
     pub fn h(&self) -> f64 {
         self.h
     }
@@ -77,12 +77,12 @@ impl Level {
         self.paths
     }
 
-    /// Steps that each of them takes, fine and coarse together: its cost.
+    /// Steps of a pair, fine and coarse together: its cost.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Steps of all of them.
+    /// Steps of all pairs.
     pub fn cost(&self) -> u64 {
         self.steps.saturating_mul(self.paths())
     }
@@ -154,9 +154,9 @@ impl MultilevelEstimate {
         if self.levels.is_empty() { f64::NAN } else { self.levels.iter().map(square).sum::<f64>().sqrt() }
     }
 
-    /// An upper estimate of it, which allows for what may be too rare to have been seen on enough paths: as
-    /// [`StatisticsNode::error_bound`](super::super::StatisticsNode::error_bound), and where all differences of a level are equal, for one as large as the range of the
-    /// observable. This one is what the target is compared with.
+    /// An upper estimate of the standard error, which allows for events too rare to have been seen on enough paths, as
+    /// [`StatisticsNode::error_bound`](super::super::StatisticsNode::error_bound) does. Where all differences of a level are equal, it allows for one
+    /// as large as the range of the observable. The target is compared with this.
     pub fn error_bound(&self) -> f64 {
         if self.levels.is_empty() { f64::NAN } else { self.error_bound }
     }
@@ -166,13 +166,12 @@ impl MultilevelEstimate {
         self.is_constant
     }
 
-    /// About how far the mean of the finest step size is from its limit, in absolute value, from the last three levels and the
-    /// weak order.
+    /// The estimated distance of the mean at the finest step size from its limit, from the last three levels and the weak order.
     pub fn bias(&self) -> f64 {
         self.bias
     }
 
-    /// The root mean square error that is to be expected, `√(standard_error² + bias²)`.
+    /// The expected root mean square error, `√(standard_error² + bias²)`.
     pub fn error(&self) -> f64 {
         self.standard_error().hypot(self.bias)
     }
@@ -210,7 +209,7 @@ impl MultilevelEstimate {
         self.is_partial
     }
 
-    /// Whether standard error and bias are what the target asked for; if not, the limit on paths or levels was reached first.
+    /// Whether standard error and bias meet the target; if not, the limit on paths or levels was reached first.
     pub fn met_target(&self) -> bool {
         self.met_target
     }

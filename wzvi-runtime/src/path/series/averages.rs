@@ -40,7 +40,7 @@ pub struct TimeAverage {
     pub time: f64,
 }
 
-/// What a run of averages leaves.
+/// The result of a run of averages.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeAverages<V> {
     /// By observable, in the order in which they were asked for.
@@ -83,7 +83,7 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// println!("{:?}", averages.of("q²")?);
     /// ```
     ///
-    /// With `checkpoint` a run that was stopped goes on from its file, as one that keeps its path does; targets may then differ.
+    /// With `checkpoint` a stopped run resumes from its file; its targets may differ.
     pub fn time_averages(self) -> TimeAveraging<'a, H, E, N, O, R> {
         TimeAveraging { simulation: self, discarded: 0.0, targets: Vec::new(), stop: None }
     }
@@ -108,9 +108,9 @@ where
         self
     }
 
-    /// Ends the run when the error of the average of an observable is `target` (units of the observable) or less, correlations included; the end of the
-    /// run is then a limit. Compared is [`BatchMeans::error_bound`], which is known once the path has lasted for some 200 correlation times. Asked more than
-    /// once, all errors must be that small.
+    /// Ends the run when the error of the average of an observable is `target` (units of the observable) or less, correlations included; the end of
+    /// the run is then a limit. The test uses [`BatchMeans::error_bound`], which is known once the path has lasted for some 200 correlation times. If
+    /// this is called more than once, all targets must be met.
     ///
     /// **One path does not know what it has not seen.** A path that has stayed in one of two wells has a small error of the mean over that well, and
     /// meets the target. Where a system may have more than one region, run several paths from starts in different ones, and compare their
@@ -120,9 +120,8 @@ where
         self
     }
 
-    /// Ends the run early when `stop` says so: a deadline, for one. The averages are then those of what is done
-    /// ([`TimeAverages::is_partial`]). It is asked about ten times a second. The
-    /// [handle](Simulation::handle) of the path stops it, too.
+    /// Ends the run early when `stop` returns true, at a deadline for example. The averages then cover what is done ([`TimeAverages::is_partial`]).
+    /// It is called about ten times a second. The [handle](Simulation::handle) of the path stops it, too.
     pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
         self.stop = Some(Box::new(stop));
         self
@@ -131,8 +130,8 @@ where
     /// Runs the path.
     ///
     /// # Errors
-    /// Those of [`Simulation::run`]; [`Error::Name`] for a target of an observable that there is not, [`Error::Config`] for targets that are not positive
-    /// and settings that averages have no use for: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or gone on from.
+    /// Those of [`Simulation::run`]; [`Error::Name`] for the target of an unknown observable, [`Error::Config`] for targets that are not positive and
+    /// for settings without meaning here: times, sections, observers. `Error::Checkpoint` for a checkpoint that cannot be written or resumed.
     pub fn run(self) -> Result<TimeAverages<H::Vector>, Error> {
         let Self { simulation, discarded, targets, stop } = self;
         let (simulation, averaged) = simulation.without_path()?;

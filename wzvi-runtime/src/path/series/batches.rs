@@ -76,12 +76,12 @@ impl BatchMeans {
         self.levels.first().map_or(0, |level| level.values.count())
     }
 
-    /// Their mean; NaN of none.
+    /// The mean; NaN without values.
     pub fn mean(&self) -> f64 {
         self.levels.first().map_or(f64::NAN, |level| level.values.mean())
     }
 
-    /// Their variance; NaN of fewer than two.
+    /// The variance; NaN for fewer than two values.
     pub fn variance(&self) -> f64 {
         self.levels.first().map_or(f64::NAN, |level| level.values.variance())
     }
@@ -108,8 +108,8 @@ impl BatchMeans {
         self.error().0.sqrt()
     }
 
-    /// What 1.96 standard errors have to be replaced by where the error itself is estimated, over 1.96: the interval `mean ± 1.96 error_bound` is that of
-    /// Student's t, which covers the mean of a stationary series in 95 %. NaN until it can be known.
+    /// The half width of the 95 % interval of Student's t, over 1.96: `mean ± 1.96 error_bound` covers the mean of a stationary series in 95 %,
+    /// although the error itself is estimated. NaN until it can be known.
     pub fn error_bound(&self) -> f64 {
         let (variance, degrees) = self.error();
         variance.sqrt() * student::quantile(degrees) / student::NORMAL
@@ -120,7 +120,7 @@ impl BatchMeans {
         self.error().1
     }
 
-    /// The integrated autocorrelation time in samples: 1/2 of independent values, less of such that alternate; NaN until it can be known.
+    /// The integrated autocorrelation time in samples: 1/2 for independent values, less for alternating ones; NaN until it can be known.
     pub fn time(&self) -> f64 {
         0.5 * self.error().0 * self.count() as f64 / self.variance()
     }

@@ -7,8 +7,8 @@ use crate::path::Error;
 
 /// The average of an observable over several independent paths, and whether they agree.
 ///
-/// One path that has not left the region of its start has a small error, of the mean over that region. Paths from starts in different regions
-/// have different means then:
+/// A path that has not left the region of its start has a small error, but of the mean over that region. Paths from starts in different regions then
+/// have different means:
 ///
 /// ```ignore
 /// let run = |start, seed| {
@@ -21,7 +21,7 @@ use crate::path::Error;
 /// assert!(chains.agree(), "{chains:?}");
 /// ```
 ///
-/// They have to be independent (a seed each), and as long as each other for the mean to be theirs in equal parts.
+/// The paths must be independent (a seed for each), and equally long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chains {
     /// The mean of their means.
@@ -36,7 +36,7 @@ pub struct Chains {
 }
 
 impl Chains {
-    /// Of the observable with this name.
+    /// Compares the averages of the observable with this name.
     ///
     /// # Errors
     /// [`Error::Name`] for a name that nothing was observed under, [`Error::Config`] for fewer than two paths.

@@ -47,7 +47,7 @@ pub struct Autocorrelation {
 }
 
 impl Autocorrelation {
-    /// Of values at equal distances `spacing` in time.
+    /// The autocorrelation of values at equal distances `spacing` in time.
     ///
     /// # Errors
     /// [`SeriesError`] where the series is too short, constant, or not finite.
@@ -55,7 +55,7 @@ impl Autocorrelation {
         Self::of_many(&[values], spacing)
     }
 
-    /// Of several independent series of the same length with one law, such as the paths of an ensemble.
+    /// The autocorrelation of several independent series of the same length and law, such as the paths of an ensemble.
     ///
     /// # Errors
     /// As [`Autocorrelation::of`], and for series of different lengths.

@@ -44,8 +44,8 @@ where
     H: Discretized<E>,
     N: Noise,
 {
-    /// Runs the path, and takes the derivative of its end by its start along: by dual numbers through every step, the solution of its equations included, with the
-    /// increments as they are. With each step go `⌈d/2⌉` in dual numbers of four derivatives, for `d` degrees of freedom.
+    /// Runs the path together with the derivative of its end by its start: dual numbers pass through every step, including the solution of its
+    /// equations, with the same increments. Each step takes `⌈d/2⌉` more in dual numbers of four derivatives, for `d` degrees of freedom.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -59,15 +59,16 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for what it has no meaning for: observables, sections, recorded nodes, a checkpoint, an exact end.
-    /// [`StepFailure::OtherSolution`] where a step was found by following it, which dual numbers do not, and they end elsewhere.
+    /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
+    /// an exact end. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
+    /// elsewhere.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
         self.varied(None)
     }
 
-    /// [`Simulation::tangent`], and the derivatives of the end by parameters of the system and by the step size, with the increments as they are. Parameters
-    /// are numbers that the Hamiltonians read from the struct, by the name that they have there. With each step go `⌈(n + 1)/4⌉` more in dual numbers for `n`
-    /// parameters.
+    /// As [`Simulation::tangent`], with the derivatives of the end by parameters of the system and by the step size, for the same increments.
+    /// Parameters are numbers that the Hamiltonians read from the struct, by their names there. Each step takes `⌈(n + 1)/4⌉` more in dual numbers
+    /// for `n` parameters.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -84,8 +85,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is none of a parameter (an integer has no derivative), and for schemes
-    /// that read parameters without derivatives: those of systems of any size, of thermostats and of friction, of parts of the drift, kicks by the square of
+    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), and for
+    /// schemes that read parameters without derivatives: systems of any size, thermostats and friction, parts of the drift, kicks by the square of
     /// the force, and [`Own<T>`](crate::scheme::system::Own).
     pub fn tangent_by(self, parameters: &[&str]) -> Result<Tangent<H::Vector>, Error> {
         self.varied(Some(parameters))

@@ -60,10 +60,10 @@ pub(super) struct Momenta<'m, S> {
 }
 
 impl Relaxation {
-    /// That of the fraction `share` of a step of size `h`, with this decay.
+    /// The O part over the fraction `share` of a step of size `h`, with this decay.
     ///
     /// # Errors
-    /// [`BathError`] for a friction, a temperature or a mass that makes no sense, and for steps backwards in time.
+    /// [`BathError`] for an invalid friction, temperature or mass, and for steps backwards in time.
     pub fn new<T: Damped>(
         system: &T,
         degrees: usize,

@@ -233,7 +233,7 @@ const fn order(letters: &[Part], unit: u64) -> u32 {
     order
 }
 
-/// What a word makes of a linear system with one rate of friction, exactly; in units of mass, temperature and time in which `m = kT = 1`.
+/// The exact law of the steps of a word in a linear system with one rate of friction, in units of mass, temperature and time in which `m = kT = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarmonicLaw {
     /// `k <q²>`, one in the Gibbs measure.
@@ -249,7 +249,7 @@ pub struct HarmonicLaw {
 }
 
 impl HarmonicLaw {
-    /// Of steps with `√(k/m) h = omega` and `γ h = gamma`; NaN where the word is not stable or there is no friction.
+    /// The law of steps with `√(k/m) h = omega` and `γ h = gamma`; NaN where the word is not stable or there is no friction.
     ///
     /// ```ignore
     /// use wzvi::bath::HarmonicLaw;

@@ -107,7 +107,7 @@ impl Properties {
 
 /// A way to take steps of the system `H`. A scheme of one's own is a [`OneStep`](super::OneStep), which is shorter.
 pub trait Scheme<H: Hamiltonian> {
-    /// What the compiler found out.
+    /// What the compiler derived.
     const PLAN: Plan;
 
     /// What runs need to know besides.
@@ -127,8 +127,8 @@ pub trait Scheme<H: Hamiltonian> {
     /// else [`Plain`](crate::algebra::carry::Plain).
     type Carry<S: Scalar>: Carry<S>;
 
-    /// How many numbers drive a step of a state with so many degrees of freedom: the increments of the noises, and after them `√h` times
-    /// the standard normals of a bath.
+    /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
+    /// standard normals of a bath.
     fn increments(system: &H, degrees: usize) -> usize {
         let _ = degrees;
         system.noises()
@@ -143,8 +143,7 @@ pub trait Scheme<H: Hamiltonian> {
     /// Computes what does not change from step to step, from parameters and a step size that may have derivatives.
     ///
     /// # Errors
-    /// Where a parameter makes no sense, or a matrix that is factored here is singular; where there are derivatives and the scheme does not take them
-    /// along.
+    /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and the scheme does not take them along.
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError>;
 
     /// What is prepared of `L` systems for one step size, each in its lane; `None` where they do not go in lanes. Those that do still do where
@@ -251,13 +250,13 @@ pub trait Listed<E>: Hamiltonian + Sized {
     const PROPERTIES: Properties = <Self::Scheme as Scheme<Self>>::PROPERTIES;
 }
 
-/// What takes the steps of `H` by `E`.
+/// The scheme that takes the steps of `H` by `E`.
 pub type SchemeOf<H, E> = <H as Listed<E>>::Scheme;
-/// What is prepared of `H` for steps by `E`.
+/// The prepared data of steps of `H` by `E`.
 pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
 /// How increments are added unless the user chooses.
 pub type CarryOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Carry<f64>;
-/// What a step of `H` by `E` leaves for the next.
+/// The memory of steps of `H` by `E`: what one step leaves for the next.
 pub type MemoryOf<H, E, S> = <SchemeOf<H, E> as Scheme<H>>::Memory<S>;
 
 #[cfg(test)]
