@@ -1,6 +1,6 @@
 //! Laws of many paths, orders of convergence, long runs and large stiff systems: minutes without optimisation, moments with it.
 //!
-//! `cargo test --profile laws --test laws` runs them, and so does `--release`; other builds say that they are skipped, and Clippy reads them.
+//! `cargo test --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
@@ -30,5 +30,5 @@ mod thermostats;
 
 #[cfg(debug_assertions)]
 #[test]
-#[ignore = "long without optimisation: cargo test --profile laws --test laws"]
+#[ignore = "long without optimisation: cargo test --release --test laws"]
 fn laws() {}
