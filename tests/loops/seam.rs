@@ -2,5 +2,4 @@
 //! the spellings of a size: what a system is, and what a step of it gives, depends on neither.
 
 mod sizes;
-#[cfg(debug_assertions)]
 mod values;

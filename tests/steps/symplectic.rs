@@ -7,7 +7,6 @@
 use std::array::from_fn;
 
 use fixtures::Uniform as Random;
-#[cfg(debug_assertions)]
 use fixtures::random::inline::*;
 use wzvi::prelude::*;
 use wzvi::scalar::Dual;
@@ -333,7 +332,6 @@ macro_rules! check {
     };
 }
 
-#[cfg(debug_assertions)]
 fixtures::every_random_system!(check);
 
 /// A system with every kind of scheme.
