@@ -410,3 +410,15 @@ with_every_scheme!(
     drift = |[x, y], [u, v]| 0.5 * ((u + y * y).powi(2) + (v - x * y).powi(2)),
     noise = [|[x, y], [u, v]| s * (x * u + y * v)],
 );
+
+/// What all of these measure by.
+#[test]
+fn no_difference_hides_one_that_is_not_a_number() {
+    use fixtures::steps::distance;
+    assert_eq!(distance(&[1.0, 2.0, 5.0], &[1.0, 5.0, 4.0]), 3.0);
+    for place in 0..3 {
+        let mut numbers = [1.0; 3];
+        numbers[place] = f64::NAN;
+        assert!(distance(&numbers, &[0.0; 3]).is_nan(), "{place}");
+    }
+}

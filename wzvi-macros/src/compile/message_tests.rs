@@ -85,6 +85,7 @@ fn messages_are_what_was_reviewed() {
         let mut now = String::new();
         expand_all(source.parse().unwrap(), &mut now);
         let before = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(!now.is_empty(), "{} has no mistake", file.display());
         scenes += 1;
         if now != before && overwrite {
             std::fs::write(&path, now).unwrap();
