@@ -1,4 +1,4 @@
-//! What the mathematics forbids: inconsistent schemes that were not asked for, first integrals that are none.
+//! Refuses what the mathematics contradicts: inconsistent bare schemes, and declared first integrals that are not conserved.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
 use crate::discretise::{Facts, Failure, Flows, Invariant, split};
@@ -60,7 +60,7 @@ fn check_consistency(
     }
 }
 
-/// `{H_m, F}` must vanish for every term, with `∂F/∂t` and what forces do for the drift.
+/// `{H_m, F}` must vanish for every term; for the drift, `∂F/∂t` and the rates by forces are added.
 fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
     for Invariant { extent, failure, .. } in &facts.invariants {
         if let Some(Failure { along, rate, knowledge }) = failure {

@@ -20,10 +20,10 @@ use crate::passes::friction::friction;
 use crate::passes::unroll::{unroll, written_out};
 
 /// The expansion of `#[hamiltonian(attribute)] item`: the struct with its integrators, or errors at the user's tokens
-/// with the struct and stubs, so that `rustc` adds nothing to them.
+/// with the struct and stubs, so that `rustc` adds no errors of its own.
 pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
     if let Some(question) = functions::questions(&attribute, &item) {
-        // Mistakes that the functions do not change are reported first.
+        // Mistakes that do not depend on the shared functions are reported first.
         let library = Library { is_pending: true, ..Library::default() };
         let mut diagnostics = Diagnostics::new();
         let mut stubs = Stubs::unrecognised(TokenStream::new());
@@ -37,7 +37,7 @@ pub(crate) fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
     expand_with(attribute, item, Library::default(), stubs, declared)
 }
 
-/// The same where the functions that the Hamiltonians call are known, beside the struct.
+/// The same, once the functions that the Hamiltonians call are known, beside the struct.
 pub(crate) fn expand_beside(attribute: TokenStream, item: TokenStream, library: Library) -> TokenStream {
     let beside = |Expansion { doc, item, implementations }: Expansion| {
         let (name, (parameters, arguments, condition)) = (&item.ident, item.generics.split_for_impl());

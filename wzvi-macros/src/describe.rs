@@ -1,4 +1,4 @@
-//! The texts of the schemes that were listed, from those of the schemes that were derived.
+//! The texts of the listed schemes, composed from the texts of the derived schemes.
 
 use crate::discretise::describe::{describe, hamiltonians, properties, staged, sweep};
 use crate::discretise::facts::split::{self, Form};
@@ -7,25 +7,25 @@ use crate::embedding::{Embedding, Kind};
 use crate::model::System;
 use crate::symbolic::Rational;
 
-/// What `EQUATIONS` and the documentation say.
+/// The texts of `EQUATIONS` and of the documentation.
 pub(crate) struct Texts {
-    /// Of every scheme that was derived, in their order.
+    /// The text of every derived scheme, in the order of derivation.
     pub(crate) of_parts: Vec<String>,
-    /// Of every scheme that was listed.
+    /// Every listed scheme with its text.
     pub(crate) listed: Vec<(Embedding, String)>,
-    /// The flows that `Verlet` and its compositions are made of.
+    /// The flows that compose `Verlet` and its compositions.
     pub(crate) flows: Option<Flows>,
-    /// The forms of the parts of the drift, where `Verlet` is listed and the user has parted it.
+    /// The forms of the parts of the drift, where `Verlet` is listed and the user wrote the drift in two parts.
     pub(crate) parts: Option<[Form; 2]>,
 }
 
-/// Those of the derived schemes whose steps are taken: halves of `Verlet` are not where it is made of flows.
+/// The derived schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
 pub(crate) fn stepped(listed: &[Embedding], flows: Option<Flows>) -> Vec<Embedding> {
     let is_stepped = |embedding: &&Embedding| flows.is_none() || !embedding.takes_flows();
     derived(&listed.iter().filter(is_stepped).cloned().collect::<Vec<_>>())
 }
 
-/// The schemes with one quadrature point to derive, each once, for those that were listed.
+/// The schemes with one quadrature point that the listed schemes need, each once.
 pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
     let mut derived: Vec<Embedding> = Vec::new();
     for part in listed.iter().flat_map(Embedding::parts) {
@@ -37,7 +37,7 @@ pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
 }
 
 impl Texts {
-    /// The schemes with several stages that were listed, and how many they have.
+    /// The listed schemes with several stages, and the number of stages.
     pub(crate) fn staged(&self) -> impl Iterator<Item = (&Embedding, u32, &String)> {
         self.listed.iter().filter_map(|(embedding, text)| Some((embedding, embedding.stages()?, text)))
     }
@@ -69,7 +69,7 @@ impl Texts {
     }
 }
 
-/// What is said of a step.
+/// The text of a step.
 fn of_step(system: &mut System, facts: &Facts, step: &Step) -> String {
     match step {
         Step::StraightLine(_, scheme) => describe(system, facts, scheme),
@@ -77,12 +77,12 @@ fn of_step(system: &mut System, facts: &Facts, step: &Step) -> String {
     }
 }
 
-/// That of a scheme among those that were derived.
+/// The text of a derived scheme.
 fn text_of<'t>(part: &Embedding, derived: &[(&Embedding, &'t String)]) -> &'t str {
     derived.iter().find(|(embedding, _)| *embedding == part).map_or("", |(_, text)| text.as_str())
 }
 
-/// A step of two halves, and whether it is made of flows.
+/// The text of a step in two halves; `has_flows`: the halves are flows.
 fn of_halves(
     embedding: &Embedding,
     halves: &[Embedding],

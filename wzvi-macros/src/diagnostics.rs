@@ -1,6 +1,6 @@
 //! Collects errors, so that independent mistakes are reported at once. The messages are in [`messages`].
 
-/// Messages by name, with what they tell besides the place, and their text. It may name the tokens there, and what is made of all of these.
+/// Messages by name: their arguments besides the place, values computed from these, and the text, which may quote the tokens at the place.
 macro_rules! messages {
     ($(
         $(#[$doc:meta])*
@@ -36,7 +36,7 @@ pub(super) fn at(tokens: impl ToTokens, message: impl Display) -> Error {
     Error::new_spanned(tokens, message)
 }
 
-/// What may have been meant, behind a message.
+/// A suggestion at the end of a message.
 pub(super) fn suggest(suggestion: Option<&str>) -> String {
     suggestion.map_or_else(String::new, |suggestion| format!("; did you mean `{suggestion}`?"))
 }
@@ -50,7 +50,7 @@ pub(super) fn quoted(names: impl IntoIterator<Item = impl Display>) -> String {
 #[must_use = "errors are lost unless `finish` turns them into tokens"]
 pub(crate) struct Diagnostics {
     errors: Vec<syn::Error>,
-    /// Where and what was reported: an unrolled loop repeats its mistakes, the user should read them once.
+    /// Place and text of what was reported: an unrolled loop repeats its mistakes, but the user should read each once.
     seen: HashSet<(String, String)>,
     finished: bool,
 }

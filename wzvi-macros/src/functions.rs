@@ -1,11 +1,11 @@
 //! Functions that Hamiltonians share: `#[hamiltonian_fn]`.
 //!
-//! An attribute sees the tokens of its own item only. So `#[hamiltonian_fn] fn morse` leaves, beside the function and
-//! under the same path, a macro `morse!` that hands the function's tokens to whoever asks; a path that imports the one
-//! imports the other. `#[hamiltonian]` expands to such questions, one for each function that it calls, and goes on with
-//! the answers. A method's tokens are asked from a macro of the struct's name, which `#[hamiltonian_fn] impl` leaves.
-//! Functions that a shared function calls are asked for where it is defined: names mean there what they mean to its
-//! author.
+//! An attribute sees the tokens of its own item only. So `#[hamiltonian_fn] fn morse` emits, beside the function and
+//! under the same path, a macro `morse!` that passes the function's tokens to its caller; a path that imports the one
+//! imports the other. `#[hamiltonian]` expands to a call of such a macro (a question) for each function that it calls,
+//! and continues with the answers. The tokens of methods come from a macro with the name of the struct, which
+//! `#[hamiltonian_fn] impl` emits. Functions that a shared function calls are resolved where it is defined, so names
+//! have the meaning that its author saw.
 
 mod calls;
 mod define;
@@ -28,7 +28,7 @@ pub(crate) struct Question {
     pub(super) crate_path: Path,
     pub(super) attribute: TokenStream,
     pub(super) item: TokenStream,
-    /// What a struct has in place of its integrators where a definition does not come.
+    /// Stand-ins for the integrators of a struct, used if a definition is missing.
     pub(super) stand_ins: TokenStream,
     pub(super) asked: Vec<Path>,
     pub(super) answers: Vec<TokenStream>,
@@ -45,7 +45,7 @@ impl Question {
         Self { kind, crate_path, attribute, item, stand_ins: TokenStream::new(), asked, answers: Vec::new() }
     }
 
-    /// The next definition that is missing, asked for.
+    /// The question for the next missing definition.
     pub(super) fn ask(&self) -> TokenStream {
         let position = self.answers.len();
         let Some(path) = self.asked.get(position) else { return TokenStream::new() };
@@ -66,15 +66,15 @@ impl Question {
         let alias =
             format_ident!("{name}_needs_the_attribute_hamiltonian_fn{asker}_{position}", span = name.span());
         if is_of_function {
-            // What it leaves has to stand where the function does, and `rustc` can only say that there is no such macro: its name tells what is missing.
+            // The emitted items must be where the function is, and `rustc` can only say that the macro does not exist: its name says what is missing.
             return quote! {
                 #[allow(unused_imports)]
                 use #path as #alias;
                 #alias! { #callback #state }
             };
         }
-        // A macro of the same name farther out is found where that of the function is not. Neither import may stand beside the call, which may define
-        // any name for all that `rustc` knows.
+        // Without the function's macro, one of the same name in an outer scope is found. Neither import may be in the scope of the call, because
+        // `rustc` must assume that the call defines any name.
         let missing = format_ident!("__wzvi_missing_{position}");
         let error = owner_of(path).is_none().then(|| messages::unmarked_function(name).to_compile_error());
         quote! {
@@ -220,7 +220,7 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Q
 }
 
 impl Question {
-    /// The first one, beside the struct: what comes of the answers is in a scope of its own.
+    /// The first question, beside the struct: the expansion of the answers has a scope of its own.
     pub(crate) fn beside_struct(self, stand_ins: TokenStream) -> TokenStream {
         let question = Self { stand_ins, ..self };
         let (item, asked) = (&question.item, question.ask());
@@ -228,7 +228,7 @@ impl Question {
     }
 }
 
-/// One answer has come: the next question, or what the system is expanded to.
+/// Continues after an answer: with the next question, or with the expansion of the system.
 pub(crate) fn proceed(
     tokens: TokenStream,
     expand: impl FnOnce(TokenStream, TokenStream, Library) -> TokenStream,

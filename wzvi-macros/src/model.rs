@@ -6,7 +6,7 @@
 //!
 //! An element is a scalar expression without loops, in a few local variables, and the loops that place it. A local
 //! variable is a component of `q` or `p`, an entry of a field, or a number made of loop variables; its index is an
-//! [`Index`]. The element of a small system has no loops and locals with constant indices: that is all that sets it apart.
+//! [`Index`]. The element of a small system has no loops, and locals with constant indices; that is the only difference.
 
 use std::rc::Rc;
 
@@ -196,7 +196,7 @@ pub(crate) struct Family {
     pub(crate) count: Index,
 }
 
-/// Everything that was declared, lowered: every Hamiltonian as a sum of elements.
+/// The declaration after lowering: every Hamiltonian as a sum of elements.
 pub(crate) struct System {
     pub(crate) graph: Graph,
     pub(crate) shape: Shape,
@@ -206,7 +206,7 @@ pub(crate) struct System {
     pub(crate) components: i128,
     /// Names of coordinates and momenta.
     pub(crate) names: [String; 2],
-    /// What people are to be told that their components are called.
+    /// The displayed names of their components.
     pub(crate) labels: [Labels; 2],
     /// What the symbols in it stand for, besides time and parameters.
     pub(crate) symbols: Symbols,
@@ -235,7 +235,7 @@ pub(crate) struct System {
     pub(crate) item: syn::ItemStruct,
     /// Path of the facade crate as the user's crate knows it, `::wzvi` by default.
     pub(crate) crate_path: syn::Path,
-    /// The way to emit it, where it is not the compiler's to choose.
+    /// The form of emitted steps, where a test fixes it.
     pub(crate) emission: Option<Emission>,
     /// The same with each degree of freedom a variable of its own, where it is written out.
     pub(crate) line: Option<Rc<StraightLine>>,

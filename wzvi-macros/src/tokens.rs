@@ -2,7 +2,7 @@
 
 use proc_macro2::{Group, Ident, TokenStream, TokenTree};
 
-/// Whether any identifier, in groups or not, is one of those that are asked for.
+/// Whether any identifier, in groups or not, is one of the given ones.
 pub(crate) fn any_word(tokens: TokenStream, is_wanted: &mut dyn FnMut(&Ident) -> bool) -> bool {
     tokens.into_iter().any(|token| match token {
         TokenTree::Ident(word) => is_wanted(&word),
@@ -26,7 +26,7 @@ pub(crate) fn words(tokens: TokenStream) -> Vec<Ident> {
     words
 }
 
-/// The same with other tokens in the place of each that is no group.
+/// The same with each token that is not a group replaced by others.
 pub(crate) fn replaced(tokens: TokenStream, by: &dyn Fn(TokenTree) -> TokenStream) -> TokenStream {
     let token = |token| match token {
         TokenTree::Group(group) => regrouped(&group, replaced(group.stream(), by)).into(),
@@ -35,7 +35,7 @@ pub(crate) fn replaced(tokens: TokenStream, by: &dyn Fn(TokenTree) -> TokenStrea
     tokens.into_iter().map(token).collect()
 }
 
-/// A group like another, around something else.
+/// A group like another, with other contents.
 pub(crate) fn regrouped(like: &Group, content: TokenStream) -> TokenTree {
     let mut group = Group::new(like.delimiter(), content);
     group.set_span(like.span());

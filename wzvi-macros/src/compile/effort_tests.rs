@@ -1,11 +1,11 @@
-//! What an expansion takes, in nodes of expressions: `cargo test -p wzvi-macros effort_of -- --nocapture` prints the table.
+//! The cost of an expansion, in nodes of expressions: `cargo test -p wzvi-macros effort_of -- --nocapture` prints the table.
 
 #![allow(clippy::unwrap_used)]
 
 use super::expand;
 use crate::symbolic::tests::effort;
 
-/// Nodes for each embedding: twice what the largest scene here takes.
+/// Nodes for each embedding: twice those of the largest scene here.
 const ALLOWED: u64 = 50_000;
 
 const ALL: &str = "[Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, Midpoint, Uncorrected<Lambda<1, 4>>, \

@@ -14,7 +14,7 @@ messages! {
     correction_of_forces(found, scheme: &impl Display) = "`{scheme}` adds a counter-term for noise Hamiltonians, \
         and there is none for noise forces that depend on momenta; use `Midpoint`, `Gauss<2>` or `Verlet`, which are \
         consistent with every noise";
-    /// `Baoab` and the like of a system that is not `T(p) + V(q, t)`.
+    /// `Baoab` or another splitting, for a system that is not `T(p) + V(q, t)`.
     word_without_flows(found, scheme: &impl Display) = "`{scheme}` alternates drifts by T(p) and kicks by \
         V(q, t): here a Hamiltonian contains momenta with coordinates (or the time), or a force depends on momenta; write \
         `Thermostat<Midpoint>`";
@@ -23,7 +23,7 @@ messages! {
         are known for functions of the coordinates (and the time), for functions of the momenta (and the time), and \
         for polynomials of degree two in both with constant coefficients, for which the size must be known; write one \
         Hamiltonian if no scheme needs the parts";
-    /// A force or a friction that belongs to neither part of a drift.
+    /// A force or friction that fits neither part of a drift.
     acts_in_no_part(found, reason: &str) = "this belongs to neither part of the drift: {reason}; write the drift \
         as one Hamiltonian, whose schemes take any force at their stages, or `drift = [|q, p| ..., |q, _| ...]` \
         with a part that contains coordinates only";
@@ -34,7 +34,7 @@ messages! {
         `friction = ...` (1/time) and `temperature = ...` (energy)";
     temperature_without_friction(found) = "a temperature acts through friction: add `friction = ...` (1/time) or \
         `damping = [[...]]` (mass/time)";
-    /// A scheme that has no place for friction and its noise, beside those that have.
+    /// A scheme that cannot include friction and its noise, listed beside schemes that can.
     friction_needs_thermostat(found, scheme: &impl Display, reason: &str) = "{reason}: write \
         `Thermostat<{scheme}>`, or `Baoab`";
     friction_without_masses(found) = "friction needs masses: a kinetic energy that is a quadratic form of the \

@@ -1,20 +1,19 @@
-//! Promises that the compiler makes to itself. One that it does not keep is an error of the expansion, with where and what, and never a
-//! number that was made up.
+//! Internal assertions of the compiler. A broken one is an error of the expansion that says where and why, and never an invented number.
 
 use std::cell::RefCell;
 use std::panic::Location;
 
 thread_local! {
-    /// What was broken since it was last asked for. An expansion is on one thread.
+    /// The assertions that were broken since the last query. An expansion runs on one thread.
     static BROKEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// What cannot be absent.
+/// A value that cannot be absent.
 pub(crate) trait Promised {
     /// What is there.
     type Value;
 
-    /// What is there, because of `reason`. Where it is not, something of its type, and an error at the end of the expansion.
+    /// The value, which exists because of `reason`. If it is absent: the default, and an error at the end of the expansion.
     fn promised(self, reason: &str) -> Self::Value;
 }
 

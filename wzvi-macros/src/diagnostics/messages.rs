@@ -82,7 +82,7 @@ messages! {
     name_of_other(name) = "first integrals have names, `invariant = [energy = |q, p| ...]`; other \
         Hamiltonians have none: leave it out";
     not_a_scheme(found) = "expected an embedding; there are {SCHEMES}";
-    /// More stages than there are coefficients for.
+    /// More stages than the tables of coefficients have.
     gauss_stages(found) = "`Gauss<S>` has 1 to 16 stages; `Gauss<1>` is `Midpoint`";
     duplicate_embedding(found, embedding: &impl Display) = "`{embedding}` is listed twice; once is enough";
     scheme_arguments(found, example: &str) = "wrong generic arguments; write it as in `{example}`";
@@ -136,7 +136,7 @@ messages! {
         word = name.to_string();
         meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, SCHEME_NAMES)));
     } = "unknown embedding `{word}`; there are {SCHEMES}{meant}";
-    /// What asks for another sense of the stochastic integral.
+    /// A name that requests another sense of the stochastic integral.
     key_of_ito(key) = "{STRATONOVICH}";
     embedding_of_ito(name) = "there is no embedding `{name}`: {STRATONOVICH}";
     unknown_letter(ty) = "the letters of a splitting are `A` (drift), `B` (kick) and `O` (friction and noise of the \
@@ -184,7 +184,7 @@ pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an equation of Ito, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
                             `a - ½ Σ_k (∂b_k/∂X) b_k`: see \"From Ito to Stratonovich\" in docs/guide/noise.md";
 
-/// Whether a name asks for another sense of the stochastic integral, or for a scheme that has it.
+/// Whether a name requests another sense of the stochastic integral, or a scheme in that sense.
 pub(crate) fn is_of_ito(name: &syn::Ident) -> bool {
     let name = name.to_string().to_lowercase();
     ["ito", "itô", "stratonovich", "eulermaruyama", "milstein", "interpretation", "calculus"]

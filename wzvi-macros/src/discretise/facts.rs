@@ -1,5 +1,5 @@
-//! What can be said about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
-//! All of it is said of sums of elements, at whatever size.
+//! Facts about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
+//! They are proven for sums of elements, at any size.
 
 use self::forces::{Forces, commuting_forces};
 use self::form::Form;
@@ -32,7 +32,7 @@ pub(crate) enum NoiseClass {
     Multiplicative,
 }
 
-/// What facts are about: every Hamiltonian as a sum, a noise times its increment.
+/// Every Hamiltonian as a sum of elements, noises times their increments: the subject of the facts.
 struct Hamiltonians {
     space: Space,
     t: Symbol,
@@ -49,7 +49,7 @@ pub(crate) struct Facts {
     pub(crate) space: Space,
     pub(crate) drift: Sum,
     pub(crate) noise: NoiseClass,
-    /// Whether a covector stands beside the drift.
+    /// Whether the drift has a force beside it.
     pub(crate) has_force: bool,
     /// Whether no element reads coordinates and momenta, and no force reads momenta.
     pub(crate) is_separable: bool,
@@ -59,10 +59,10 @@ pub(crate) struct Facts {
     pub(crate) half_defect_sum: Sum,
     /// Whether that sum is constant on phase space.
     pub(crate) defect_is_constant: Knowledge,
-    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces, which have this defect `1/2 - l` times, whatever they are driven by besides.
+    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces: their defect is `1/2 - l` times it.
     pub(crate) half_force_defect: Sum,
     pub(crate) force_defect_vanishes: Knowledge,
-    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, of which `Corrected` adds `1/2 - l` times.
+    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`: `Corrected` adds `1/2 - l` times it.
     /// `None` if its indices are beyond the arithmetic of indices.
     pub(crate) counter_term: Option<Sum>,
     /// Whether that is constant for any increments: then the counter-term does nothing.
@@ -74,7 +74,7 @@ pub(crate) struct Facts {
     pub(crate) conserves_energy: Knowledge,
     /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
     pub(crate) is_conservative: bool,
-    /// Of the drift.
+    /// The form of the drift.
     pub(crate) energy_form: Form,
     /// Where branches of the drift and of each noise meet.
     pub(crate) boundaries: Vec<Vec<Boundary>>,
@@ -87,7 +87,7 @@ pub(crate) struct Facts {
 }
 
 impl Hamiltonians {
-    /// With the elements of each term that `of` picks.
+    /// Built from the elements that `of` selects in each term.
     fn of(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> Self {
         let space = Space::of(system);
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
@@ -177,7 +177,7 @@ impl Facts {
         for one in &noise {
             let rate = Rate::of(space.bracket(graph, one, &drift));
             let known = rate.known(|sum| space.vanishes(graph, sum, Increments::Each));
-            // A rate that vanishes is said, and evaluated, as zero, and not as a difference of what is equal.
+            // A rate that vanishes is printed and evaluated as zero, not as a difference of equal terms.
             energy_rates.push(if let Knowledge::Proven = known { Sum::new() } else { rate.sum });
             conserves_energy.push(known);
         }

@@ -5,7 +5,7 @@
 //! V_j = ∂F/∂P_j,   P_j = p_i - Σ_k a_jk ∂F/∂Q_k
 //! ```
 //!
-//! The slopes of `F` are all that a step needs of the system (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.6.4).
+//! A step needs only the slopes of `F` (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.6.4).
 
 use crate::model::StraightLine;
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
@@ -54,8 +54,8 @@ impl StepSlopes {
     }
 }
 
-/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off: the one that has all of them leaves
-/// a rest without quadratic terms.
+/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off; this one leaves a remainder
+/// without quadratic terms.
 fn stiffness(graph: &mut Graph, line: &StraightLine) -> Vec<(usize, usize, Expr)> {
     let StraightLine { phase, drift, .. } = line;
     let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).copied().collect();

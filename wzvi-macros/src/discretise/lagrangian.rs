@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Forces do the virtual work `Σ_s f(P, Q_s, T_s) · δQ_s`, so that their shares `(1 - l) f` and `l f` stand beside `D_1 L_d` and `D_2 L_d`.
-//! Friction of one rate `γ` is taken in by the momentum `π = e^{γ (t - t_i)} p`, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with
+//! Friction of one rate `γ` is absorbed by the momentum `π = e^{γ (t - t_i)} p`, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with
 //! `L_d` of `K`, `p_i = -D_1 L_d` and `p_{i+1} = e^{-γ h} D_2 L_d`, and the step multiplies the symplectic form by `e^{-γ h}`.
 
 use std::collections::HashMap;
@@ -48,7 +48,7 @@ pub(crate) struct DiscreteLagrangian {
     pub(crate) by_momentum: Vec<Expr>,
     /// `D_1 L_d = ∂L_d/∂q_i`, and the share of forces there: `-p_i`.
     pub(crate) by_start: Vec<Expr>,
-    /// `D_2 L_d = ∂L_d/∂q_{i+1}`, with the share of forces and what friction leaves: `p_{i+1}`.
+    /// `D_2 L_d = ∂L_d/∂q_{i+1}`, with the share of forces, damped by friction: `p_{i+1}`.
     pub(crate) by_end: Vec<Expr>,
 }
 
@@ -71,7 +71,7 @@ impl DiscreteLagrangian {
         };
         let (by_start, mut by_end) = (by_node(Node::Start), by_node(Node::End));
         if let Some(decay) = decay {
-            // `e^{-γ h} - 1` is small, and so is what it takes away.
+            // `e^{-γ h} - 1` is small, and so is the change that it causes.
             by_end.iter_mut().for_each(|end| {
                 let taken = graph.multiply(decay, *end);
                 *end = graph.add(*end, taken);
@@ -191,7 +191,7 @@ fn decay(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols) -> Optio
     Some(graph.apply(Function::ExpM1, &[exponent]))
 }
 
-/// The forces at a stage, `h f + Σ_k ΔW_k f_k`; none if there are none.
+/// The forces at a stage, `h f + Σ_k ΔW_k f_k`; empty for a system without forces.
 fn forces(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, stage: &StageSymbols) -> Vec<Expr> {
     let scale = scale(graph, line, symbols, stage);
     let StraightLine { phase, noise, force, noise_forces, .. } = line;

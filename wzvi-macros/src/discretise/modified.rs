@@ -1,4 +1,4 @@
-//! The first terms of the modified Hamiltonian, as text: what steps without noise and explicit time follow (backward error analysis; E. Hairer,
+//! The first terms, as text, of the modified Hamiltonian that steps without noise and explicit time follow (backward error analysis; E. Hairer,
 //! C. Lubich, G. Wanner, *Geometric Numerical Integration*, chapter IX; the run time finds the same terms for compositions).
 //!
 //! ```text
@@ -47,7 +47,7 @@ impl Terms {
 const FIRST: &str = "H_p·H_q";
 const SECOND: [&str; 3] = ["H_pp(H_q,H_q)", "H_qq(H_p,H_p)", "H_pq(H_q,H_p)"];
 
-/// The formula, and for `T(p) + V(q)` what its terms are; `None` where there is no modified Hamiltonian, or none is known.
+/// The formula, and for `T(p) + V(q)` its terms; `None` where no modified Hamiltonian exists or is known.
 pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> Option<String> {
     // The order is that of a smooth function, and the brackets are those of one piece.
     let has_one = facts.is_conservative && facts.boundaries[0].is_empty();

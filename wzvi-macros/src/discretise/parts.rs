@@ -11,7 +11,7 @@ pub(crate) struct PartElements {
     pub(crate) part: Part,
     /// As the user wrote it: for values, which keep its digits.
     pub(crate) values: Sum,
-    /// Each reads only coordinates, only momenta, or what cannot be parted: for derivatives.
+    /// Each contains coordinates only, momenta only, or an inseparable term in both: for derivatives.
     pub(crate) elements: Sum,
     /// Whether some scheme weighs it by another number than 1.
     pub(crate) is_weighted: bool,

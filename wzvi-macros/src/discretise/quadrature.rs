@@ -1,4 +1,4 @@
-//! Where the discrete Lagrangian of a scheme evaluates what: the one table that the straight-line step, the sweep over
+//! The points at which the discrete Lagrangian of a scheme evaluates each part: the one table that the straight-line step, the sweep over
 //! elements and the text are derived from.
 //!
 //! ```text

@@ -2,7 +2,7 @@
 //!
 //! `u_i` and `v_i` are the vertices of a graph with an edge from each unknown to those its `φ` reads. Strongly
 //! connected components in topological order are the blocks. Within a block a smallest set of unknowns that breaks
-//! every cycle is iterated on; the others are assigned from those. For `T(p) + V(q)` that leaves `d` of `2d`.
+//! every cycle is iterated on; the others are assigned from those. For `T(p) + V(q)` these are `d` of `2d`.
 
 use std::collections::HashMap;
 
@@ -52,7 +52,7 @@ impl Block {
     }
 }
 
-/// The unknowns of a component, split into iterates and assigned ones, with what it takes to solve for them.
+/// The unknowns of a component, split into iterates and assigned ones, with the method that solves for them.
 fn block(
     graph: &mut Graph,
     symbols: &StepSymbols,
@@ -64,7 +64,7 @@ fn block(
     Block { iterates, assigned, solution }
 }
 
-/// The blocks in solving order, and what every symbol of the step stands for.
+/// The blocks in solving order, and the definition of every symbol of the step.
 pub(crate) struct Structure {
     pub(crate) blocks: Vec<Block>,
     /// `P`, `Q_l`, `T_l` and the assigned unknowns in terms of symbols that come before them.

@@ -13,15 +13,15 @@
 //! p_{i+1} - p_i = -F_q - m F_qq F_p + (1 - m) F_qp F_q + O(3)
 //! ```
 //!
-//! which read the points by `m` alone. The terms of second order of the flow are those with `m = 1/2`, so the order is two there and one elsewhere. It is never
-//! three: with one `P` for all points `(p_{i+1} - P)² + ...` has the second moment 1/4 where a third order needs 1/3. Of noises the
-//! products `ΔW_j ΔW_k` of these terms have means, and make `(1/2 - m) Σ_k ∂H_k/∂q · ∂H_k/∂p` of the limit, as one point `m` does; terms of third order have
-//! the mean zero, up to `O(h²)`. Consistency, the counter-term and the strong order are those of one point `m`. Both hold in the same way for forces, whose
+//! which depend on the points through `m` alone. The second-order terms of the flow are those with `m = 1/2`, so the order is two there and one elsewhere. It is never
+//! three: with one `P` for all points `(p_{i+1} - P)² + ...` has the second moment 1/4 where a third order needs 1/3. With noise, the
+//! products `ΔW_j ΔW_k` of these terms have a mean, which adds `(1/2 - m) Σ_k ∂H_k/∂q · ∂H_k/∂p` to the limit, as one point `m` does; terms of third order have
+//! mean zero, up to `O(h²)`. Consistency, the counter-term and the strong order are those of one point `m`. Both hold in the same way for forces, whose
 //! virtual work has the same shares.
 //!
-//! Of what a step keeps, the second moment counts: against one point `m` the step Hamiltonian has `c_0 Σ w (l - m)² H_qq(u, u)/2` more, in which no
-//! quadratic form but those of [`Embedding`](super::Embedding) with one point is kept. Linear maps of the coordinates move every `Q_s` with the nodes, so their momentum
-//! maps, `pᵀA q`, are kept with any points.
+//! The second moment decides what a step conserves. Compared with one point `m`, the step Hamiltonian has the additional term `c_0 Σ w (l - m)² H_qq(u, u)/2`,
+//! which conserves only the quadratic forms that [`Embedding`](super::Embedding) lists for one point. Linear maps of the coordinates move every `Q_s` with the nodes, so their momentum
+//! maps, `pᵀA q`, are conserved with any points.
 
 use crate::symbolic::Rational;
 
@@ -39,7 +39,7 @@ impl Points {
         Self { list: vec![(l, Rational::ONE)], mean: l, spread: Rational::ZERO }
     }
 
-    /// Points whose weights add up to 1. `None` if what follows from them are no fractions of numbers that are exact.
+    /// Points whose weights add up to 1. `None` if their moments are not exactly representable fractions.
     pub(crate) fn new(list: Vec<(Rational, Rational)>) -> Option<Self> {
         let moment = |of: &dyn Fn(Rational) -> Option<Rational>| {
             list.iter().try_fold(Rational::ZERO, |sum, &(l, weight)| sum.add(of(l)?.multiply(weight)?))
@@ -70,7 +70,7 @@ impl Points {
         self.list.len() == 1
     }
 
-    /// Whether they are the same seen from the end of the step.
+    /// Whether the points are symmetric about the middle of the step.
     pub(crate) fn are_symmetric(&self) -> bool {
         self.list.iter().all(|&(l, weight)| {
             let mirrored = Rational::ONE.add(l.negate());

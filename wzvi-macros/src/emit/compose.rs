@@ -1,4 +1,4 @@
-//! Schemes that are steps of others, or flows, one after the other.
+//! Schemes that compose steps of other schemes, or flows.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -9,7 +9,7 @@ use crate::describe::Texts;
 use crate::discretise::Flows;
 use crate::embedding::Embedding;
 
-/// What the run time reads of the flows that `Verlet` is made of.
+/// The run time's description of the flows that compose `Verlet`.
 pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: Option<TokenStream>) -> TokenStream {
     let reads_time = flows.force_reads_time;
     let body = quote! {
@@ -19,7 +19,7 @@ pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: Option<TokenStr
     implementation(item, &quote!(__wzvi::compose::Flows), &body)
 }
 
-/// What steps of `Verlet` take advantage of.
+/// The structure that steps of `Verlet` exploit.
 pub(super) fn structure(texts: &Texts) -> TokenStream {
     let structure = match texts.flows {
         None => quote!(__wzvi::compose::General),
@@ -33,7 +33,7 @@ pub(super) fn structure(texts: &Texts) -> TokenStream {
     }
 }
 
-/// The schemes that are made of others.
+/// The schemes that compose others.
 pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     let mut generated = TokenStream::new();
     for (embedding, text) in &texts.listed {

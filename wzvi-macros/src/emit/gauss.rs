@@ -1,5 +1,5 @@
-//! The slopes of the step Hamiltonian, once for all numbers of stages, and what reads them: `Gauss<S>`, and the
-//! flows that `Verlet` and its compositions are made of.
+//! The slopes of the step Hamiltonian, once for all numbers of stages, for `Gauss<S>` and for the flows of `Verlet`
+//! and its compositions.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};

@@ -31,8 +31,7 @@ pub(crate) struct Expansion {
     pub(crate) implementations: TokenStream,
 }
 
-/// The struct as it was written, documented, and in a scope of its own everything that `#[hamiltonian]` stands for: the terms, what is
-/// made of them, and the steps.
+/// The struct as it was written, documented; and in a scope of its own the emitted implementations: terms, elements and steps.
 pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> Expansion {
     let mut generated = terms::terms(system, facts, steps, texts);
     let is_taken =
@@ -49,7 +48,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     }
     generated.extend(gauss::emit(system, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
-    // It says that there is a modified energy.
+    // This trait marks systems with a modified energy.
     let conservative = || implementation(&system.item, &quote!(__wzvi::Conservative), &TokenStream::new());
     generated.extend(facts.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
@@ -74,7 +73,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     Expansion { doc: documentation(texts), item: system.item.clone(), implementations }
 }
 
-/// What implementations name of the user's: the struct with its generics, and what `read` reads. The type of a constant
+/// The user's tokens that implementations name: the struct with its generics, and those of `read`. The type of a constant
 /// is left out: only primitive ones are allowed there.
 fn with_header<'t>(item: &syn::ItemStruct, read: impl Iterator<Item = &'t TokenStream>) -> TokenStream {
     let parameters = item.generics.params.iter().map(|parameter| match parameter {

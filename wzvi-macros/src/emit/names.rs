@@ -2,7 +2,7 @@
 //!
 //! An emitter marks each of its own names with two underscores, and writes everything of this library by its path. Names of variables
 //! and of parts of formulas come from [`Names`] and have a mark of their own, so that nothing of the user's can mean what an emitter
-//! calls the same. When the code of a struct is complete, [`readable`] knows all of its words and takes the marks off.
+//! calls the same. When the code of a struct is complete, [`readable`] knows all of its words and removes the marks.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! `FACTS` and `PLAN`: what the compiler found out and decided, as constants.
+//! `FACTS` and `PLAN`: the findings and decisions of the compiler, as constants.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, format_ident, quote};
@@ -9,7 +9,7 @@ use crate::input::{Length, Shape};
 use crate::model::System;
 use crate::symbolic::Knowledge;
 
-/// What is known of the system, whatever its scheme: all in which it differs from an autonomous one, and `others`.
+/// The facts that do not depend on the scheme: all fields that differ from those of an autonomous system, and `others`.
 pub(crate) fn facts(
     system: &System,
     facts: &Facts,

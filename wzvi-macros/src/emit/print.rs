@@ -26,12 +26,12 @@ enum Binding {
     Atom,
 }
 
-/// By what a value is held.
+/// The type that holds a value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Rank {
     /// `f64`: literals, the step size, the time.
     Number,
-    /// The type of constants, where that is another: the parameters of the system, and what is prepared.
+    /// The type of constants, where it differs from `f64`: the parameters of the system, and prepared values.
     Constant,
     /// The type of the state.
     Scalar,
@@ -45,14 +45,14 @@ pub(crate) struct Printer<'p> {
     scalar: TokenStream,
     /// Whether that is `f64`: then nothing needs to be lifted.
     is_f64: bool,
-    /// The type of what is made of constants, where that is another than `f64`.
+    /// The type of values computed from constants, where it differs from `f64`.
     constant: TokenStream,
     /// Which operations read such a constant.
     readers: Vec<bool>,
     bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
     names: Names,
-    /// What is called by its kind: a name that says nothing in another.
+    /// Operations named after their kind: such a name says nothing inside another name.
     plain: HashSet<Op>,
 }
 
@@ -69,7 +69,7 @@ impl<'p> Printer<'p> {
         Self { program, scalar, is_f64, constant, readers, bound, hints, names, plain }
     }
 
-    /// The same where `constants` are of the type `constant`, and so is what is made of them before the state is known.
+    /// The same with `constants` of the type `constant`, which is then also the type of values computed from them before the state is known.
     pub(crate) fn with_constants(mut self, constants: &[Op], constant: TokenStream) -> Self {
         (self.constant, self.readers) = (constant, self.program.readers_of(constants));
         self
@@ -106,7 +106,7 @@ impl<'p> Printer<'p> {
         self.names.take(wish)
     }
 
-    /// The name of `op`, or what a person might call it.
+    /// The name of `op`, or a readable one for it.
     pub(crate) fn wish_or_name(&self, op: Op) -> String {
         self.word(op).unwrap_or_else(|| self.spelled(op).0)
     }
@@ -116,7 +116,7 @@ impl<'p> Printer<'p> {
         self.bound.get(&op).map(|name| plain(&name.to_string()).to_owned())
     }
 
-    /// What a person might call the value, and whether that is only what kind it is.
+    /// A readable name for the value, and whether it says only its kind.
     fn spelled(&self, op: Op) -> (String, bool) {
         if let Some(hint) = self.hints.get(&op) {
             return (hint.clone(), false);
@@ -361,7 +361,7 @@ impl<'p> Printer<'p> {
         if self.rank(condition) > Rank::Number {
             let is_mask = self.rank(condition) == self.rank(op);
             if !is_mask && self.rank(condition) == Rank::Constant {
-                // One way for all steps: only that is taken.
+                // The choice is the same for all steps: only that branch is computed.
                 let (ty, value, constant) = (self.ty(self.rank(op)), self.value(condition), &self.constant);
                 let choice =
                     quote!(<#ty as __wzvi::Over<#constant>>::choose(#value, || #then, || #otherwise));

@@ -1,6 +1,6 @@
 //! Straight-line programs: n-ary expressions become binary operations on numbers of two kinds.
 //!
-//! What depends on the system, the step size and the time only is `f64`; what depends on the state or the increments
+//! Values that depend on the system, the step size and the time only are `f64`; a value that depends on the state or the increments
 //! has the scalar type of the step. Every operation knows the earliest *level* at which it can be computed, and sums
 //! and products are split by level, so that constant factors and terms move out of the step (and out of the Newton
 //! iteration) by themselves.

@@ -1,5 +1,5 @@
-//! What stands in for the integrators when there are errors: the struct, and implementations that type-check, so that
-//! `rustc` does not add "trait not implemented" to what was reported.
+//! Stand-ins for the integrators after errors: the struct, and implementations that type-check, so that `rustc` does not
+//! add "trait not implemented" to the errors that were reported.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -35,7 +35,7 @@ impl Stubs {
             let types = declaration.embeddings.iter().map(|(known, _)| known.value.path(crate_path));
             types.map(|ty| (parameters.clone(), ty)).collect()
         } else {
-            // Whatever the program calls for may be what was misspelled.
+            // The name that the program uses may be the misspelled one.
             let mut generics = item.generics.clone();
             generics.params.push(syn::parse_quote!(__E));
             let (parameters, ..) = generics.split_for_impl();

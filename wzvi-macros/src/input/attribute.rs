@@ -14,7 +14,7 @@ use crate::embedding::Embedding;
 /// How steps are emitted, whatever costs less: for tests that compare one way with the other.
 const STRATEGY: &str = "__strategy";
 
-/// What a closure over phase space is for, in the order in which its phase space is checked.
+/// The role of a closure over phase space, in the order in which phase spaces are checked.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Role {
     /// One, or the two parts of `drift = [H_A, H_B]`.
@@ -43,7 +43,7 @@ impl Role {
     }
 }
 
-/// What the attribute says. A part that is missing or wrong has been reported.
+/// The parsed attribute. Missing and wrong parts have been reported.
 pub(crate) struct Declaration {
     pub(crate) closures: Vec<Hamiltonian>,
     pub(crate) friction: Option<Friction>,
@@ -54,7 +54,7 @@ pub(crate) struct Declaration {
     /// Whether there are no others than `embeddings`: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
-    /// The way to emit steps, where it is not the compiler's to choose.
+    /// The form of emitted steps, where a test fixes it.
     pub(crate) emission: Option<Emission>,
     /// The shared functions that the closures call.
     pub(crate) library: Library,
@@ -141,7 +141,7 @@ pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnosti
                 true => messages::key_of_ito(&entry.key),
                 false => messages::unknown_key(&entry.key),
             });
-            // A misspelled key is not a missing one as well, and its value may have mistakes of its own.
+            // A misspelled key must not be reported as missing, too, and its value may have mistakes of its own.
             match messages::intended_key(&entry.key.to_string()) {
                 Some(intended) if !seen.iter().any(|known| known == intended) => key = intended.to_owned(),
                 _ => continue,

@@ -40,7 +40,7 @@ pub(super) fn read_embeddings(
     embeddings
 }
 
-/// The types that are given points, and the schemes, but for those whose points are mistaken, of which that has been said.
+/// The types with points of the user's, and the schemes; without those whose points were wrong, which has been reported.
 fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<Declared>, Vec<Type>) {
     let mut declared: Vec<Declared> = Vec::new();
     let (mut mistaken, mut types): (Vec<Path>, _) = (Vec::new(), Vec::new());
@@ -78,7 +78,7 @@ fn of_program(ty: &Type) -> syn::Result<Path> {
     }
 }
 
-/// What a scheme stands inside of.
+/// The wrapper around a scheme.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Inside {
     /// The list, or a thermostat.
@@ -88,7 +88,7 @@ enum Inside {
     Mixed,
 }
 
-/// What stands inside of a wrapper is a scheme with quadrature points for each term.
+/// The scheme inside a wrapper has quadrature points for each term.
 fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {
     if let Type::Path(path) = ty
         && let Some(known) = declared.iter().find(|known| known.path == path.path)

@@ -31,7 +31,7 @@ pub(crate) enum Length {
     RunTime,
 }
 
-/// What people are to be told that components of coordinates or momenta are called.
+/// The displayed names of the components of coordinates or momenta.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Labels {
     /// A name each.
@@ -262,7 +262,7 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
 }
 
 /// Whether the coordinates have the names of momenta and the momenta those of coordinates: `|p, q|`, `|p1, q1|`,
-/// `|[px, py], [x, y]|`. The equations of motion would have the wrong sign, and nothing else would tell.
+/// `|[px, py], [x, y]|`. The equations of motion would have the wrong sign, and nothing else would reveal it.
 fn are_swapped(q: &Pat, p: &Pat) -> bool {
     match (peeled(q), peeled(p)) {
         (Pat::Type(typed), p) => are_swapped(&typed.pat, p),

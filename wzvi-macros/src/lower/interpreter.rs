@@ -26,7 +26,7 @@ const MAX_VARIABLES: usize = 1024;
 /// Integers that one integer may be made of.
 const MAX_ATOMS: usize = 4096;
 
-/// What `while` and `loop` are, and what to write instead.
+/// The name of `while` and `loop` in messages, and what to write instead.
 const UNKNOWN_TURNS: (&str, &str) =
     ("a loop without a known number of iterations", "use `for i in a..b` or an iterator");
 
@@ -85,8 +85,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.now = Evaluation { library: Some(self.root), ..Evaluation::default() };
     }
 
-    /// Reports a mistake, unless it may be none: in a loop that can be evaluated turn by turn, what a variable cannot stand
-    /// for is looked at again with the values of that variable.
+    /// Reports a mistake, unless it may be resolved later: in a loop that can be evaluated turn by turn, uses that a symbolic variable
+    /// does not allow are evaluated again with its values.
     pub(super) fn report(&mut self, error: syn::Error) {
         if !self.request_turns(|_| true) {
             self.diagnostics.report(error);
@@ -133,7 +133,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.now.scope.declare(name, value, self.now.branch, loops);
     }
 
-    /// The value of an expression; what has none has been reported.
+    /// The value of an expression; an expression without a value has been reported.
     pub(super) fn evaluate(&mut self, syntax: &'a Syntax) -> Value {
         if self.is_abandoned() || !self.spend(1, syntax) {
             return Value::Poison;
@@ -235,7 +235,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.real(value, at)
     }
 
-    /// `value` as a real number; what it is instead is reported at `at`.
+    /// `value` as a real number; any other kind of value is reported at `at`.
     pub(super) fn real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         match value {
             Value::Real(expr) => Some(expr),

@@ -1,7 +1,7 @@
 //! Loops: the body of one is evaluated once, at its variable, and its sum becomes a symbol.
 //!
-//! A comparison that neither the loops nor what was assumed so far decides splits the loop in two. What a variable cannot
-//! stand for, an exponent, a position in a list of different things, an assignment to a variable from outside, is had by
+//! A comparison that neither the loops nor earlier assumptions decide splits the loop in two. Where a symbolic variable is not
+//! enough (an exponent, a position in a list of different things, an assignment to a variable from outside), the value comes from
 //! turns: the evaluation is abandoned, and the loop evaluates its body again for each value of its variable, if they are
 //! known.
 
@@ -113,7 +113,7 @@ impl<'a> Interpreter<'a, '_> {
         self.bounded(|bounds| bounds.is_nonnegative(index))
     }
 
-    /// What is known of the loops. What is assumed of a part of one that is being evaluated bounds its variable, too.
+    /// The known bounds of the loops. Assumptions about the part of a loop under evaluation bound its variable, too.
     pub(super) fn bounded<T>(&self, read: impl FnOnce(&Bounds<'_>) -> T) -> T {
         let restricted = |known: &Loop| {
             let case = self.now.loops.cases.iter().rev().find(|case| case.variable == known.variable);

@@ -1,4 +1,4 @@
-//! Patterns: which names a value gives itself.
+//! Patterns: the names that they bind to a value.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;

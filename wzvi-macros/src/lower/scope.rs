@@ -40,8 +40,8 @@ impl Scope {
         self.0.push(Rc::new(Binding { name, value: RefCell::new(value), branch, loops }));
     }
 
-    /// Gives a variable a new value. One of the frame that starts at `frame` becomes a new variable: whatever was made of
-    /// the old one, and is evaluated later, keeps its value. One that a closure captured is shared with those around it.
+    /// Gives a variable a new value. A variable of the frame that starts at `frame` becomes a new one, so that expressions of
+    /// the old one which are evaluated later keep its value. A captured variable is shared with the scopes around the closure.
     pub(super) fn assign(&mut self, variable: &Rc<Binding>, value: Value, frame: usize) {
         let own = self.0.get_mut(frame..).unwrap_or_default();
         match own.iter_mut().rev().find(|known| Rc::ptr_eq(known, variable)) {

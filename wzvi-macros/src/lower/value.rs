@@ -1,4 +1,4 @@
-//! What an expression can stand for while it is interpreted.
+//! The values of expressions during interpretation.
 
 use std::rc::Rc;
 
@@ -30,7 +30,7 @@ pub(super) enum Value {
     Closure(usize),
     /// `f64::sin` and the like, as a value.
     Function(Rc<str>),
-    /// The value of something that was reported: whatever is made of it is not reported again.
+    /// The value of something that was reported: values computed from it are not reported again.
     #[default]
     Poison,
 }

@@ -1,8 +1,8 @@
 //! From expressions with symbols for sums to elements: `f + Σ_i g_i` is the element `f` and what `g_i` is made of, with
 //! one loop more. A factor in front of a sum goes inside.
 //!
-//! Derivatives are taken of elements that are parted by what of the state they read, values of those that are not: taken
-//! apart, `k (1 - cos d)` would be the difference of two sums of large numbers.
+//! Derivatives are taken of elements that are split by the part of the state that they read. Values are computed from the unsplit
+//! elements: split, `k (1 - cos d)` would be the difference of two sums of large numbers.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use crate::model::symbols::Sum;
 use crate::model::{Element, Family, Loop, Reads, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
-/// Makes the elements of every term; reports what is no sum of elements.
+/// Makes the elements of every term; reports terms that are not sums of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
     let (mut writer, before, noise, after) = parts(system);
     let singles = before.into_iter().chain(after).map(|term| (term, Vec::new()));

@@ -1,4 +1,4 @@
-//! Friction: what is said of it is checked, and where no thermostat takes it in it becomes a part of the steps.
+//! Friction: its declaration is checked, and without a thermostat it becomes part of the steps.
 //!
 //! | declared | in a step |
 //! |---|---|
@@ -11,7 +11,7 @@ use crate::discretise::{Increments, Kinetic, Space, Weighted, unweighted};
 use crate::model::{Element, Friction, Half, System, Term};
 use crate::symbolic::{Expr, Rational};
 
-/// Checks friction and temperature, and what thermostats need; then the friction that no thermostat takes in becomes a force, or the rate of
+/// Checks friction, temperature and the requirements of thermostats. Without a thermostat, friction then becomes a force, or the rate of
 /// [`System::conformal`].
 pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
     let Some(friction) = system.friction.clone() else {

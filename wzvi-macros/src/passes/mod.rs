@@ -1,4 +1,4 @@
-//! From systems to systems: what is declared becomes what is derived from.
+//! From systems to systems: transforms the declared system into the one that equations are derived from.
 
 pub(crate) mod collect;
 pub(crate) mod friction;

@@ -2,8 +2,8 @@
 //! loop variable. What a loop costs less as is the one question, and all its numbers are here:
 //!
 //! * a system of few points is written out as a whole, so that each degree of freedom is a variable of its own,
-//! * in a larger one what is short: components of points, stencils, corners,
-//! * and, anywhere, what cannot be a loop: the argument of a nonlinear function.
+//! * in a larger one, short sums: components of points, stencils, corners,
+//! * and, anywhere, sums that cannot be loops: arguments of nonlinear functions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -28,7 +28,7 @@ const OUTERMOST: i128 = 8;
 /// Operations to which one Hamiltonian may be written out: more make code that takes minutes to compile.
 const OPERATIONS: usize = 20_000;
 
-/// Writes out what costs less that way.
+/// Writes out loops where that costs less.
 pub(crate) fn unroll(system: &mut System) {
     if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
         return;

@@ -33,7 +33,7 @@ impl Graph {
     /// The derivative of `expr` in `direction`.
     pub(crate) fn differentiate(&mut self, expr: Expr, direction: &Direction) -> Expr {
         let support = Support::of(direction.keys().copied());
-        // Only what may contain a moving symbol is visited: the rest has no slope.
+        // Only nodes that may contain a moving symbol are visited: the others have no slope.
         let mut parts = self.reachable_where(&[expr], |part| self.support(part).intersects(support));
         parts.sort_unstable();
         let mut slopes = Slopes { known: HashMap::with_capacity(parts.len()), zero: self.integer(0) };

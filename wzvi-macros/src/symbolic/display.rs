@@ -1,6 +1,6 @@
 //! Expressions as text for messages and documentation, in the notation of the paper: `p²/2 + a (1 - cos(q))`.
 //!
-//! Text is made from the root down with a budget: what is too deep or too long is elided as `…`.
+//! Text is made from the root down with a budget: parts that are too deep or too long are elided as `…`.
 
 use super::{Expr, Function, Graph, Node, Rational};
 

@@ -18,7 +18,7 @@ impl Expr {
     }
 }
 
-/// A free variable. What it stands for (a coordinate, a parameter, an increment) is known to whoever made it.
+/// A free variable. Only its creator knows its meaning (a coordinate, a parameter, an increment).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub(crate) struct Symbol(u32);
 

@@ -15,14 +15,14 @@
 //! | `a - a f²`, `f` one of `cos x`, `sin x`, `cosh x`, `tanh x` | `a sin²x`, `a cos²x`, `-a sinh²x`, `a / cosh²x` | `f = ±1` |
 //!
 //! Each replaces terms by one whose size is at most their sum, so that the error bound of no expression grows, and no
-//! intermediate value overflows where the terms do not. What is left alone would grow it: `cos x - cos y` as a product
+//! intermediate value overflows where the terms do not. Other forms are left alone, because rewriting would increase the bound: `cos x - cos y` as a product
 //! of sines halves `x + y`, whose rounding is absolute; `exp x - exp y` as a product multiplies 0 by infinity where one
 //! of them underflows; squares of sums with more than two terms between them would be added up in another order.
 //!
 //! One limit: a product merges with the product around it, so that powers of one factor are taken together. Above 1e100
 //! such a power may overflow where the difference did not.
 //!
-//! This runs after differentiation, on what is emitted: derivatives are taken of the forms that the user wrote.
+//! This runs after differentiation, on emitted expressions: derivatives are taken of the forms that the user wrote.
 
 use std::collections::HashMap;
 

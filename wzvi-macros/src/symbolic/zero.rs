@@ -12,7 +12,7 @@ use super::{Expr, Graph, Node, Symbol};
 pub(crate) enum ZeroTest {
     Zero,
     Nonzero(Witness),
-    /// Neither proven: an identity of functions that the test knows nothing of, or a difference below rounding.
+    /// Neither proven: an identity of functions that the test does not know, or a difference below rounding.
     Unknown,
 }
 

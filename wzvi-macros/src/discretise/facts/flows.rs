@@ -14,8 +14,8 @@ pub(crate) struct Flows {
 }
 
 impl Flows {
-    /// `None` where `Verlet` is not listed, or has to be taken as its two halves: no momentum may meet a coordinate, or the time, which
-    /// stands still while momenta drift.
+    /// `None` where `Verlet` is not listed, or must be computed as its two halves. Flows need terms in which no momentum occurs
+    /// together with a coordinate or with the time, which is constant during a drift.
     pub(crate) fn of(system: &mut System, facts: &Facts, listed: &[Embedding]) -> Option<Self> {
         let is_wanted = listed.iter().any(Embedding::takes_flows);
         if !facts.is_separable || !is_wanted || system.conformal.is_some() {

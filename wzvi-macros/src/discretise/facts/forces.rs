@@ -1,4 +1,4 @@
-//! What forces do: the powers that change the energy, the defect of noise forces, commutators.
+//! Forces: the powers that change the energy, the defect of noise forces, commutators.
 
 use super::{Rate, all, is_affine};
 use crate::discretise::{Increments, Space, Sum, Weighted};
@@ -9,7 +9,7 @@ use crate::symbolic::{Graph, Knowledge, Rational};
 pub(super) struct Forces {
     /// Beside the drift.
     pub(super) force: Sum,
-    /// The friction that is no force of a step: `δq · G p`, which draws.
+    /// The friction that a thermostat applies, not a force of the step: `δq · G p`.
     pub(super) friction: Sum,
     pub(super) is_matrix: bool,
     /// Whether a bath has a temperature.

@@ -1,4 +1,4 @@
-//! First integrals: what the drift, the noises and the forces do to a function.
+//! First integrals: the rates of a function along the drift, the noises and the forces.
 
 use super::forces::{self, Forces};
 use super::{Form, Rate, boundaries_of, kept_across};
@@ -17,7 +17,7 @@ pub(crate) struct Invariant {
     pub(crate) form: Form,
 }
 
-/// What stands in the way of a first integral.
+/// A term that prevents a function from being a first integral.
 pub(crate) struct Failure {
     /// Along what it changes, and how that rate is made; or where.
     pub(crate) along: String,

@@ -1,6 +1,6 @@
 //! The parts of `drift = [H_A, H_B]`, and whether their flows are known.
 //!
-//! What acts besides belongs to a flow in which it changes nothing else (`f` the force, `γ` one rate of friction, `T` quadratic):
+//! Forces and friction join the flow that they leave exactly solvable (`f` the force, `γ` one rate of friction, `T` quadratic):
 //!
 //! | part | flow |
 //! |---|---|
@@ -44,7 +44,7 @@ pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Whether forces and friction belong to parts of these forms; else where they are, and why not.
+/// Whether forces and friction can join parts of these forms; if not, their places, and the reason.
 fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> {
     let System { graph, parts, t, force, friction, conformal, .. } = system;
     if forms.is_empty() {

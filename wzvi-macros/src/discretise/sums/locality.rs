@@ -7,7 +7,7 @@
 //! do.
 //!
 //! 1. A part with points beyond `w` of both ends comes from placements within `2 w` of these. If `n > 10 w + 3`, there is a
-//!    point that neither they nor what is at the ends read. Without it the points are those of `n - 1`, and the same
+//!    point that neither these nor the placements at the ends read. Without it the points are those of `n - 1`, and the same
 //!    placements give the same part. So these parts vanish for every such `n` if they do for one.
 //! 2. A part with points at the ends only, or with none, is `a n + b` for `n >= 10 w + 4`: one placement more for each point
 //!    more. So it vanishes for every such `n` if it does for two.

@@ -5,8 +5,8 @@
 //! Σ_s ∂F/∂p_s ∂G/∂q_s = Σ_(e, e') Σ_(momentum x of e, coordinate y of e') Σ_(loops of e and e': slot of x = slot of y) ∂f_e/∂x ∂g_e'/∂y
 //! ```
 //!
-//! That is a sum of elements again: the equation of the slots is solved for a loop variable ([`solve`]), and what stands in
-//! the same loops is added up ([`contract`]). Brackets, the defect, the counter-term, energy rates and the rates of first
+//! That is a sum of elements again: the equation of the slots is solved for a loop variable ([`solve`]), and terms in
+//! the same loops are added up ([`contract`]). Brackets, the defect, the counter-term, energy rates and the rates of first
 //! integrals are such sums, at any size. [`vanish`] decides whether one is zero or constant.
 
 mod contract;
@@ -42,7 +42,7 @@ pub(crate) struct Weighted {
 type Moved<'m> = &'m dyn Fn(&Index) -> Option<Index>;
 
 impl Weighted {
-    /// With every index moved, those of places of the state in a way of their own; `None` on overflow.
+    /// Maps every index; `None` on overflow. Indices of places of the state have a map of their own.
     fn moved(&self, index: Moved<'_>, place: Moved<'_>) -> Option<Self> {
         let Self { element: Element { loops, value, locals }, increments } = self;
         let range = |known: &Loop| {
@@ -66,7 +66,7 @@ impl Weighted {
 /// A sum of elements.
 pub(crate) type Sum = Vec<Weighted>;
 
-/// Elements that nothing weighs.
+/// Elements without increments as weights.
 pub(crate) fn unweighted(elements: &[Element]) -> Sum {
     let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
     elements.iter().map(weighted).collect()
@@ -88,7 +88,7 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    /// That of a system.
+    /// The space of a system.
     pub(crate) fn of(system: &System) -> Self {
         let mut space = Self {
             size: system.size.clone(),
@@ -116,12 +116,12 @@ impl Space {
         self.first + depth as u32
     }
 
-    /// What is above every loop variable: numbers for the variables of a second element.
+    /// A number above every loop variable: the variables of a second element start there.
     fn beyond(&self) -> u32 {
         self.first + DEEPEST
     }
 
-    /// Whether `index >= 0` wherever the loops go, for every size; `false` if that is not known.
+    /// Whether `index >= 0` throughout the loops, for every size; `false` if that is not known.
     fn is_nonnegative(&self, index: &Index, loops: &[Loop]) -> bool {
         Bounds { loops, tables: &self.tables }.is_nonnegative(index)
     }
@@ -167,7 +167,7 @@ impl Space {
         Some(self.combine(graph, &[(&one, Rational::ONE), (&other, Rational::MINUS_ONE)]))
     }
 
-    /// `Σ factor · sum`, with one element for what stands in the same loops.
+    /// `Σ factor · sum`, with one element for all terms in the same loops.
     pub(crate) fn combine(&self, graph: &mut Graph, sums: &[(&Sum, Rational)]) -> Sum {
         let mut groups = Groups::default();
         for (sum, factor) in sums {
@@ -179,7 +179,7 @@ impl Space {
     }
 }
 
-/// What stands in the same loops with the same increments, in the order in which it came.
+/// Adds up terms in the same loops with the same increments, in the order of their first terms.
 #[derive(Default)]
 struct Groups {
     positions: HashMap<(Vec<Loop>, Vec<Index>), usize>,

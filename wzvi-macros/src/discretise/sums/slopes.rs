@@ -1,7 +1,7 @@
 //! The slopes of a sum at one point of the phase space, for every point.
 //!
-//! With a sum `G = Σ_i δ_i p_i` of free numbers `δ`, the contraction `Σ_s ∂F/∂x_s ∂G/∂p_s` is `Σ_i δ_i ∂F/∂x_i`: what
-//! stands beside `δ_i` in it is the slope at `i`.
+//! With a sum `G = Σ_i δ_i p_i` of free numbers `δ`, the contraction `Σ_s ∂F/∂x_s ∂G/∂p_s` is `Σ_i δ_i ∂F/∂x_i`: the
+//! coefficient of `δ_i` is the slope at `i`.
 
 use std::collections::HashMap;
 

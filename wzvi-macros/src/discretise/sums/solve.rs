@@ -11,7 +11,7 @@
 //! | `(v + a) mod n = b` with `v` in `0..n` and `0 <= b < n` | `v = (b - a) mod n` |
 //! | `(b + c) mod n = b` with `0 <= b < n` | true where `n` divides `c`, else never |
 //!
-//! A condition that is not known to hold restricts a loop. What is left undecided (two entries of tables) is a loop that
+//! A condition that is not known to hold restricts a loop. An undecided one (two entries of tables) becomes a loop that
 //! runs once where it holds and not at all where it does not.
 
 use super::{Space, variable};
@@ -141,7 +141,7 @@ impl Solver<'_> {
         Some(false)
     }
 
-    /// Solves for a loop variable: one that goes over all points if there is one, for its range is no condition.
+    /// Solves for a loop variable, preferably for one that runs over all points: its range is then no condition.
     fn eliminate(&mut self, equation: &Equation) -> Option<bool> {
         let difference = &equation.difference;
         let is_read = |own: &Loop| self.loops.iter().any(|other| reads(other, own.variable));

@@ -1,7 +1,7 @@
 //! Whether a sum is zero, or constant on the phase space.
 //!
-//! 1. Where what stands in the same loops vanishes identically, the sum is zero at any size.
-//! 2. Else the sum is written out at a few sizes: a point where it does not vanish is a witness against all of them.
+//! 1. Where the terms in the same loops vanish identically, the sum is zero at any size.
+//! 2. Otherwise the sum is written out at a few sizes: a point where it does not vanish is a counterexample for all of them.
 //! 3. If the sum is local ([`super::locality`]), a few sizes are a proof.
 //!
 //! A sum `R` is constant if and only if `R(z) - R(z')` vanishes for any two states.
@@ -83,7 +83,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Whether what is asked holds for this size because it does for all sizes from a smaller one on.
+    /// Whether the statement holds for this size because it holds for all sizes from a smaller one on.
     fn holds_in_general(&mut self, sum: &Sum, size: i128) -> Option<bool> {
         let (mut space, general) = self.space.generalised(sum, size)?;
         let first = space.deciding_size(&general).filter(|&first| first < size)?;

@@ -2,9 +2,10 @@
 //!
 //! The whole code of a struct is looked at first. A name of ours loses its mark, and a type is imported, unless one of the
 //! user's tokens in the code could mean something else by the word: the generics of the struct, the constants and fields
-//! that it reads. So neither side can capture a name of the other, and no two names are one word. What is left is around the struct, of which no token tells: a pattern `h` means
-//! the constant `h` if there is one, hence all names that are bound are imported as functions, which patterns may shadow; and an
-//! argument `L` means the type `L`, hence numbers among the arguments of types stand in braces.
+//! that it reads. So neither side can capture a name of the other, and no two names are one word.
+//! Items around the struct remain, which its tokens do not show. A pattern `h` would mean a constant `h`, so all bound names are
+//! imported as functions, which patterns may shadow. An argument `L` would mean a type `L`, so numbers among the arguments of types
+//! are in braces.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -84,7 +85,7 @@ fn listen(tokens: TokenStream, heard: &mut HashSet<String>, is_wanted: &dyn Fn(&
     }
 }
 
-/// A part of the code, with what may be renamed by its number.
+/// A part of the code; words that may be renamed are known by their number.
 enum Node {
     /// A marked word.
     Word(usize, Ident),
@@ -106,7 +107,7 @@ struct Word {
 /// The words of the code.
 #[derive(Default)]
 struct Survey {
-    /// Those that are not ours, and which of them are numbers among the generics of the struct.
+    /// The user's words, and those among them that are numbers among the generics of the struct.
     of_user: HashSet<String>,
     generic_numbers: HashSet<String>,
     numbers: HashMap<String, usize>,
@@ -172,7 +173,7 @@ impl Survey {
         })
     }
 
-    /// Items have the first choice of words, then types, then what is bound: formulas before emitters.
+    /// Items choose their words first, then types, then bound names: those of formulas before those of emitters.
     fn decide(self) -> Decided {
         let Self { of_user, words, paths, .. } = self;
         let mut taken = of_user;

@@ -7,7 +7,7 @@ use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
 
-/// Pivots above this have taken a digit of the points that they are summed up in.
+/// Pivots above this lose a digit of the points to which they contribute.
 const STIFF: i32 = 2;
 
 /// How a block is solved, in operations.

@@ -1,4 +1,4 @@
-//! What is computed once for all steps: the numbers that a step reads, and the body that makes them.
+//! The values that are computed once for all steps, and the body that computes them.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};

@@ -1,8 +1,7 @@
-//! The innermost loop of an element, in chunks: what it reads is sliced or gathered, the arithmetic goes over slices of
-//! one length without conditions, so that it can be vectorised. What it computes is added where it belongs at once, to a
-//! slice of each vector; what belongs to a second slice of the same vector, which may overlap the first, waits in a
-//! buffer. A bond of neighbours needs none: what it adds to the right end is carried to the next bond, whose left end
-//! that is.
+//! The innermost loop of an element, in chunks. Inputs are sliced or gathered, and the arithmetic runs over slices of
+//! one length without conditions, so that it can be vectorised. Results are added at once to one slice of each vector;
+//! results for a second slice of the same vector, which may overlap the first, wait in a buffer. A bond of neighbours
+//! needs no buffer: its slope at the right end is carried to the next bond, which has its left end there.
 //!
 //! Every place gets its terms in the order of the placements, wherever chunks begin: the slice that is furthest ahead is added to
 //! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.

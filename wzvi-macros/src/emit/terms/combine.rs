@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
-/// A variable and what it is: a linear combination of locals.
+/// A variable and its definition: a linear combination of locals.
 type Variable = (Symbol, Vec<(Symbol, Rational)>);
 
 /// A function of fewer variables than locals.

@@ -1,4 +1,4 @@
-//! What a system says of itself: its sizes and names, parameters, friction.
+//! The description of a system: its sizes and names, parameters, friction.
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, format_ident, quote};
@@ -12,7 +12,7 @@ use crate::input::Labels;
 use crate::model::{Parameter, System};
 use crate::symbolic::{Expr, Graph};
 
-/// What the system says of itself.
+/// The description of the system.
 pub(super) fn emit(model: &mut System) -> TokenStream {
     let friction = model.conformal.map(|rate| friction_rate(&mut model.graph, &model.parameters, rate));
     let model = &*model;
@@ -62,7 +62,7 @@ fn validate(embeddings: &[Located<Embedding>], has_friction: bool) -> Option<Tok
     })
 }
 
-/// What a system with friction that steps take in says of itself.
+/// The description of friction that the steps include exactly.
 fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> TokenStream {
     let f64 = f64_type();
     let Body { statements, values, .. } = evaluation(graph, parameters, &[rate]);
@@ -100,7 +100,7 @@ fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
     })
 }
 
-/// What people are told that the variables are called; the default of the trait if that is the same.
+/// The displayed names of the variables; the default of the trait where they agree.
 fn variables(labels: &[Labels; 2], t: &str, invariants: &[String]) -> Option<TokenStream> {
     let is_default = |labels: &Labels, name: &str| match labels {
         Labels::Each(names) => *names == [name],

@@ -1,4 +1,4 @@
-//! Steps in loops: what the run time needs to know of a scheme.
+//! Steps in loops: the description of a scheme for the run time.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

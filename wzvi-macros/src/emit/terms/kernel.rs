@@ -1,4 +1,4 @@
-//! One element in its loops: what it computes and what of that is fixed in them. [`Chunk`] is the innermost one.
+//! One element in its loops, with values that do not change in a loop computed outside of it. [`Chunk`] is the innermost one.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What the elements read and the compiler cannot prove to be there, as constants for the run time, which decides it by
+//! The places that elements read and that the compiler cannot prove to exist, as constants for the run time, which checks them by
 //! interval arithmetic.
 
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Whether the slopes of a system can be taken window by window, and what they are computed with.
+//! Whether the slopes of a system can be computed window by window, and in which number types.
 
 use proc_macro2::TokenStream;
 use quote::quote;

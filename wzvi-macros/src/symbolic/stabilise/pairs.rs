@@ -1,4 +1,4 @@
-//! Differences of two terms: what they share is taken out, and what is left of them may have a better form.
+//! Differences of two terms: common factors are taken out, and the remaining difference may have a better form.
 
 use super::Terms;
 use crate::symbolic::sign::Sign;

@@ -1,4 +1,4 @@
-//! What the compiler's work is measured by in tests: nodes of expressions that were looked at or asked for. The same on every machine.
+//! The measure of the compiler's work in tests: nodes of expressions that were visited or requested. The same on every machine.
 
 use std::cell::Cell;
 

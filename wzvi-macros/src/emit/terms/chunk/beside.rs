@@ -1,6 +1,6 @@
 //! Placements beside each other that are not next to each other in the state: they read where a table says, or places that are far
-//! apart. What they read is gathered one by one, and what they compute is added one by one, in their order; the arithmetic between these
-//! is that of a block of placements, whatever numbers it is done in.
+//! apart. Their inputs are gathered one by one, and their results are added one by one, in their order. The arithmetic in between is done
+//! for a block of placements at once, in any number type.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -88,8 +88,8 @@ pub(super) struct Block {
     open: TokenStream,
 }
 
-/// Whether the innermost loop of an element reads the state at places that are not next to each other, and computes enough for it that it
-/// pays to gather them: functions. Products and quotients take less time than to gather what they are made of.
+/// Whether the innermost loop of an element reads the state at places that are not next to each other, and calls functions, so that gathering
+/// pays. Products and quotients alone take less time than gathering their operands.
 pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let is_free = |slot: &Slot| {
