@@ -1,8 +1,8 @@
 //! Compensated summation of the increments of a state.
 //!
-//! A step adds an increment to the state, and the sum is rounded. What rounding took is known exactly (D. E. Knuth,
-//! *The Art of Computer Programming* 2, section 4.2.2) and goes into the next increment, so that over many steps the
-//! errors of these additions do not add up. What remains is the rounding of the increments themselves, which is
+//! A step adds an increment to the state, and the sum is rounded. The rounding error is known exactly (D. E. Knuth,
+//! *The Art of Computer Programming* 2, section 4.2.2) and is added to the next increment, so that over many steps the
+//! errors of these additions do not accumulate. The rounding of the increments themselves remains, which is
 //! smaller by the ratio of increment to state.
 
 use std::fmt::Debug;
@@ -16,9 +16,9 @@ pub trait Carry<S>: Clone + Debug + Default + Numbers {
     const CARRIES: bool;
     /// The carried part of coordinate `i`, less than the degrees of freedom.
     fn of_coordinate(&self, i: usize) -> S;
-    /// The carried part of momentum `i`, likewise.
+    /// The carried part of momentum `i`, less than the degrees of freedom.
     fn of_momentum(&self, i: usize) -> S;
-    /// `base + increment` plus what is carried, and the rounding error of that sum.
+    /// `base + increment` plus the carried error, and the rounding error of that sum.
     fn add(base: S, increment: S, carried: S) -> (S, S);
     /// Keeps the rounding errors of a step that succeeded.
     fn keep(&mut self, coordinates: &[S], momenta: &[S]);

@@ -1,13 +1,13 @@
 //! Short lists by value.
 //!
-//! State, increments and stepper of a small system stay in registers only where no function is given their address, not even one that is
-//! called once in a million steps. What a rare call needs of them therefore goes there as a copy.
+//! State, increments and stepper of a small system stay in registers only if no function receives their address, not even one that is
+//! called once in a million steps. Rare calls therefore receive copies.
 
 use std::ops::{Deref, DerefMut};
 
 use crate::algebra::scalar::Scalar;
 
-/// The longest list that is copied: no number of it is in a register anyway where there are more.
+/// The longest list that is copied: longer ones are not in registers anyway.
 const MOST: usize = 16;
 
 /// A copy of a short list.

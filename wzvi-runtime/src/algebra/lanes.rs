@@ -1,8 +1,8 @@
 //! Several numbers at once: one trajectory per lane of a vector register.
 //!
-//! [`Lanes`] is a [`Scalar`]: the generated step of one trajectory, run on it, is the step of `L` trajectories. What a
-//! lane holds depends on nothing but its own operands, and every function gives the same bits on every machine and for
-//! every `L`; how, and how accurate they are, is in the table.
+//! [`Lanes`] is a [`Scalar`]: the generated step of one trajectory, run on it, is the step of `L` trajectories. A lane
+//! depends on its own operands only, and every function gives the same bits on every machine and for every `L`.
+//! The table has their errors.
 //!
 //! | function | largest error in units in the last place |
 //! |---|---|
@@ -14,7 +14,7 @@
 //! | `powi` | half a unit per multiplication |
 //!
 //! Measured at 1.5e5 arguments per range against arithmetic of 256 bits: `tests/runtime/lanes_accuracy.rs`. Infinities, NaN,
-//! zeros with their signs, subnormal and huge arguments give what `std` gives.
+//! zeros with their signs, subnormal and huge arguments give the results of `std`.
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
 pub(crate) mod elementary;
@@ -82,8 +82,8 @@ impl<const L: usize> Lanes<L> {
     }
 }
 
-/// What a function gives for each lane. Few lanes are written out: as loops, of which a step has one for each of its operations, they take the
-/// compiler a time that grows with the square of their number.
+/// The values of a function for each lane. Few lanes are written out. As loops, one for each operation of a step, they would take a
+/// compile time that grows with the square of their number.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn each<T: Copy + Default, const L: usize>(of: impl Fn(usize) -> T) -> [T; L] {
     let mut list = [T::default(); L];
@@ -313,7 +313,7 @@ impl<const L: usize> Scalar for Lanes<L> {
         }
         zero.equal(zero)
     }
-    /// Lane by lane: a loop over the numbers would become one over vectors of as many numbers, each gathered from one lane and scattered.
+    /// Lane by lane: the compiler would turn a loop over the numbers into one over vectors of numbers, gathered from one lane and scattered.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<const N: usize>(mut numbers: [Self; N], weights: &[f64; N]) -> [Self; N] {
         for lane in 0..L {

@@ -1,4 +1,4 @@
-//! What one step leaves for the next, and what a caller may pin of how it is solved.
+//! Data that one step passes to the next, and the settings of the solver that a caller may fix.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -11,7 +11,7 @@ pub use crate::algebra::threads::Threads;
 /// How the equations of an implicit step are iterated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Iteration {
-    /// By what contracts.
+    /// The fixed point while it contracts, else Newton's method.
     #[default]
     Automatic,
     /// `x ← φ(x)` only; an error where that does not contract.
@@ -25,7 +25,7 @@ pub enum Iteration {
 pub enum Method {
     /// The first step finds out how large the system is.
     Undecided,
-    /// There are none.
+    /// The steps solve no equations.
     Explicit,
     /// The Jacobian is narrow, or small: it is factored in a band.
     Band {
@@ -36,7 +36,7 @@ pub enum Method {
     Krylov,
 }
 
-/// What the linear equations of Newton's method took, of all steps so far.
+/// The cost of the linear equations of Newton's method, over all steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinearWork {
     /// Matrices that were factored.
@@ -45,7 +45,7 @@ pub struct LinearWork {
     pub products: u64,
 }
 
-/// What a memory is asked to do.
+/// A request to a memory.
 #[derive(Clone, Debug)]
 pub enum Request {
     /// Forget the steps before, and keep what was allocated.
@@ -69,7 +69,7 @@ pub struct Report {
     pub method: Option<Method>,
     /// The number of blocks of equations without a common unknown, as far as careful steps have found them.
     pub blocks: usize,
-    /// What linear equations took.
+    /// The cost of linear equations.
     pub linear_work: LinearWork,
 }
 
@@ -80,9 +80,9 @@ impl Default for Report {
     }
 }
 
-/// What one step leaves for the starting value of the next.
+/// Data that one step keeps for the starting value of the next.
 pub trait StepMemory: Clone + Debug + Default + Numbers {
-    /// Does what is asked for, as far as it concerns this memory.
+    /// Carries out a request, as far as it concerns this memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn tell(&mut self, request: &Request) {
         if let Request::Forget = request {
@@ -90,7 +90,7 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         }
     }
 
-    /// Takes over what a step solved with another memory left.
+    /// Takes over the memory of a step that was solved with another one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn adopt(&mut self, left: Self) {
         *self = left;
@@ -107,7 +107,7 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         Report::default()
     }
 
-    /// What linear equations took.
+    /// The cost of linear equations.
     fn linear_work(&self) -> LinearWork {
         self.report().linear_work
     }

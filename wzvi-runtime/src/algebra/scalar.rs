@@ -92,7 +92,7 @@ pub trait Scalar:
 
     /// A constant.
     fn from_f64(value: f64) -> Self;
-    /// The absolute value, without what the number carries besides (derivatives); the largest of several lanes.
+    /// The absolute value of the number itself, without derivatives; the largest of several lanes.
     fn magnitude(self) -> f64;
     /// Numbers that it holds side by side.
     const LANES: usize = 1;
@@ -104,7 +104,7 @@ pub trait Scalar:
     /// The number of one lane, without derivatives.
     fn lane(self, lane: usize) -> f64;
     /// How large the number is against `|other|`, part by part (value, derivatives, lanes): the largest ratio, 0 for a part
-    /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to what is divided by: a number that is nearest to
+    /// that vanishes; NaN if any part is. `f64::MIN_POSITIVE` is added to the divisor: a number that is nearest to
     /// another differs from it by `ε (|x| + MIN_POSITIVE)` at most, subnormal or not.
     fn relative_to(self, other: Self) -> f64;
     /// The same without a division: within a nineteenth, and not finite where that is larger than all numbers.
@@ -112,7 +112,7 @@ pub trait Scalar:
     fn nearly_relative_to(self, other: Self) -> f64 {
         self.relative_to(other)
     }
-    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for what is larger, and
+    /// `|self| / size` of a size that is not negative, within an eighth, by lane and without derivatives; `f64::MAX` for larger quotients and
     /// for NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
@@ -291,7 +291,7 @@ impl Scalar for f64 {
     fn nearly_relative_to(self, other: Self) -> f64 {
         (self * nearly_inverse(other)).abs()
     }
-    /// The smaller of two is one instruction, but not of one and infinity: compilers make a test of bits of that.
+    /// The minimum is one instruction, but not the minimum with infinity, for which compilers emit a test of bits.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         let relative = (self * nearly_inverse(size)).abs();

@@ -1,7 +1,7 @@
 //! The solvers of a step: dense factorisation and Newton's method, on arrays, without allocation.
 //!
-//! Generated code calls the functions here. What they do with one number, and with several that share a verdict (dual
-//! numbers), is in `newton` and `dense`; lanes of trajectories are decided one by one, in `lanes`.
+//! Generated code calls the functions here. `newton` and `dense` implement them for one number and for several that share
+//! a verdict (dual numbers). `lanes` decides for each lane of trajectories separately.
 
 mod banded;
 mod block;
@@ -101,7 +101,7 @@ pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: boo
 /// `A⁻¹ b` for a matrix given by rows.
 ///
 /// # Errors
-/// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it. Lanes have NaN instead.
+/// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it. Lanes have NaN instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
     S::Solver::linear(matrix, b)

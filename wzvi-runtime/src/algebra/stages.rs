@@ -1,4 +1,4 @@
-//! The numbers of all stages of a step, and the parts of them that are computed with at once.
+//! The numbers of all stages of a step, and the parts that are processed at once.
 
 use std::fmt::Debug;
 
@@ -51,7 +51,7 @@ pub trait Stages<S: Scalar, const N: usize>: Copy + Debug + Numbers {
     fn parts<'a>(list: &'a [Self], part: usize, room: &'a mut [Self::Part]) -> &'a [Self::Part];
     /// Where to write that: [`Stages::store`] brings it to the list.
     fn parts_mut<'a>(list: &'a mut [Self], room: &'a mut [Self::Part]) -> &'a mut [Self::Part];
-    /// Replaces a part of each of a list by what [`Stages::parts_mut`] has, if that was the room; but not where they are to stay.
+    /// Writes a part of each of a list back from [`Stages::parts_mut`], if that used the work space; not where they are to stay.
     fn store(list: &mut [Self], part: usize, room: &[Self::Part], stay: S::Mask);
 
     /// A part of `Σ_j matrix[j] self_j`: of column `j` of a matrix times the number of stage `j`.
@@ -119,7 +119,7 @@ fn row<S: Scalar, const N: usize>(numbers: &[S; N], matrix: &[[f64; N]; N], i: u
         _ => {}
     }
     let (mut a, mut b, mut c, mut d) = (term(0), term(1), term(2), term(3));
-    // Four at a time: a choice of the sum in each term would keep a compiler from writing many of them out.
+    // Four at a time: a choice of the sum in each term would prevent unrolling.
     let mut j = 4;
     while j + 4 <= N {
         (a, b, c, d) = (a + term(j), b + term(j + 1), c + term(j + 2), d + term(j + 3));

@@ -49,7 +49,7 @@ pub(crate) fn cores() -> usize {
 /// Runs on the caller's thread and on `others` at one time. A panic goes on in the caller.
 pub(crate) fn together(others: usize, run: &(dyn Fn() + Sync)) {
     thread::scope(|scope| {
-        // A thread that the system does not give is one fewer.
+        // If the system refuses a thread, there is one fewer.
         let spawned: Vec<_> =
             (0..others).map_while(|_| thread::Builder::new().spawn_scoped(scope, run).ok()).collect();
         run();
@@ -61,7 +61,7 @@ pub(crate) fn together(others: usize, run: &(dyn Fn() + Sync)) {
     });
 }
 
-/// Does each job once, on a thread each if the system gives as many, and on fewer if not.
+/// Does each job once, each on a thread of its own if the system allows, otherwise on fewer.
 pub(crate) fn each<J: Send>(jobs: Vec<J>, work: impl Fn(J) + Sync) {
     let others = jobs.len().saturating_sub(1);
     let jobs = Mutex::new(jobs.into_iter());

@@ -106,12 +106,12 @@ pub struct Difference {
     pub field: String,
     /// The value in the checkpoint; `None` if there is none.
     pub checkpoint: Option<String>,
-    /// The value in this run, likewise.
+    /// The value in this run; `None` if there is none.
     pub run: Option<String>,
 }
 
 impl CheckpointError {
-    /// What the system said about a file.
+    /// The message of the operating system.
     pub(crate) fn file<'p>(path: &'p Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + use<'p> {
         move |error| Self::File(FileError::system(path, action)(error))
     }

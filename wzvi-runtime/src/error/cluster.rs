@@ -10,17 +10,17 @@ pub enum ClusterError {
     Settings {
         /// A rank that differs from rank 0.
         rank: i32,
-        /// In what.
+        /// The setting that differs.
         difference: String,
     },
     /// Another rank failed.
     Rank {
         /// Which one.
         rank: i32,
-        /// What it says.
+        /// Its message.
         cause: String,
     },
-    /// A rank sent what the program does not understand: the ranks run different programs.
+    /// A rank sent data that the program cannot read: the ranks run different programs.
     Message {
         /// Which one.
         rank: i32,

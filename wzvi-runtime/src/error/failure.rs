@@ -71,7 +71,7 @@ pub enum StepFailure {
     /// Only in a step of several paths in lanes: the paths of these lanes could not take the step and are unchanged, the others have taken
     /// it. A step of one of them alone reports the cause.
     Lanes(FailedLanes),
-    /// A mistake of wzvi and not of its user: something that a step relies on does not hold. The state is as it was.
+    /// A bug of wzvi: an assumption of the step does not hold. The state is unchanged.
     Internal(StepPromise),
 }
 
@@ -126,7 +126,7 @@ messages! { StepFailure:
 mod tests {
     use super::*;
 
-    /// What each message advises; a step that is too long gets shorter, never longer.
+    /// The advice of each message: a shorter step, never a longer one.
     #[test]
     fn every_message_ends_with_its_remedy() {
         let halving = "take a smaller step, or subdivide with `.retry(Retry::halving(n))`";

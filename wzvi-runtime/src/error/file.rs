@@ -52,7 +52,7 @@ impl FileError {
     }
 }
 
-/// What a file is that is neither a regular one nor a link.
+/// The kind of a file that is neither a regular file nor a link.
 pub(crate) fn name(kind: FileType) -> &'static str {
     if kind.is_dir() {
         return "a folder";

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Lists inside of lists of which an error says the place.
+/// Levels of nested lists whose indices an error shows.
 const LEVELS: usize = 3;
 
 /// A list or an integer of a system.
@@ -22,7 +22,7 @@ impl Name {
     }
 }
 
-/// An integer of a system that is out of range: which one, its value, and what it would have to be.
+/// An integer of a system that is out of range: its name, its value, and its limit.
 #[derive(Clone, Copy, PartialEq)]
 pub struct IndexError {
     name: &'static Name,
@@ -68,7 +68,7 @@ impl IndexError {
         Self { name, at: [0; LEVELS], levels: 0, limit, count, value }
     }
 
-    /// Adds an index to the name, up to what it has room for.
+    /// Adds an index to the name, up to the number that fits.
     pub(crate) fn push(&mut self, index: i128) {
         if let (Some(at), Ok(index)) = (self.at.get_mut(usize::from(self.levels)), u32::try_from(index)) {
             *at = index;

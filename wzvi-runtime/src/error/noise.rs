@@ -2,13 +2,13 @@
 
 use crate::ground::digits::Brief;
 
-/// Why there are no increments.
+/// The reason why a source has no increments.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoiseError {
     /// The time is NaN, infinite, or too far from zero to be told from its neighbours.
     Time {
-        /// The time asked for.
+        /// The requested time.
         t: f64,
         /// Times from here on are too far.
         limit: f64,
@@ -23,7 +23,7 @@ pub enum NoiseError {
     Truncation(f64),
     /// Given increments ended before the run did.
     Exhausted {
-        /// The step that has none, from 0.
+        /// The step without increments, from 0.
         step: u64,
         /// The number of steps with increments.
         available: usize,

@@ -14,7 +14,7 @@ pub enum PlotError {
     Drawing {
         /// Which figure.
         figure: String,
-        /// What the backend said.
+        /// The message of the backend.
         cause: String,
     },
     /// The name of its file ends neither in `.svg` nor in `.png`.

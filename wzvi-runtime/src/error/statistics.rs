@@ -10,7 +10,7 @@ pub enum StatisticsError {
     Unknown(UnknownName),
     /// The run did not compute it.
     NotComputed {
-        /// What was asked for.
+        /// The request.
         what: &'static str,
         /// What the run needs for it.
         remedy: &'static str,

@@ -1,4 +1,4 @@
-//! A run that ended because it was told to.
+//! A run that was stopped.
 
 /// A single path was stopped by its [`Handle`](crate::ground::handle::Handle).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

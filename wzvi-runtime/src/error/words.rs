@@ -6,7 +6,7 @@ use crate::ground::numbers::Tape;
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Lanes, behind all of them, another solution, too many unknowns, and what a step relies on.
+/// Words after all of them: failed lanes, another solution, too many unknowns, and internal errors.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
 const TOO_MANY: u64 = LANES - 2;

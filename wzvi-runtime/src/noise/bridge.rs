@@ -11,7 +11,7 @@
 //! ```
 //!
 //! because `cov(x, A) = L^2 alpha beta / 2`, and, given x, A_1 and A_2 are independent with variances `(alpha L)^3 / 12` and
-//! `(beta L)^3 / 12`, of which only the sum S is known; `alpha^3 + beta^3 = 1 - 3 alpha beta`. So two normals n_1, n_2 per cut give
+//! `(beta L)^3 / 12`, and only their sum S is given; `alpha^3 + beta^3 = 1 - 3 alpha beta`. So two normals n_1, n_2 per cut give
 //! two intervals of the same law as the whole: the tree can be refined for ever, and every integral of W is exact.
 
 /// Increment and area over an interval.

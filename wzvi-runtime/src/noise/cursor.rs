@@ -1,15 +1,15 @@
-//! A place in the tree of one process: the pages that lead to a time, kept, so that the next time nearby costs a few draws.
+//! A position in the tree of one process. It keeps the pages that lead to a time, so that a time nearby costs only a few draws.
 //!
-//! The way to a time is a list of turns at cuts. A turn to the right leaves an interval before the time behind, a turn to the left one
-//! after it: the increment between two times is a sum over the intervals left behind after their ways part, all of which lie
-//! between them. Nothing cancels, so that small increments at large times keep their digits, and the sum is a function of the two
-//! times alone: the order of the queries changes nothing.
+//! The descent to a time is a list of turns at cuts. A turn to the right passes an interval before the time, a turn to the left one
+//! after it. The increment between two times is the sum over the intervals passed after the two descents separate, and all of these
+//! lie between the two times. Nothing cancels, so that small increments at large times keep their digits. The sum is a function of
+//! the two times alone: the order of the queries changes nothing.
 
 use super::bridge::{BridgeInterval, Scale, Span};
 use super::grid::{self, DEPTH, GridTime, NODES, Parting};
 use super::stream::{Address, PAIRS, Source, Words};
 
-/// One cell of a grid and the cuts inside it that were asked for.
+/// One cell of a grid and the cuts inside it that were needed.
 #[derive(Clone, Debug)]
 struct Page {
     address: Address,
@@ -41,16 +41,16 @@ impl Page {
     }
 }
 
-/// An interval left behind on the way to a time.
+/// An interval passed in the descent to a time.
 #[derive(Clone, Copy, Debug)]
 struct Turn {
-    /// Whether the way went right, so that the interval lies before the time.
+    /// Whether the turn was to the right, so that the interval lies before the time.
     right: bool,
     node: BridgeInterval,
     length: f64,
 }
 
-/// The way to a time in the tree of one process.
+/// The descent to a time in the tree of one process.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor {
     source: Source,
@@ -149,13 +149,13 @@ impl Cursor {
         sum.then(self.side(&Parting::Octaves, false))
     }
 
-    /// The part of the interval between two points that lies on this cursor's side of the parting of their ways.
+    /// The part of the interval between two points on this cursor's side of the cut where their descents separate.
     #[inline]
     fn side(&self, parting: &Parting, near: bool) -> Span {
         let start = match *parting {
             Parting::Octaves => 0,
             Parting::Page { stop: true, .. } if near => return Span::EMPTY,
-            // Where both go on, the two intervals of the cut contain the two points: neither was left behind.
+            // If both descents continue, each interval of the cut contains one of the points: neither was passed.
             Parting::Page { page, cuts, stop } => usize::from(self.starts[page]) + cuts + usize::from(!stop),
         };
         let turns = self.turns[start..].iter();
@@ -198,7 +198,7 @@ impl Cursor {
         })
     }
 
-    /// Follows the way to `to` from page `from` on, before which it is the way to the present point.
+    /// Descends to `to` from page `from` on; the pages before are shared with the present point.
     fn descend(&mut self, to: &GridTime, from: usize) {
         let mut length = grid::octave_length(to.octave);
         let mut root =

@@ -11,9 +11,9 @@ use super::stream::PAIRS;
 
 /// Two times closer than this part of the larger of `BASE` and the time (in units of the tree) may be taken for one.
 const TOLERANCE: f64 = 1.0 / (1u64 << 50) as f64;
-/// Times below have the rounding errors of this one: a run that comes from there has, as it computes `start + n h`.
+/// Times below have the rounding errors of this one, because a run from there computes `start + n h`.
 const BASE: f64 = 1024.0;
-/// Times from here on are not told apart well enough.
+/// Times from here on are too close to their neighbours in `f64`.
 pub(super) const FARTHEST: f64 = (1u64 << 47) as f64;
 /// Halvings in a page of an octave.
 const HALVINGS: u32 = 4;
@@ -204,7 +204,7 @@ impl Shape {
     }
 }
 
-/// Where the ways to two points on the same side of zero part.
+/// The cut at which the descents to two points on the same side of zero separate.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Parting {
     /// In different octaves.
@@ -215,7 +215,7 @@ pub(super) enum Parting {
         page: usize,
         /// Common turns in that page.
         cuts: usize,
-        /// Whether the way to the nearer point ends.
+        /// Whether the descent to the nearer point ends.
         stop: bool,
     },
 }
@@ -226,7 +226,7 @@ impl Parting {
         if p.octave != q.octave {
             return Self::Octaves;
         }
-        // The first page in which they differ: in the digit, or because the way to one of them ends there.
+        // The first page in which they differ: in the digit, or because one descent ends there.
         let first = ((p.digits ^ q.digits).leading_zeros() / DIGIT) as usize;
         let Some(last) = usize::from(p.pages.min(q.pages)).checked_sub(1) else {
             // The left edge of the octave.

@@ -54,7 +54,7 @@ impl Truncation {
     }
 }
 
-/// The methods that set the truncation of a noise, which `$with` puts in: `|noise, truncation| noise`.
+/// The methods that set the truncation of a noise through `$with`: `|noise, truncation| noise`.
 macro_rules! truncation_setters {
     ($with:expr) => {
         /// Truncates the increments of steps to `±A_h` of their standard deviations, `A_h = max(6, √(2 k |ln h|))`, `k >= 1`

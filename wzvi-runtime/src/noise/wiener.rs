@@ -38,7 +38,7 @@ pub struct Wiener {
     reached: (f64, GridTime),
 }
 
-/// Processes up to so many beyond those that are known are made along with the one that is asked for.
+/// A query for a new process also creates the processes before it, up to so many.
 const FEW: usize = 1024;
 
 /// No time equals NaN.
@@ -113,7 +113,7 @@ impl Wiener {
     /// # Errors
     /// [`NoiseError::Time`], [`NoiseError::Unit`].
     pub fn integral(&mut self, process: usize, a: f64, b: f64) -> Result<f64, NoiseError> {
-        // The order of times that are none is no order.
+        // NaN has no order.
         self.point(a)?;
         self.point(b)?;
         let sign = if b < a { -1.0 } else { 1.0 };
@@ -183,7 +183,7 @@ impl Wiener {
         &mut self.truncation
     }
 
-    /// A cursor on the same paths at another place: what a window needs at its second end.
+    /// A cursor on the same paths at another place, for the second end of a window.
     pub(super) fn twin(&self) -> Self {
         Self { cursors: vec![], distant: BTreeMap::new(), ..*self }
     }
@@ -195,7 +195,7 @@ pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
 }
 
 impl Wiener {
-    /// The error that asking for `W(t)` would give.
+    /// The error of a query for `W(t)`.
     pub(super) fn check(&self, t: f64) -> Result<(), NoiseError> {
         self.truncation.check()?;
         self.point(t).map(drop)

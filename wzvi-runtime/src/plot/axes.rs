@@ -27,7 +27,7 @@ fn range(axis: &Axis, places: &mut dyn Iterator<Item = f64>) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let size = low.abs().max(high.abs());
-    // A range of nothing but rounding is none.
+    // A range at rounding level counts as empty.
     let pad = match high - low > 1e-12 * size {
         true => 0.05 * (high - low),
         false if axis.logarithmic || size == 0.0 => 0.5,

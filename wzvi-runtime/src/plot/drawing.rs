@@ -121,7 +121,7 @@ impl<'a> Plot<'a> {
         Self { is_bitmap: true, ..self.clone() }
     }
 
-    /// What is drawn of a text: in the font of this library a macron is what a raised minus looks like.
+    /// The glyphs of a text: in the font of this library a raised minus is drawn as a macron.
     fn letters(&self, text: &str) -> String {
         if self.is_bitmap { text.replace('⁻', "¯") } else { text.to_owned() }
     }
@@ -321,12 +321,12 @@ fn colour(index: usize) -> RGBColor {
     if index == Colour::INK { INK } else { PALETTE[index % (PALETTE.len() - 1)] }
 }
 
-/// Whether the font of both backends is there: none of the machine is needed.
+/// Whether the font of both backends is registered: no font of the machine is needed.
 #[cfg(not(target_arch = "wasm32"))]
 static FONTS: LazyLock<bool> = LazyLock::new(|| {
     register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
 });
 
-/// There it is the browser that has fonts.
+/// In a browser, the browser has the fonts.
 #[cfg(target_arch = "wasm32")]
 static FONTS: LazyLock<bool> = LazyLock::new(|| true);

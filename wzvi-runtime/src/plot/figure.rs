@@ -144,7 +144,7 @@ impl Figure {
         Self::new("", title, Axis::linear(x), Axis::linear(y))
     }
 
-    /// Says what it shows.
+    /// Sets the caption.
     #[must_use]
     pub fn shows(mut self, sentence: impl Into<String>) -> Self {
         self.shows = sentence.into();

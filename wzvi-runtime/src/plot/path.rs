@@ -1,4 +1,4 @@
-//! The figures that a path is looked at with.
+//! The figures of a path.
 
 use super::figure::{Colour, Figure, Look};
 use crate::algebra::state::{State, Vector};
@@ -6,7 +6,7 @@ use crate::error::UnknownName;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
-/// Degrees of freedom that are shown unless asked otherwise: as many as there are colours.
+/// Degrees of freedom that are shown by default: as many as there are colours.
 pub(super) const SHOWN: usize = 6;
 
 /// Figures of a path: [`Trajectory::plot`] begins them. Each method returns a [`Figure`]: [`Figure::write`] draws it as SVG or PNG, and a

@@ -1,4 +1,4 @@
-//! The figures that an ensemble is looked at with.
+//! The figures of an ensemble.
 
 use super::figure::{Figure, Look};
 use super::path::SHOWN;

@@ -15,7 +15,7 @@ use crate::noise::{Driver as _, Paths as _};
 use crate::path::Error;
 use crate::scheme::system::Hamiltonian;
 
-/// Nodes of a path at which the energy is looked at, about.
+/// Approximate number of nodes of a path at which the energy is evaluated.
 const LOOKS: u64 = 256;
 
 /// Paths in a block at least, if there are as many for each thread.
@@ -66,7 +66,7 @@ impl<V> Default for Seen<V> {
     }
 }
 
-/// What is seen of paths from threads that each have some of them.
+/// Observations of paths from several threads.
 struct AllSeen<V>(Vec<Mutex<Seen<V>>>);
 
 impl<V: Vector> AllSeen<V> {

@@ -1,4 +1,4 @@
-//! What a measurement leaves: every raw number.
+//! The raw numbers of a measurement.
 
 use serde::Serialize;
 
@@ -37,7 +37,7 @@ pub struct Cell {
     pub weak: Vec<Weak>,
     /// Root mean square over paths of the linear trend of H_0, times the length of the run.
     pub energy_trend: Estimate,
-    /// Root mean square over paths of what H_0 does besides.
+    /// Root mean square over paths of the change of H_0 about that trend.
     pub energy_oscillation: Estimate,
     /// Newton iterations per step.
     pub iterations: f64,

@@ -8,8 +8,8 @@
 //!   two halves differ by no more than `BEND` and the standard error of that difference,
 //! * falls: slope at least [`FLAT`].
 //!
-//! Among runs of the same length the one with the smallest steps wins. What is left of it (larger steps) is
-//! pre-asymptotic, what is right of it the plateau: an error that smaller steps do not lower, be it rounding, the reference
+//! Among runs of the same length the one with the smallest steps wins. Points to its left (larger steps) are
+//! pre-asymptotic, points to its right the plateau: an error that smaller steps do not lower, be it rounding, the reference
 //! or a wrong limit.
 
 use serde::{Deserialize, Serialize};
@@ -18,11 +18,11 @@ use serde::{Deserialize, Serialize};
 pub const LEAST: usize = 3;
 /// Below this, error does not depend on step size.
 pub const FLAT: f64 = 0.2;
-/// Relative deviation from a power law that is not held against it.
+/// Relative deviation from a power law that is tolerated.
 const MODEL: f64 = 0.04;
-/// Largest `χ^2` per degree of freedom of what is called straight.
+/// Largest `χ^2` per degree of freedom of a straight part.
 const STRAIGHT: f64 = 2.5;
-/// Difference between the slopes of both halves of what is called straight.
+/// Largest difference between the slopes of both halves of a straight part.
 const BEND: f64 = 0.1;
 
 /// One measured error.

@@ -1,4 +1,4 @@
-//! An embedding as a value: types go in, one list of them comes out.
+//! Embeddings as values, so that a list can hold several types.
 
 use std::hint::black_box;
 use std::marker::PhantomData;
@@ -43,10 +43,10 @@ pub(super) trait Method<H: Hamiltonian>: Send + Sync {
     /// How many numbers drive a step.
     fn increments(&self, system: &H, degrees: usize) -> usize;
 
-    /// Runs paths, which `see` sees at the recorded nodes that they reach, and says what the first one that failed said; `None` if Ctrl-C stopped it.
+    /// Runs paths and passes their recorded nodes to `see`; returns the error of the first path that failed. `None` if Ctrl-C stopped the run.
     ///
     /// # Errors
-    /// Those that are no matter of a step.
+    /// Errors that are not errors of a step.
     fn run(
         &self,
         system: &H,
@@ -135,7 +135,7 @@ where
         system.increments(degrees)
     }
 
-    /// One path without noise as a single run, which adds with care; paths with noise as an ensemble.
+    /// One path without noise as a single run, with compensated summation; paths with noise as an ensemble.
     fn run(
         &self,
         system: &H,

@@ -20,7 +20,7 @@
 //!
 //! * the strong error, root mean square over paths of `|z_N - z(T)|`, with its standard error;
 //! * the weak errors of observables, with 95 % confidence intervals;
-//! * what becomes of the drift Hamiltonian: its linear trend over the run and the oscillation about that;
+//! * the drift Hamiltonian: its linear trend over the run and the oscillation about that;
 //! * failed steps (counted, not fatal) and Newton iterations;
 //! * the run time: increments are drawn into memory first and timed by themselves, then the steps alone. After a warm-up
 //!   the timings of all schemes and step sizes take turns, to and fro; medians and quartiles are given.

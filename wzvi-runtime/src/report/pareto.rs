@@ -65,7 +65,7 @@ impl Report {
         // From the exponent as text: powi is off by an ulp now and then.
         let power = |k: i32| format!("1e{k}").parse().unwrap_or(f64::NAN);
         let mut choices: Vec<Choice<'_>> = (last..=first).filter_map(|k| self.cheapest(power(k))).collect();
-        // What reaches a smaller error, too, is said once.
+        // A measurement that also reaches a smaller error is listed once.
         choices.dedup_by(|larger, smaller| std::ptr::eq(larger.cell, smaller.cell));
         choices.reverse();
         choices

@@ -73,7 +73,7 @@ impl Spread {
     }
 }
 
-/// A linear trend and what is left: `y = level + slope t + residual`, by least squares.
+/// A linear trend and the residual: `y = level + slope t + residual`, by least squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trend {
     /// Slope, per unit of t.

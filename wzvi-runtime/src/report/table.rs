@@ -80,7 +80,7 @@ impl Report {
         [strong].into_iter().chain(weak).chain([energy, rest]).map(str::to_owned).collect()
     }
 
-    /// What was measured against what, where and when.
+    /// The measurement, its reference, the machine and the date.
     pub fn conditions(&self) -> String {
         let paths = self.cells.iter().map(|cell| cell.paths + cell.failures).max().unwrap_or(0);
         format!(

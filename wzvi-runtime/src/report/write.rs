@@ -26,7 +26,7 @@ const COLUMNS: [(&str, Column); 17] = [
 ];
 
 impl Report {
-    /// One line for each scheme and step size, every number in full; what was not measured is `NaN`.
+    /// One line for each scheme and step size, every number in full; `NaN` where nothing was measured.
     pub fn csv(&self) -> Vec<u8> {
         let weak = self.cells.first().map_or(&[][..], |cell| &cell.weak);
         let observables = weak.iter().flat_map(|weak| {

@@ -41,7 +41,7 @@ pub struct PathCrossing<'c> {
 }
 
 impl Crossings {
-    /// Of paths of so many degrees of freedom, so many of each of which are kept.
+    /// For paths of so many degrees of freedom; so many crossings of each are kept.
     pub(crate) fn new(degrees: usize, most: u64) -> Self {
         let (kept, states) = (Vec::new(), Vec::new());
         Self { rising: 0, falling: 0, of_path: Welford::default(), degrees, most, kept, states }
@@ -56,7 +56,7 @@ impl Crossings {
         1 + 2 * self.degrees
     }
 
-    /// Those that were kept came in the order of time: paths beside each other are sorted, each keeps its order.
+    /// Kept crossings arrive in the order of time. Sorts those of paths that ran side by side by path; each path keeps its order.
     fn merge(&mut self, later: &Self) {
         self.rising += later.rising;
         self.falling += later.falling;

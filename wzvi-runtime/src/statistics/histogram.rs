@@ -111,7 +111,7 @@ impl Histogram {
         self.counts.iter().sum::<u64>() + self.below + self.above + self.undefined
     }
 
-    /// The count, the ends and the density of all bins, also of those for what is below, above, and no number.
+    /// The count, the ends and the density of all bins, including those for values below, above and NaN.
     pub(super) fn bins(&self) -> impl Iterator<Item = (u64, [f64; 3])> {
         let inside = self.counts.iter().enumerate();
         let inside =

@@ -22,7 +22,7 @@ pub struct PathFailure {
 }
 
 impl PathFailure {
-    /// To be replaced by what a tape says.
+    /// A placeholder that a tape replaces.
     const NONE: Self =
         Self { path: 0, error: StepError { step: 0, t: 0.0, h: 0.0, cause: StepFailure::NonFinite } };
 }

@@ -70,7 +70,7 @@ impl Moments {
         Self { count: 0, of_each: vec![none; observables], comoment: vec![0.0; products], has_covariances }
     }
 
-    /// Bytes that the moments of so many observables take.
+    /// Bytes for the moments of so many observables.
     pub(crate) fn bytes(observables: usize, has_covariances: bool) -> u128 {
         let n = observables as u128;
         8 * (if has_covariances { n * (n + 1) / 2 } else { n } + 5 * n)
@@ -86,7 +86,7 @@ impl Moments {
         for ((Summary { mean, extremes, not_finite }, (before, after)), &value) in
             self.of_each.iter_mut().zip(deviations).zip(values)
         {
-            // In the place of what is not finite, what changes no moment of the others.
+            // A value that is not finite is replaced by one that changes no moment of the others.
             let finite = if value.is_finite() { value } else { *mean };
             if !value.is_finite() {
                 *not_finite = (not_finite.0 + 1, not_finite.1 + value);

@@ -1,4 +1,4 @@
-//! What a run of paths was asked for: what its results are of.
+//! The settings of a run of paths, which identify its results.
 
 /// The settings without which a result means nothing.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,12 +11,12 @@ pub(crate) struct Origin {
     pub(crate) steps: u64,
     /// 0 for a noise without one.
     pub(crate) seed: u64,
-    /// What the increments are of, in words; `none` where the steps take none.
+    /// The source of the increments, in words; `none` for steps without increments.
     pub(crate) noise: String,
-    /// Paths that were asked for, at most.
+    /// The requested number of paths, an upper limit.
     pub(crate) paths: u64,
-    /// Parameters by name that are those of all paths.
+    /// Parameters by name that are the same for all paths.
     pub(crate) parameters: Vec<(String, f64)>,
-    /// Those that are not, path by path, where paths are kept.
+    /// Parameters that differ, path by path, where paths are kept.
     pub(crate) varying: Vec<(String, Vec<f64>)>,
 }

@@ -66,7 +66,7 @@ impl Numbers for Passage {
 }
 
 impl Passages {
-    /// Of an event that is looked for from a time to another, which bins divide; with what became of each path, if that is kept.
+    /// For an event between two times, with bins between these; with the outcome of each path, if paths are kept.
     pub(crate) fn new(name: String, span: [f64; 2], histogram: Histogram, keeps_paths: bool) -> Self {
         Self {
             name,
@@ -298,7 +298,7 @@ pub(crate) fn crossing([start, end]: [f64; 2], [before, after]: [f64; 2]) -> Opt
     // By halves, so that the difference does not overflow.
     let fraction = 0.5 * before / (0.5 * before - 0.5 * after);
     let time = start + (end - start) * fraction;
-    // An infinite value says no more than which side it is on.
+    // Only the sign of an infinite value is known.
     Some(if fraction.is_nan() { end } else { time })
 }
 

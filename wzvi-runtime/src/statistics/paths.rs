@@ -1,4 +1,4 @@
-//! Whole paths, kept for those who want to see them.
+//! Whole paths, kept on request.
 
 use crate::error::ConfigError;
 use crate::ground::numbers::{Numbers, Tape};
@@ -24,7 +24,7 @@ impl Paths {
         Self { nodes, observables, first: 0, values: Vec::new() }
     }
 
-    /// Bytes that so many paths take.
+    /// Bytes for so many paths.
     pub(crate) fn bytes(paths: u64, nodes: usize, observables: usize) -> u128 {
         u128::from(paths) * (nodes * observables * size_of::<f64>()) as u128
     }

@@ -1,4 +1,4 @@
-//! What is known of an ensemble, in memory that does not grow with the number of paths.
+//! The statistics of an ensemble, in memory that does not grow with the number of paths.
 
 mod node;
 
@@ -128,7 +128,7 @@ impl Statistics {
         self.nodes().first().map_or(0, StatisticsNode::count)
     }
 
-    /// Names and words of what the user added: what tells it from others.
+    /// Names and words of the user's statistics, which distinguish them from others.
     pub(crate) fn added(&self) -> (Vec<String>, Vec<u64>) {
         let words = |mut own: Box<dyn AnyStatistic>| Tape::write(|tape| own.pass(tape));
         let names = self.own.iter().map(|own| own.name()).collect();
@@ -223,7 +223,7 @@ impl Statistics {
     /// The covariance of two observables at the end, as [`StatisticsNode::covariance`].
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was told to leave covariances out.
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was set to omit covariances.
     pub fn covariance(&self, a: &str, b: &str) -> Result<f64, StatisticsError> {
         let (a, b) = (self.known(a)?, self.known(b)?);
         match self.nodes().last() {
@@ -235,7 +235,7 @@ impl Statistics {
     /// The quantile of an observable at the end, as [`Quantiles::at`](super::quantiles::Quantiles::at).
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for quantiles.
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if quantiles were not requested.
     pub fn quantile(&self, name: &str, fraction: f64) -> Result<f64, StatisticsError> {
         let quantile = |node: &StatisticsNode, index| node.quantiles(index).map(|all| all.at(fraction));
         let missing = StatisticsError::NotComputed { what: "quantiles", remedy: ".quantiles()" };
@@ -250,7 +250,7 @@ impl Statistics {
     /// The first histogram of an observable at the end.
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if the run was not asked for one.
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
     pub fn histogram(&self, name: &str) -> Result<&Histogram, StatisticsError> {
         let position = self.histogram_position(name)?;
         self.nodes().last().and_then(|end| end.histograms().get(position)).ok_or(NO_HISTOGRAM)
@@ -276,7 +276,7 @@ impl Statistics {
         UnknownName::find("event", name, all).map_err(StatisticsError::Unknown)
     }
 
-    /// How often paths crossed each section of the run, in the order in which they were asked for.
+    /// How often paths crossed each section of the run, in the order in which sections were requested.
     pub fn crossings(&self) -> &[Crossings] {
         &self.sections.0
     }
@@ -308,10 +308,10 @@ impl Statistics {
     /// Whether an observable has met its target.
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was asked for.
+    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if none was requested.
     pub fn target(&self, name: &str) -> Result<TargetStatus, StatisticsError> {
         let observable = self.known(name)?;
-        // Asked for more than once, the first that was not met.
+        // Of several targets for one observable, the first that was not met.
         let mut found =
             self.targets.iter().filter(|(known, _)| *known == observable).map(|(_, status)| *status);
         let first = found.next();
@@ -330,7 +330,7 @@ impl Statistics {
     }
 }
 
-/// Everything that the paths change.
+/// All data that the paths change.
 impl Numbers for Statistics {
     fn pass(&mut self, tape: &mut Tape) {
         self.parts_mut().for_each(|part| part.pass(tape));

@@ -76,7 +76,7 @@ pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 's
     /// Adds the statistic of a later chunk. The order matters to the last bit.
     fn merge(&mut self, later: &Self);
 
-    /// What is known, as tables, which [`Statistics::tables`] and files have then. `run` knows the recorded times and the names of observables.
+    /// The result as tables, which [`Statistics::tables`] and files then include. `run` has the recorded times and the names of observables.
     fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s>;
 }
 
@@ -99,7 +99,7 @@ impl From<Table> for Tables<'_> {
 }
 
 impl<'s> Tables<'s> {
-    /// Tables that are made when they are asked for.
+    /// Tables that are made on request.
     pub(super) fn made<const N: usize>(tables: [Box<dyn Fn() -> Table + 's>; N]) -> Self {
         Self(tables.into_iter().map(|table| Box::new(iter::once_with(table)) as Parts<'s>).collect())
     }

@@ -71,7 +71,7 @@ impl Statistics {
         file::publish_set(staged)
     }
 
-    /// All that is known, as tables, for files and data frames.
+    /// All statistics as tables, for files and data frames.
     ///
     /// | table | one row for each | columns |
     /// |---|---|---|
@@ -92,7 +92,7 @@ impl Statistics {
     /// A parameter with the name of another column has `_` at its end.
     ///
     /// All tables are always there, some without rows: files of an earlier run are replaced, whatever that one had. Histograms have a bin below the first one that begins at minus
-    /// infinity, one above the last, and one without edges for what is not a number; their density is not a number.
+    /// infinity, one above the last, and one without edges for NaN; their density is NaN.
     pub fn tables(&self) -> Vec<Table> {
         let whole = |parts: Parts<'_>| {
             parts.reduce(|mut table, part| {
@@ -103,7 +103,7 @@ impl Statistics {
         self.in_parts().into_iter().filter_map(whole).collect()
     }
 
-    /// The tables, each part by part and made when it is asked for: files take the memory of a part.
+    /// The tables, each in parts that are made on request: writing a file takes the memory of one part.
     fn in_parts(&self) -> Vec<Parts<'_>> {
         let run: Parts<'_> = Box::new(std::iter::once_with(|| self.run()));
         std::iter::once(run).chain(self.rows()).collect()

@@ -1,9 +1,9 @@
 //! Elementary functions whose bits are the same on every machine.
 //!
-//! The functions of `std` are those of the platform and differ in the last bit between targets. These do not: they are
-//! made of IEEE additions, multiplications, divisions and square roots in a fixed order, without fused operations, so that
-//! SSE2, AVX2, AVX-512 and NEON agree. They have no branches where arguments are usual, and a loop of them over an array
-//! becomes vector code. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take the functions of the crate
+//! The functions of `std` are those of the platform and differ in the last bit between targets. These do not: they use
+//! IEEE additions, multiplications, divisions and square roots in a fixed order, without fused operations, so that
+//! SSE2, AVX2, AVX-512 and NEON agree. They do not branch for usual arguments, so a loop over an array becomes
+//! vector code. Rare arguments (huge, subnormal, infinite, NaN, out of the domain) take the functions of the crate
 //! `libm`, one number at a time, which are as portable. So every result is a function of its argument alone.
 //!
 //! The formulas and polynomials are those of fdlibm:
@@ -162,7 +162,7 @@ use functions;
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// Added to a number below 2^51 it leaves the nearest integer in the last bits.
+/// Added to a number below 2^51, it puts the nearest integer into the last bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// The nearest integer, and bits that end in it (two's complement).

@@ -1,13 +1,13 @@
 //! The instruction set, chosen at run time on the outermost loop.
 //!
 //! A default build is for the oldest processor of its target. The loops of an ensemble are compiled once for each of the
-//! instruction sets here and the best one that the machine has is taken. Which one does not show in the results: no
-//! operation rounds differently, and nothing is fused.
+//! instruction sets here, and the best one of the machine is used. The results do not depend on it: no operation
+//! rounds differently, and nothing is fused.
 
 /// A set of vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InstructionSet {
-    /// What every processor of the target has.
+    /// The instructions of every processor of the target.
     Baseline,
     /// Registers of four numbers (x86-64 since about 2013).
     Avx2,
@@ -39,7 +39,7 @@ impl InstructionSet {
         }
     }
 
-    /// The first set that has so many numbers beside each other in one group, or this one.
+    /// The first set with groups of so many numbers, or this one.
     #[cfg(feature = "ensemble")]
     pub(crate) fn for_numbers(self, numbers: u64) -> Self {
         let widths = [(Self::Baseline, 4), (Self::Avx2, 8)];
@@ -65,13 +65,13 @@ impl InstructionSet {
 /// Work that is compiled for every instruction set: `run` and all functions that it calls on its way are
 /// `#[cfg_attr(not(debug_assertions), inline(always))]`.
 ///
-/// That cannot be said of a closure. It is inlined all the same, and so compiled for the same instructions, if it is called in
-/// one place only: that is why each instruction set has a width of its own.
+/// Closures cannot have that attribute. One that is called in a single place is inlined anyway, and so compiled for the same
+/// instructions. This is why each instruction set has a width of its own.
 pub trait Kernel {
-    /// What it computes.
+    /// The result.
     type Output;
-    /// Does the work, with `L` numbers beside each other, so many that the processor has something else to do while it waits for one; or with
-    /// `HALF` of them where each has more beside it that is to stay in registers.
+    /// Does the work with `L` numbers side by side, enough to hide the latency of one operation; or with `HALF` of them where each needs
+    /// more registers.
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output;
 }
 

@@ -1,9 +1,8 @@
 //! One number with the functions of [`Lanes`](super::Lanes), bit for bit: alone, or in a loop that becomes vector code.
 //!
-//! Alone, functions are calls of code that is there once. In a loop over neighbours they are written out, and a branch to the
-//! rare arguments of a function would keep the loop from vector registers. There is none: what depends on a rare argument is
-//! NaN, comparisons included, so that a result is either that of [`Lanes`](super::Lanes) or not a number. Whoever finds it
-//! computes it again, alone.
+//! Alone, functions are calls. In a loop over neighbours they are inlined without the branch for rare arguments, which would
+//! prevent vectorisation. Instead, every value that depends on a rare argument is NaN, comparisons included. A result is therefore
+//! either that of [`Lanes`](super::Lanes) or NaN, and the caller computes NaNs again, alone.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -12,7 +11,7 @@ use crate::algebra::scalar::{Mask, Number, Scalar};
 use crate::algebra::solve::Together;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// A number; unless it `STANDS_ALONE`, NaN where it takes more than the usual arithmetic.
+/// A number; unless it `STANDS_ALONE`, NaN where a function meets a rare argument.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Single<const STANDS_ALONE: bool>(f64);
 

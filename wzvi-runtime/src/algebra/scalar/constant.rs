@@ -1,4 +1,4 @@
-//! Numbers that the state does not enter: one for all lanes of a step, one for each, or one with its derivatives.
+//! Numbers that do not depend on the state: one for all lanes of a step, one for each, or one with its derivatives.
 
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -10,8 +10,8 @@ use crate::algebra::solve::{Factor, FactorsByLane};
 use crate::error::StepFailure;
 use crate::ground::numbers::for_tuples;
 
-/// What is prepared of a system: `f64` where all lanes of a step are of one system, [`Lanes`] where each is of its own, [`Dual`] where derivatives by
-/// its parameters and the step size are taken.
+/// The type of prepared numbers: `f64` where all lanes of a step have one system, [`Lanes`] where each has its own, [`Dual`] for derivatives with
+/// respect to parameters and the step size.
 pub trait Constant: Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
@@ -56,7 +56,7 @@ pub trait Over<K: Constant>:
     fn constant(constant: K) -> Self;
     /// The truth of a comparison of constants.
     fn truth(truth: K::Mask) -> Self::Mask;
-    /// The first number where a comparison of constants is true, else the second: no more than one of them is computed where it is the same for
+    /// The first number where a comparison of constants is true, else the second. Only one of them is computed where the comparison is the same for
     /// all lanes.
     fn choose(truth: K::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self;
     /// `A⁻¹ b` for a matrix of constants.

@@ -12,7 +12,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::{Number, Scalar};
 use crate::ground::numbers::{Numbers, Tape};
 
-/// Functions whose slopes are all that numbers need which carry something along: `$with` takes value and slope.
+/// Functions that numbers with additional parts compute from value and slope alone; `$with` takes these two.
 macro_rules! functions_by_slope {
     ($with:ident) => {
         fn exp(self) -> Self {
@@ -107,7 +107,7 @@ impl<const N: usize, S: Scalar> Dual<N, S> {
     }
 }
 
-/// `derivative slope`, and 0 for what does not depend on the direction even where the slope is infinite or undefined.
+/// `derivative slope`; 0 for a derivative of zero, even where the slope is infinite or undefined.
 #[inline]
 fn weigh<S: Scalar>(derivative: S, slope: S) -> S {
     S::select(derivative.vanishes(), S::from_f64(0.0), derivative * slope)

@@ -1,4 +1,4 @@
-//! Which of the paths beside each other could not take a step, as a mask.
+//! The paths of a register that could not take a step, as a mask.
 
 use super::{Mask, Scalar};
 use crate::error::{FailedLanes, StepFailure};
@@ -22,8 +22,8 @@ impl FailedLanes {
 }
 
 impl StepFailure {
-    /// Of a step that the paths of some lanes have taken: those of the others could not. Nothing but
-    /// [`StepFailure::NonFinite`] for numbers that are not beside each other, of which none has moved.
+    /// The failure of a step that succeeded in some lanes only. Numbers without independent lanes get
+    /// [`StepFailure::NonFinite`], and none of them has moved.
     #[cfg_attr(not(debug_assertions), inline(always))]
     #[must_use]
     pub fn but_of<S: Scalar>(taken: S::Mask) -> Self {

@@ -1,10 +1,9 @@
-//! Numbers with a bound of what rounding may have done to them: running error analysis.
+//! Numbers with a bound on their rounding error: running error analysis.
 //!
 //! An operation adds its own rounding, `ε |result|` and the smallest number for underflow, to the errors of its operands,
 //! multiplied by its derivatives (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, SIAM 2002, section 3.3).
-//! The emitted equations of a step are evaluated on it where an iteration does not get any further, to see whether what
-//! is left of them is more than rounding. What is computed exactly in the units of one machine is so in all: no bound here
-//! compares a number with anything but itself.
+//! Where an iteration stagnates, the emitted equations of a step are evaluated on these numbers, to decide whether the
+//! residual is more than rounding. The bounds do not depend on units: each compares a number only with itself.
 
 use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -13,9 +12,9 @@ use super::dual::{functions_by_slope, one_minus_square};
 use super::{Number, Scalar, Together};
 use crate::ground::numbers::{Numbers, Tape};
 
-/// Twice what one operation loses at most: the bound is of the size of the loss even where errors of many add up.
+/// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
 const EPSILON: f64 = f64::EPSILON;
-/// What an elementary function loses, that of the standard library or that of [`Lanes`](crate::algebra::lanes::Lanes): two and a
+/// The error of an elementary function of the standard library or of [`Lanes`](crate::algebra::lanes::Lanes): two and a
 /// half units in the last place, and as much for the difference between both.
 const FUNCTION: f64 = 4.0 * f64::EPSILON;
 /// The spacing of numbers where they underflow.
@@ -56,7 +55,7 @@ impl Rounded {
     }
 }
 
-/// `error slope`, and nothing of a number that is exact even where the slope is infinite.
+/// `error slope`; 0 for an exact number, even where the slope is infinite.
 fn spread(error: f64, slope: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error * slope.abs() }
 }
@@ -173,7 +172,7 @@ impl Scalar for Rounded {
     fn powi(self, exponent: i32) -> Self {
         let power = |size: f64| size.powi(exponent.saturating_abs());
         let size = self.value.abs();
-        // The power is monotonous: the error of its argument takes it as far as to the larger end.
+        // The power is monotonic: the error of its argument is largest at the larger end.
         let inherited = if self.error == 0.0 { 0.0 } else { power(size + self.error) - power(size) };
         let own = f64::from(exponent.unsigned_abs()) * EPSILON;
         let positive = Self::computed(self.value.powi(exponent.saturating_abs()), inherited, own);

@@ -16,8 +16,8 @@ pub struct Banded<S> {
     is_parted: bool,
     /// Where each unknown is in the band; empty for the order that it has.
     position: Vec<usize>,
-    /// Row `i` from column `i - half`, with `half` columns of room for what pivoting fills. Behind the last row are `half` rows of zeros, so that
-    /// those at the end are no case of their own.
+    /// Row `i` from column `i - half`, with `half` further columns that pivoting fills. `half` rows of zeros follow the last row, so that
+    /// rows at the end need no special case.
     rows: Vec<S>,
     /// Row exchanged with row `k` before column `k` was eliminated.
     exchanges: Vec<usize>,
@@ -75,7 +75,7 @@ impl<S: Scalar> Banded<S> {
     /// Factors the matrix in place.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it.
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it.
     pub fn factor(&mut self) -> Result<(), StepFailure> {
         match (self.half, self.is_parted) {
             (1, false) => self.factor_in::<false>(1),
@@ -104,7 +104,7 @@ impl<S: Scalar> Banded<S> {
             }
             let (best, pivot) = (best.row, best.entry);
             if best > 0 {
-                // Nothing is known of what was taken from entries beside the diagonal.
+                // The sizes of the terms subtracted from entries beside the diagonal are not known.
                 (taken[k], taken[k + best]) = (S::from_f64(0.0), S::from_f64(0.0));
             }
             let scale = taken[k].magnitude();

@@ -6,7 +6,7 @@ use super::newton::{Effort, Equations};
 use crate::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
 use crate::error::StepFailure;
 
-/// What the equations of a block read besides their unknowns: numbers and truths of the state, then those of constants.
+/// Inputs of the equations of a block besides their unknowns: numbers and truths of the state, then those of constants.
 pub type Inputs<S, K, const G: usize, const M: usize, const C: usize, const T: usize> =
     ([S; G], [<S as Scalar>::Mask; M], [K; C], [<K as Scalar>::Mask; T]);
 
@@ -34,7 +34,7 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
     }
 }
 
-/// A block with what it reads.
+/// A block with its inputs.
 struct Posed<B, S: Scalar, K: Scalar, const G: usize, const M: usize, const C: usize, const T: usize> {
     given: Inputs<S, K, G, M, C, T>,
     block: PhantomData<B>,
@@ -78,7 +78,7 @@ where
     }
 }
 
-/// The residuals at all numbers that round to `x`. What is given has no error in the equations that it makes.
+/// The residuals at all numbers that round to `x`. The inputs count as exact.
 #[cold]
 #[inline(never)]
 fn rounded<B, const G: usize, const M: usize, const C: usize, const T: usize, const N: usize>(

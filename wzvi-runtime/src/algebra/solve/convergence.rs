@@ -4,34 +4,34 @@
 
 /// Corrections below this fraction of an unknown change nothing.
 pub(super) const ROUNDING: f64 = f64::EPSILON;
-/// The part of a rounding that the correction after the last one may be: a third of one, where the corrections that it follows from are not exact.
+/// The largest correction that may be omitted after the last one, in roundings: a third, including the error of the measured sizes.
 pub(super) const UNSEEN: f64 = 0.25;
-/// The part of its square that the next correction may be. Relative to the step, `c` is followed by at most `ω c² / 2`, with `ω` the Lipschitz constant of
-/// `J⁻¹ J'`. From zero the first correction is the whole step, and the Kantorovich number of the start is `ω`: up to 1/2 there is one solution near the
-/// start (P. Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1), and along the step from none at all that number only grows. Other starts
-/// measure the same `ω`.
+/// The largest ratio of the next correction to the square of this one. Relative to the step, the correction after `c` is at most `ω c² / 2`, with `ω` the
+/// Lipschitz constant of `J⁻¹ J'`. From zero the first correction is the whole step, and the Kantorovich number of the start is `ω`. Up to 1/2 there is one
+/// solution near the start (P. Deuflhard, *Newton Methods for Nonlinear Problems*, section 2.1), and the number grows with the size of the step. Other
+/// starts measure the same `ω`.
 pub(super) const CURVATURE: f64 = 0.25;
-/// The part of the step that the correction after the first may be: half of what the number 1/2 allows, since from zero the first correction is 1
-/// whatever the equations are, and this one is all that is known of `ω`. Those after it are then below 0.21 of the square of the one before (theorem 2.1 there),
-/// 0.24 as sizes are measured.
+/// The largest second correction, relative to the step: half of the bound from the Kantorovich number 1/2. From zero the first correction is always 1, so
+/// the second is the only measurement of `ω`. Later ones are then below 0.21 of the square of the one before (theorem 2.1 there), 0.24 in the measured
+/// sizes.
 pub(super) const FIRST: f64 = 0.5 * CURVATURE;
-/// What an extrapolated start has to be followed by after its first correction, however long that is: such a start may be anywhere, and the Jacobian is then
-/// the same to `ω = 2^-9` on the way from there. That of a stiff unknown that alternates is.
+/// The bound on the second correction from an extrapolated start, whatever the first was. Such a start may be anywhere; the bound ensures that the Jacobian
+/// is constant to `ω = 2^-9` between start and solution. It is for a stiff unknown that alternates.
 pub(super) const ASTRAY: f64 = CURVATURE * GUIDED * GUIDED;
-/// First corrections below this part of the step are followed by less in any case.
+/// A first correction below this part of the step is followed by smaller ones in any case.
 pub(super) const GUIDED: f64 = 1.0 / 16.0;
-/// Corrections below twice this fraction of an unknown are those of a start that is no other solution's, and are to halve only.
+/// Corrections below twice this fraction of an unknown cannot lead to another solution, and need only halve.
 pub(super) const NEAR: f64 = 1.0 / 4096.0;
 /// The corrections of an iteration, as far as they say when to stop.
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence {
-    /// What the next correction is below where convergence is quadratic, so that nothing else has to be looked at.
+    /// The bound on the next correction if convergence is quadratic; below it no other test is needed.
     curved: f64,
     /// The cube of the relative correction that is good enough: `ROUNDING³` or `last² ROUNDING unseen`.
     enough: f64,
     unseen: f64,
     pub(crate) iterations: u32,
-    /// What the correction after the first has to be below.
+    /// The bound on the second correction.
     second: f64,
     /// Whether corrections need only halve.
     is_patient: bool,
@@ -39,7 +39,7 @@ pub(crate) struct Convergence {
     is_beyond_rounding: bool,
 }
 
-/// What a correction says.
+/// The verdict on a correction.
 pub(crate) enum Verdict {
     /// It was the last.
     Converged,
@@ -63,7 +63,7 @@ impl Convergence {
         self.second = FIRST;
     }
 
-    /// With corrections that need only halve: whoever judges solutions by other means.
+    /// With corrections that need only halve, for callers that judge solutions by other means.
     pub(super) fn patient(unseen: f64) -> Self {
         Self { curved: f64::INFINITY, is_patient: true, unseen, ..Self::new(false) }
     }
@@ -151,7 +151,7 @@ impl Convergence {
     }
 }
 
-/// What the next correction has to be below, from the part of the square of the last: half of that one, too.
+/// The bound on the next correction: `CURVATURE` times the square of the last one, and at most half of it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn allowed(curved: f64) -> f64 {
     let half = curved.sqrt();

@@ -1,13 +1,14 @@
-//! Newton's method for the steps where the short way fails: with patience, then with a line search, and with a doubt about
-//! its own result. One driver for straight-line blocks and for sweeps: what they have to say is a [`Problem`].
+//! Newton's method for steps where the fast method fails: whole corrections first, then a line search, and a report whether the
+//! result is in doubt. One driver for straight-line blocks and for sweeps, which implement [`Problem`].
 //!
 //! Near a solution the next correction is a part of the last: with `c = J⁻¹r` at `x`, and the same matrix, `|J⁻¹r(x - c)| <= Θ |c|`. If the
 //! Kantorovich number of the start is at most 1/2, there is one solution around it, and `Θ <= 1/4` there (P. Deuflhard, *Newton Methods for
-//! Nonlinear Problems*, sections 2.1 and 5.1: a solution that is followed in parts stays the same one). Half of that is asked of the first
-//! correction, since it is seen at one point only, and one half of the later ones. Otherwise the solution is reported as doubtful. Whole corrections often arrive all the same, along the curved valley of a stiff force faster than any others:
-//! they are tried first. Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`:
-//! the natural monotonicity test, which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for
-//! Nonlinear Problems*, Springer 2011, section 3.3).
+//! Nonlinear Problems*, sections 2.1 and 5.1: a solution that is followed in parts stays the same one). The first correction must satisfy
+//! half of that bound, because it measures one point only, and later ones must halve. Otherwise the solution is reported as doubtful.
+//!
+//! Whole corrections are tried first: they often converge anyway, and along the curved valley of a stiff force faster than any others.
+//! Then each is shortened until the residual at its end is smaller, `|J⁻¹r(x - λc)| <= (1 - λ/2) |c|`: the natural monotonicity test,
+//! which no scaling of equations or unknowns changes (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3).
 
 use super::convergence::{Convergence, Verdict};
 use super::dense::{Factor, is_definite};
@@ -15,9 +16,9 @@ use super::newton::{Effort, Equations, astray, larger};
 use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
 
-/// Whole corrections that are tried, whatever they do.
+/// Whole corrections that are tried unconditionally.
 const PATIENCE: u32 = 12;
-/// More shortened corrections than any step needs that converges at all.
+/// More shortened corrections than any convergent step needs.
 const MOST_SHORTENED: u32 = 20;
 /// More whole corrections than it takes to halve the first one to rounding level.
 const MOST_HALVINGS: u32 = 64;
@@ -27,8 +28,8 @@ const SHORTEST: f64 = 1.0 / 64.0;
 const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
 /// Nor do later ones below this fraction of the one before.
 const SAFE_CONTRACTION: f64 = 0.5;
-/// The part of the longer one by which a correction differs from that of the identity, at most, where the Jacobian is about that: half of what it
-/// takes to turn.
+/// The Jacobian counts as close to the identity if a correction differs from that of the identity by at most this fraction of the longer one: half
+/// of the difference that reverses it.
 const ABOUT_IDENTITY: f64 = 0.5;
 
 /// The equations `r(x) = 0` of one step.
@@ -53,7 +54,7 @@ pub(crate) trait Problem {
     /// [`StepFailure`] where the linear equations are not solved.
     fn correct(&mut self, r: &mut Self::Vector) -> Result<(), StepFailure>;
 
-    /// Whether what is left of each equation at `x` is at most a rounding of its own terms.
+    /// Whether the residual of each equation at `x` is at most a rounding of its own terms.
     fn are_settled(&mut self, x: &Self::Vector) -> impl Fn(usize) -> bool;
 
     /// Whether the determinant of the factored Jacobian is negative.
@@ -65,7 +66,7 @@ pub(crate) trait Problem {
     }
 }
 
-/// What [`damped`] computes with; the caller's, so that it is allocated once.
+/// The work space of [`damped`]; the caller owns it, so that it is allocated once.
 #[derive(Debug, Default)]
 pub(crate) struct Room<V> {
     x: V,
@@ -189,7 +190,7 @@ impl<P: Problem> Search<'_, P> {
             }
             length *= 0.5;
             if !shortens || length < SHORTEST {
-                // A singular matrix at the end of every way down is the cause.
+                // The cause is a singular matrix at the end of every shortened correction.
                 return Err(solved.err().unwrap_or(lost));
             }
         }
@@ -226,11 +227,11 @@ impl<P: Problem> Search<'_, P> {
 struct Descent {
     /// Which fraction of it.
     length: f64,
-    /// Whether all of it would have left as little of it as is safe, where all of it was tried.
+    /// Whether the whole correction, where it was tried, contracts enough to be safe.
     contracts: bool,
 }
 
-/// Whether these corrections are about the residuals that they follow from.
+/// Whether these corrections are close to the residuals from which they follow.
 fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
     corrections.iter().zip(residuals).all(|(&correction, &residual)| {
         let longer = correction.magnitude().max(residual.magnitude());

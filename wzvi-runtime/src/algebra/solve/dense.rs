@@ -6,8 +6,8 @@ use std::ops::Mul;
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::error::{ConfigError, StepFailure};
 
-/// A pivot below this many units of rounding of what was taken from it makes the matrix singular to working precision. No other entry has its unit:
-/// rows and columns have one each, which their owner may choose.
+/// A pivot below this many roundings of the terms subtracted from it makes the matrix singular to working precision. No other entry has the same unit,
+/// because the user may choose the unit of each row and column.
 pub(super) const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// Above this size `c` drowns the 1 of `1 - c`: the increments that follow have lost all digits of the state.
@@ -67,8 +67,8 @@ fn singular(pivot: f64, scale: f64) -> StepFailure {
 }
 
 /// `P A = L U` with pivots that do not depend on the units of rows and columns. Only products of the same unit are compared: row `i` takes the place
-/// of row `k` where `|a_ik a_ki| > |a_kk a_ii|`, and of several rows the one with the largest product does. Elimination then subtracts at most what
-/// is there, between any two of them. Scaling rows and columns by powers of two changes no bit of a solution but its scale.
+/// of row `k` where `|a_ik a_ki| > |a_kk a_ii|`; of several such rows the one with the largest product does. Elimination then subtracts no more than
+/// the entries that it changes, for any two rows. Scaling rows and columns by powers of two changes no bit of a solution but its scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor<S, const N: usize> {
     /// `L` below the diagonal (its unit diagonal is not stored), `U` above, reciprocals of the pivots on it.
@@ -107,7 +107,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     /// Factors `matrix`, given by rows.
     ///
     /// # Errors
-    /// [`StepFailure::Singular`] if a pivot is at the rounding level of what was taken from it; [`StepFailure::NonFinite`].
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it; [`StepFailure::NonFinite`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(matrix: [[S; N]; N]) -> Result<Self, StepFailure> {
         let mut lu = matrix;

@@ -1,4 +1,4 @@
-//! Where the iteration of a step starts: what the steps before lead to.
+//! The starting value of the iteration of a step, extrapolated from previous steps.
 
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Mask, Scalar};
@@ -22,7 +22,7 @@ impl<S: Scalar, const N: usize> Default for Extrapolation<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Extrapolation<S, N> {
-    /// The starting value: zero, constant, linear or quadratic, by what is known; zero unless `USED`.
+    /// The starting value: zero, constant, linear or quadratic, by the number of known steps; zero unless `USED`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn guess<const USED: bool>(&self) -> [S; N] {
         if !USED {
@@ -63,7 +63,7 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
         }
     }
 
-    /// By value: what the caller has stays in registers.
+    /// By value, so that the caller's copy stays in registers.
     #[cold]
     #[inline(never)]
     fn recorded_in_part<const USED: bool>(mut self, taken: S::Mask, solution: [S; N]) -> Self {

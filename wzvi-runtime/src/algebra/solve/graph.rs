@@ -1,5 +1,5 @@
-//! Which unknowns of a sparse matrix stand in one equation, and two orders of them: one that makes the matrix narrow, and one in which
-//! elimination fills few entries.
+//! The graph of a sparse matrix (unknowns that share an equation), and two orders of the unknowns: one that makes the matrix narrow, and one in
+//! which elimination fills few entries.
 //!
 //! E. Cuthill, J. McKee, "Reducing the bandwidth of sparse symmetric matrices", ACM 1969. A. George, "Nested dissection of a regular finite
 //! element mesh", SIAM J. Numer. Anal. 10, 1973, with the separators of A. George, J. W. H. Liu, "An automatic nested dissection algorithm
@@ -143,8 +143,8 @@ fn farthest(neighbours: &Neighbours, start: usize, met: &mut [usize], sweep: usi
     last
 }
 
-/// The position of each unknown in an order in which elimination fills few entries: what separates the rest in two halves comes last, and
-/// so in each half.
+/// The position of each unknown in an order in which elimination fills few entries. The separator of the two halves comes last; each half is ordered
+/// in the same way.
 pub(super) fn nested_dissection(n: usize, neighbours: &Neighbours) -> Vec<usize> {
     let mut dissection = Dissection { neighbours, part: vec![0; n], level: vec![0; n], parts: 0 };
     let mut position = vec![0; n];
@@ -213,7 +213,7 @@ impl Dissection<'_> {
                 _ => below.push(unknown),
             }
         }
-        // Of a part that has no level behind the middle, all comes last.
+        // A part without a level behind the middle comes last as a whole.
         if above.is_empty() { [Vec::new(), Vec::new(), below] } else { [below, above, between] }
     }
 

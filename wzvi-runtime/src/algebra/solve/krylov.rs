@@ -1,4 +1,4 @@
-//! GMRES: linear equations of which only products with the matrix are known.
+//! GMRES: solves linear equations by products with their matrix.
 //!
 //! Y. Saad, M. H. Schultz, "GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems",
 //! SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with a preconditioner from the right, so that the residual that it watches is
@@ -12,9 +12,9 @@ use crate::error::StepFailure;
 const BASIS: usize = 32;
 /// Restarts before GMRES gives up.
 const MOST_CYCLES: u32 = 32;
-/// A cycle that leaves more than this fraction of the residual is the last.
+/// A cycle that reduces the residual to no less than this fraction is the last.
 const PROGRESS: f64 = 0.95;
-/// Images below this fraction of what they are made of are rounding.
+/// Images below this fraction of their terms are rounding.
 const SINGULAR: f64 = 64.0 * f64::EPSILON;
 
 /// Room for the basis, allocated once.
@@ -164,7 +164,7 @@ impl<S: Scalar> Krylov<S> {
                 (column[i], column[i + 1]) = (c * a + s * b, c * b - s * a);
             }
             let radius = column[k].hypot(rest);
-            // The matrix takes the basis to itself and is singular there.
+            // The matrix maps the basis to itself and is singular there.
             if radius.magnitude() <= SINGULAR * size {
                 return k;
             }

@@ -1,8 +1,8 @@
 //! Newton's method and linear systems for several trajectories at once.
 //!
-//! Each lane goes the way that it would go alone, operation by operation: it has its own verdict after each iteration,
-//! keeps its bits once it has converged, and pivots for itself. A lane whose step has no solution, or none that the short
-//! way finds, gets NaN, by which the end of the step knows it; whoever runs lanes then takes it alone.
+//! Each lane performs the operations that it would perform alone: it has its own verdict after each iteration, keeps its
+//! bits once it has converged, and has its own pivots. A lane whose step has no solution, or none that the fast method
+//! finds, gets NaN, which marks it at the end of the step; the caller then takes its step alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
 use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, allowed};
@@ -147,8 +147,8 @@ fn ratio<const L: usize>(correction: Lanes<L>, unknown: Lanes<L>) -> Lanes<L> {
 
 /// `newton::newton`, by lane.
 ///
-/// It ends: relative to what it leads to, the second correction of a lane is at most an eighth, and each next one at most half of the last, or the
-/// lane goes astray; 2^-52 is the last.
+/// The iteration ends: relative to the unknown, the second correction of a lane is at most an eighth, and each later one at most half of the one
+/// before, or the lane goes astray; 2^-52 is the last.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn iterate<const L: usize, const N: usize>(
     start: [Lanes<L>; N],
@@ -225,13 +225,13 @@ fn corrected_end<const L: usize, const N: usize>(
     (moved, largest)
 }
 
-/// The number by which `newton::is_upright` judges, and what it has to be above.
+/// The number that `newton::is_upright` compares with its bound.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn uprightness<const L: usize, const N: usize>(jacobian: &Matrix<L, N>, is_symmetric: bool) -> Lanes<L> {
     if N == 1 || (N == 2 && is_symmetric) { jacobian[0][0] } else { Lanes::from_f64(1.0) }
 }
 
-/// An infinite slope corrects nothing, and a determinant that is not that of no step at all leads to another solution.
+/// With an infinite slope the correction is zero, and a determinant far from that of an empty step belongs to another solution.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn accepted<const L: usize, const N: usize>(
     mut x: [Lanes<L>; N],
@@ -403,7 +403,7 @@ pub(super) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
     Lanes::select(is_usable, pivot, poison())
 }
 
-/// Every lane by itself; the careful way, and a single lane, go as any number does.
+/// Every lane by itself; the careful method, and a single lane, use the code for one number.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneByLane;
 

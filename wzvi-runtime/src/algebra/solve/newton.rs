@@ -6,18 +6,18 @@
 //! they are rounding of the residual (E. Hairer, R. I. McLachlan, A. Razakarivony, "Achieving Brouwer's law with implicit
 //! Runge-Kutta methods", BIT 48, 2008).
 //!
-//! There is one judge of the last: a residual is zero if it is below the rounding of its own terms, which is found by
-//! evaluating the same equations on numbers that know their rounding ([`Rounded`]). That depends on no unit, compares no
+//! One criterion decides the last case: a residual is zero if it is below the rounding of its own terms, which is computed
+//! by evaluating the same equations on numbers with error bounds ([`Rounded`]). That depends on no unit, compares no
 //! unknown with another, and is done only where corrections do not shrink any more. Unknowns whose equations are at
-//! rounding no longer count in the contraction of the others.
+//! rounding level do not count in the contraction of the others.
 //!
-//! This is the way that nearly every step takes: no damping, and given up as soon as the corrections do not shrink as
-//! they do near a solution, or where the Jacobian says that it is not the one that continues the state. Then the step is
-//! solved again with `CAREFUL`, which is [`damped`](super::damped). From zero the first correction, which is the whole step, is no sign of anything, and the
-//! second one has to be an eighth of it. An extrapolated start that turns out to be no guide may be anywhere: what follows has to be a thousandth of the step.
+//! This is the fast method of nearly every step. It has no damping, and gives up as soon as the corrections do not shrink as
+//! they do near a solution, or where the Jacobian shows that the solution is not the one that continues the state. Then the step is
+//! solved again with `CAREFUL`, which is [`damped`](super::damped). From zero the first correction is the whole step and proves nothing; the
+//! second must be at most an eighth of it. An extrapolated start may be anywhere: its second correction must be at most a thousandth of the step.
 //!
-//! The Jacobian is the identity for no step at all, whatever the units are, and singular where two branches of solutions meet: on the one that
-//! continues the state its determinant is positive, and it is definite where it is symmetric. Of one unknown it has to be above one half.
+//! The Jacobian of an empty step is the identity, whatever the units are, and it is singular where two branches of solutions meet. On the branch
+//! that continues the state its determinant is positive, and it is definite where it is symmetric. For one unknown it must be above one half.
 
 use std::ops::Add;
 
@@ -39,20 +39,20 @@ pub trait Equations<S, const N: usize>: Copy {
     fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N];
 }
 
-/// What a solution took.
+/// The cost of a solution, and the doubts about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Newton iterations.
     pub iterations: u32,
     /// Whether the first corrections did not shrink as they do near a solution: there may be another one nearer to
-    /// the start. Only a careful solution says so, the other gives up.
+    /// the start. Only a careful solution reports this; the fast method gives up.
     pub doubtful: bool,
     /// Whether the Jacobian at the start was not about the identity: of a careful solution. From zero there may be
     /// another solution along the step, then.
     pub is_far: bool,
     /// Whether the Jacobian at the solution has a negative determinant, if the solution was a careful one.
     pub is_reversed: bool,
-    /// Whether it is symmetric and not definite, likewise.
+    /// Whether that Jacobian is symmetric and not definite, if the solution was a careful one.
     pub is_indefinite: bool,
 }
 
@@ -197,8 +197,8 @@ pub(super) fn newton<
     Ok(Effort::fast(iterations))
 }
 
-/// The first iteration from zero, of few unknowns, by what is known of it: nothing was before, and its correction is all of what it leads to.
-/// `false`, and nothing is done, where it says more.
+/// The first iteration from zero for few unknowns: it has no predecessor, and its correction is the whole solution so far.
+/// `false`, with nothing done, where the general iteration is needed.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     x: &mut [S; N],
@@ -216,8 +216,8 @@ fn begun<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     is_first
 }
 
-/// The iteration from `x` on, where it needs a pivot or a look at the residuals. A call by value, and the last thing that the caller does: in
-/// its loop nothing has to leave its register.
+/// The iteration from `x` on, where it needs a pivot or the residuals. A call by value at the end of the caller, so that nothing in the caller's
+/// loop must leave its register.
 #[cold]
 #[inline(never)]
 fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
@@ -249,7 +249,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
     }
 }
 
-/// `x - c`, and the largest part of `c` relative to it, nearly; NaN of an unknown may be lost in that: no step returns it.
+/// `x - c`, and approximately the largest component of `c` relative to it. NaN of an unknown may be missing in the latter; no step returns it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> ([S; N], f64) {
     let (mut end, mut largest) = (*x, 0.0_f64);
@@ -261,15 +261,15 @@ fn corrected_end<S: Scalar, const N: usize>(x: &[S; N], correction: &[S; N]) -> 
     (end, largest)
 }
 
-/// A determinant of at least this, of one unknown: half of what it is for no step at all.
+/// The smallest Jacobian of one unknown: half of that of an empty step.
 pub(super) const UPRIGHT: f64 = 0.5;
 
-/// Whether the solution is the one that continues the state, as far as the Jacobian tells. Of more than one unknown each correction has told, but that a
-/// symmetric pair of positive determinant is definite.
+/// Whether the solution is the one that continues the state, as far as the Jacobian shows. For more than one unknown each correction has tested it, except
+/// that a symmetric pair with positive determinant is definite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_upright<S: Scalar, const N: usize, const SYMMETRIC: bool>(jacobian: &[[S; N]; N]) -> bool {
     match N {
-        // An infinite slope corrects nothing. With more unknowns the factorisation says so.
+        // With an infinite slope the correction is zero. With more unknowns the factorisation detects it.
         1 => {
             let slope = jacobian[0][0];
             S::from_f64(UPRIGHT).less_equal(slope).all() && slope.less_equal(S::from_f64(f64::MAX)).all()

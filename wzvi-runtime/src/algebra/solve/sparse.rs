@@ -1,6 +1,6 @@
 //! Factors `L U` of a sparse matrix whose pattern is symmetric, without exchanges: all of their entries where these are few, else those
-//! at the places of the matrix itself, else its diagonal. What they lack, and what a pivot loses, is left to the iteration that they are the
-//! preconditioner of ([`Krylov`](super::Krylov)).
+//! at the places of the matrix itself, else its diagonal. They precondition an iteration ([`Krylov`](super::Krylov)), which corrects missing
+//! entries and inaccurate pivots.
 //!
 //! A. George, J. W. H. Liu, *Computer Solution of Large Sparse Positive Definite Systems*, 1981 (the pattern of the factors); J. A. Meijerink,
 //! H. A. van der Vorst, "An iterative solution method for linear systems of which the coefficient matrix is a symmetric M-matrix", Math.
@@ -9,7 +9,7 @@
 use super::graph::{Neighbours, nested_dissection, starts};
 use crate::algebra::scalar::{Mask, Scalar};
 
-/// A pivot below this many roundings of what it was made of is none.
+/// A pivot below this many roundings of its terms is replaced.
 const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 
 /// A square matrix, or its factors.
@@ -19,12 +19,12 @@ pub struct Sparse<S> {
     position: Vec<usize>,
     /// Below the diagonal, by rows; then `L`.
     lower: Half<S>,
-    /// Above the diagonal, by rows; then that of `U`.
+    /// Above the diagonal, by rows; then the part of `U` there.
     upper: Half<S>,
     /// The diagonal; then the reciprocals of the pivots.
     diagonal: Vec<S>,
     is_complete: bool,
-    /// Whether each pivot is that of the matrix.
+    /// Whether no pivot was replaced.
     is_exact: bool,
     /// Multiplications of the factorisation.
     operations: u64,
@@ -142,8 +142,8 @@ impl<S: Scalar> Sparse<S> {
         }
     }
 
-    /// Factors the matrix in place. A pivot that is rounding is replaced by what it was made of, and a row that has none that is finite
-    /// by that of the identity.
+    /// Factors the matrix in place. A pivot at rounding level is replaced by the size of its terms, and a row without a finite pivot by that of
+    /// the identity.
     pub fn factor(&mut self) {
         self.is_exact = self.is_complete;
         self.filled.fill(u32::MAX);
@@ -167,7 +167,7 @@ impl<S: Scalar> Sparse<S> {
         }
     }
 
-    /// Eliminates what is before the diagonal of a row; its pivot, and the largest number on the way to it.
+    /// Eliminates the entries before the diagonal of a row; returns its pivot, and the largest term of it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn eliminate<const COMPLETE: bool>(&mut self, row: usize) -> (S, f64) {
         let Self { lower, upper, diagonal, work, filled, .. } = self;
@@ -204,7 +204,7 @@ impl<S: Scalar> Sparse<S> {
         (work[row], scale)
     }
 
-    /// Whether the determinant is negative, after [`Sparse::factor`]; not known of factors that lack something.
+    /// Whether the determinant is negative, after [`Sparse::factor`]; unknown for incomplete factors.
     pub fn is_reversed(&self) -> Option<bool> {
         let zero = S::from_f64(0.0);
         let negative = || self.diagonal.iter().filter(|pivot| pivot.less(zero).all()).count();

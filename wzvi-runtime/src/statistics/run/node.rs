@@ -265,7 +265,7 @@ impl StatisticsNode {
     }
 
     /// The unbiased covariance of two observables; NaN where [`StatisticsNode::mean`] is or is infinite, for a single path, and of two different
-    /// ones if the run was told to leave covariances out.
+    /// ones if the run was set to omit covariances.
     pub fn covariance(&self, a: usize, b: usize) -> f64 {
         self.moments.covariance(a, b)
     }
@@ -319,12 +319,12 @@ impl StatisticsNode {
         self.pairs.as_ref().unwrap_or(&self.moments)
     }
 
-    /// The quantiles of an observable, if the run was asked for them.
+    /// The quantiles of an observable, if they were requested.
     pub fn quantiles(&self, observable: usize) -> Option<&Quantiles> {
         self.quantiles.get(observable)
     }
 
-    /// The histograms, in the order in which the run was asked for them.
+    /// The histograms, in the order in which they were requested.
     pub fn histograms(&self) -> &[Histogram] {
         &self.histograms
     }

@@ -39,7 +39,7 @@ pub(super) fn exp(x: f64) -> f64 {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn exp2_sum(x: f64, tail: f64) -> f64 {
     const LN2: f64 = std::f64::consts::LN_2;
-    // The first 24 bits of it, and the rest.
+    // Its first 24 bits, and the remainder.
     const LN2_UPPER: f64 = 6.931_471_824_645_996e-1;
     const LN2_LOWER: f64 = -1.904_654_299_957_768e-9;
     let (k, bits) = nearest(x);

@@ -67,7 +67,7 @@ fn of_parts(k: f64, mantissa: f64) -> f64 {
 pub(super) fn ln_1p(x: f64) -> f64 {
     let sum = 1.0 + x;
     let (k, mantissa) = exponent_and_mantissa(sum);
-    // What the sum lost, relative to it.
+    // The rounding error of the sum, relative to it.
     let lost = select(k >= 2.0, 1.0 - (sum - x), x - (sum - 1.0)) / sum;
     // 1 + x is between √½ and √2: x itself is f.
     let is_near = x > -0.292_893_2 && x < 0.414_213_5;

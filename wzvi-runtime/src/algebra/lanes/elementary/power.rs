@@ -95,7 +95,7 @@ fn hypot(x: f64, y: f64) -> f64 {
     (((lower_lost + upper_lost) + lower) + upper).sqrt()
 }
 
-/// `x²` and what rounding takes from it (Dekker).
+/// `x²` and its rounding error (Dekker).
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn square(x: f64) -> (f64, f64) {
     let upper = {

@@ -37,7 +37,7 @@ functions! {
 /// `x - n π/2` in two parts, at most about `π/4`, and bits that end in `n`. The second part is at most the rounding of the first
 /// and is not waited for.
 ///
-/// `π/2` in three parts of 33 bits and a rest (W. J. Cody, W. Waite, "Software Manual for the Elementary Functions",
+/// `π/2` in three parts of 33 bits and a remainder (W. J. Cody, W. Waite, "Software Manual for the Elementary Functions",
 /// 1980): their products with `n` are exact.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn reduce(x: f64) -> (f64, f64, u64) {
@@ -51,7 +51,7 @@ fn reduce(x: f64) -> (f64, f64, u64) {
     (head, (first_lost + second_lost) - n * REST, bits)
 }
 
-/// `a - b` and what rounding takes from it (Knuth).
+/// `a - b` and its rounding error (Knuth).
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn difference(a: f64, b: f64) -> (f64, f64) {
     let rounded = a - b;
@@ -123,7 +123,7 @@ fn tan(x: f64) -> f64 {
     const QUARTER_LOW: f64 = 3.061_616_997_868_383e-17;
     let (head, tail, n) = reduce(x);
     let is_odd = n & 1 == 1;
-    // Near π/4: from the tangent of what is missing to it.
+    // Near π/4: from the tangent of the distance to it.
     let is_large = head.abs() >= 0.674_34;
     let sign = select(head < 0.0, -1.0, 1.0);
     let missing = (QUARTER - sign * head) + (QUARTER_LOW - sign * tail);
