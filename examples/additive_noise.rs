@@ -2,8 +2,8 @@
 //! With additive noise the scheme of order one is consistent as it stands.
 //!
 //! The exact solution is `z(t + h) = R(h) z(t) + ∫ R(t + h - s) (σ dW1, γ dW2)`, with the rotation R. The paper compares
-//! with `E[exact | increments]`, which has its own error: within a step it knows nothing of the path. Here the exact
-//! solution is computed on the same path, from its increments and its areas: that leaves an error of 5e-4 at t = 200.
+//! with `E[exact | increments]`, which has an error of its own, because it does not know the path within a step. Here the
+//! exact solution is computed on the same path, from its increments and areas; the remaining error is 5e-4 at t = 200.
 //!
 //! Run with `cargo run --release --example additive_noise`.
 
@@ -172,7 +172,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     plot::save("additive_noise", "energy", 1, (1400, 700), &[panel])
 }
 
-/// The paper's figure, and what it cannot show.
+/// The paper's figure, and the distances to the exact solution on the same path.
 fn one_path() -> Result<(), Box<dyn Error>> {
     let mut path = Vec::new();
     follow(&mut Wiener::seed(1).unit(H), |node, solutions| {

@@ -1,5 +1,5 @@
-//! A double well on the ranks of an MPI communicator: how often paths have crossed the barrier, the same bits on any
-//! number of ranks, and a checkpoint that a run which was killed goes on from. See `docs/guide/cluster.md`.
+//! A double well on the ranks of an MPI communicator: the fraction of paths that have crossed the barrier, the same bits on
+//! any number of ranks, and a checkpoint from which a killed run resumes. See `docs/guide/cluster.md`.
 //!
 //! `cargo build --release --features mpi --example cluster`, then
 //! `mpirun -n 4 target/release/examples/cluster [paths [steps [checkpoint]]]`

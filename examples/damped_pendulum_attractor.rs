@@ -1,12 +1,12 @@
-//! The driven and damped pendulum: order, three turns of the drive for one, and a strange attractor.
+//! The driven and damped pendulum: a motion of period one, one of period three, and a strange attractor.
 //!
-//! `q'' = -sin q - γ q' + a cos(ω t)` with `γ = 1/2` and `ω = 2/3`. Once in each period of the drive the pendulum is looked at: a path that repeats itself is a few
-//! points, one that never does fills a set of a broken dimension (E. Ott, *Chaos in Dynamical Systems*, section 1.5; J. P. Gollub, G. L. Baker, *Chaotic Dynamics*, 1990,
+//! `q'' = -sin q - γ q' + a cos(ω t)` with `γ = 1/2` and `ω = 2/3`. The state is recorded once in each period of the drive: a periodic path gives a few
+//! points, and a chaotic one fills a set of fractal dimension (E. Ott, *Chaos in Dynamical Systems*, section 1.5; J. P. Gollub, G. L. Baker, *Chaotic Dynamics*, 1990,
 //! section 3.3, have this pendulum). What is checked:
 //!
-//! * **Friction**: the flow shrinks areas by `e^{-γ t}`, whatever the drive, and each step of `Gauss<3>` by `e^{-γ h}` to rounding.
-//! * **Energy**: what the drive gives and friction takes is what the pendulum gains, to the error of the scheme.
-//! * **Dimension**: a period of three has the dimension 0; the attractor at `a = 1.5` lies between a curve and an area.
+//! * **Friction**: the flow shrinks areas by `e^{-γ t}`, for any drive, and each step of `Gauss<3>` by `e^{-γ h}` to rounding.
+//! * **Energy**: the work of the drive minus the loss by friction is the change of the energy, to the error of the scheme.
+//! * **Dimension**: a motion of period three has the dimension 0; the attractor at `a = 1.5` lies between a curve and an area.
 //!
 //! `cargo run --release --example damped_pendulum_attractor`, a few seconds
 
@@ -43,7 +43,7 @@ const OMEGA: f64 = 2.0 / 3.0;
 const GAMMA: f64 = 0.5;
 /// Steps in a period of the drive.
 const STEPS: u64 = 64;
-/// Periods that are left out, and that are looked at.
+/// Periods that are discarded, and that are recorded.
 const FORGOTTEN: u64 = 300;
 const SEEN: u64 = 20_000;
 

@@ -1,6 +1,5 @@
-//! The double pendulum: two starts a thousand-millionth of a radian apart, how fast they part (the largest Lyapunov
-//! exponent), and the energy meanwhile. The mass matrix depends on the angles, so that the mid-point step is implicit in
-//! all four unknowns.
+//! The double pendulum: two starts 10⁻⁹ rad apart, the rate at which they separate (the largest Lyapunov exponent), and the
+//! energy meanwhile. The mass matrix depends on the angles, so that the mid-point step is implicit in all four unknowns.
 //!
 //! Run with `cargo run --release --example double_pendulum`.
 //!

@@ -1,4 +1,4 @@
-//! What an ensemble finds out, in files for data frames: a particle in a double well that noise pushes over the barrier.
+//! The statistics of an ensemble in files for data frames: noise pushes a particle over the barrier of a double well.
 //!
 //! `cargo run --release --example ensemble_files` writes CSV, JSON and Parquet to
 //! `target/wzvi/ensemble_files`.

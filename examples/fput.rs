@@ -121,8 +121,8 @@ impl History {
         Ok(history)
     }
 
-    /// When the energy of a mode is first back where it started, and the fraction of the largest change that it
-    /// regains: the middle between the times at which its mean over `period` comes up to three quarters of the way and
+    /// The time of the first return of the energy of a mode, and the fraction of the largest change that it
+    /// regains: the middle between the times at which its mean over `period` rises to three quarters of the change and
     /// goes down again.
     fn recurrence(&self, k: usize, period: f64) -> Option<(f64, f64)> {
         let means = self.means(k, period);

@@ -2,7 +2,7 @@
 //! every orbit keeps to a curve, and E = 1/8, where some fill an area (M. Hénon, C. Heiles, Astron. J. 69, 1964, figures 4 and 5).
 //!
 //! Crossings are found on the dense output of long steps, so that points of the section are as exact as the steps themselves. The dimension of the
-//! set that the points of an orbit fill says what it is: one for a curve, two for an area.
+//! set of points distinguishes the orbits: one for a curve, two for an area.
 //!
 //! Run with `cargo run --release --example henon_heiles`.
 
@@ -112,7 +112,7 @@ fn section(energy: f64, y: f64, py: f64) -> Result<Section, Box<dyn Error>> {
     })
 }
 
-/// The dimension of the set that points fill: squares of side `a` that they are in grow in number like `a^(-dimension)`, here from 0.08 to 0.01.
+/// The box-counting dimension: the number of occupied squares of side `a` grows like `a^(-dimension)`, here from 0.08 to 0.01.
 fn dimension(points: &[(f64, f64)]) -> f64 {
     let squares = |side: f64| {
         let square = |&(y, py): &(f64, f64)| [y, py].map(|x| (x / side).floor() as i64);

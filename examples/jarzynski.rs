@@ -1,15 +1,15 @@
 //! Work on a trap that moves, or stiffens, in a heat bath: Jarzynski's equality at every step size.
 //!
-//! A particle in a harmonic trap, in equilibrium at first, is pulled or squeezed within two units of time. `W = ΔH - Q` is the work that was done on it, with the
-//! part that the scheme does. What is checked, for `Baoab` with a step of a half and of a thirty-second:
+//! A particle in a harmonic trap, in equilibrium at first, is pulled or squeezed within two units of time. `W = ΔH - Q` is the work done on it, including the
+//! shadow work of the scheme. Checks, for `Baoab` with a step of a half and of a thirty-second:
 //!
 //! * **Moving trap** (k = 2, v = 1): the work is normally distributed. Its mean is 2.3637 for short steps, and the variance is `2 kT` times the mean for every
 //!   step, which is Jarzynski's equality `⟨e^{-W/kT}⟩ = 1` of a normal distribution.
 //! * **Stiffening trap** (k from 1 to 3): `⟨e^{-W/kT}⟩ = √(1/3)`, the ratio of the partition functions, for every step.
-//! * The last column has the same without the shadow work.
+//! * The last column is the same average without the shadow work.
 //!
 //! (C. Jarzynski, Phys. Rev. Lett. 78, 1997, 2690; D. A. Sivak, J. D. Chodera, G. E. Crooks, "Using nonequilibrium fluctuation theorems to understand and correct
-//! errors in equilibrium and nonequilibrium simulations of discrete Langevin dynamics", Phys. Rev. X 3, 2013, have the shadow work.)
+//! errors in equilibrium and nonequilibrium simulations of discrete Langevin dynamics", Phys. Rev. X 3, 2013, define the shadow work.)
 //!
 //! `cargo run --release --example jarzynski`, a few seconds
 
@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for h in [0.5, 1.0 / 32.0] {
         let Account { mean, variance, .. } = account(&Trap { k: 2.0, rate: 0.0, v: 1.0 }, h)?;
         println!("moving       {h:<7}  {mean:.4}   {:<11.4}   -              -", variance / (2.0 * KT));
-        // Errors of the mean and of the variance of normal numbers, four of both together; the exponential is dominated by paths that are not there.
+        // Four combined standard errors of the mean and the variance of normal numbers; the exponential is dominated by paths too rare to be sampled.
         let error = (variance / n + variance * variance / (2.0 * n * KT * KT)).sqrt();
         assert!((mean - variance / (2.0 * KT)).abs() < 4.0 * error, "{mean} {variance}");
 

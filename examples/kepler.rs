@@ -1,8 +1,8 @@
-//! Kepler's problem, `H = |p|²/2 - 1/|q|`, on an orbit of eccentricity 0.6: what many periods leave of the ellipse, of
-//! the energy and of the angular momentum.
+//! Kepler's problem, `H = |p|²/2 - 1/|q|`, on an orbit of eccentricity 0.6: the errors of the ellipse, of the energy and of
+//! the angular momentum after many periods.
 //!
-//! Both embeddings keep the angular momentum to rounding (it is bilinear in q and p) and the energy within bounds. The
-//! ellipse turns, at a rate of order h² for both: what is of order h in `DeltaPlus` returns after each period.
+//! Both embeddings conserve the angular momentum to rounding (it is bilinear in q and p) and the energy within bounds. The
+//! ellipse precesses, at a rate of order h² for both: the error of order h in `DeltaPlus` returns after each period.
 //!
 //! Run with `cargo run --release --example kepler`.
 //!

@@ -1,16 +1,16 @@
 //! Escape from a double well: when does noise lift a particle over the barrier?
 //!
 //! `H0 = p²/2 + (q² - 1)²/4`, `H1 = -s q`: kicks in the momentum, no friction, from rest at the bottom of one well. Kramers'
-//! rate `ω/2π e^{-B/kT}` is not about this system: without friction there is no temperature, the energy grows for ever, `E H(t)
-//! = H(0) + s² t/2`, and every path escapes. What is known instead:
+//! rate `ω/2π e^{-B/kT}` does not apply: without friction there is no temperature, the energy grows for ever, `E H(t)
+//! = H(0) + s² t/2`, and every path escapes. Known results:
 //!
 //! * **Exactly**, for any `s`: `H - s² t/2` is a martingale, so the mean time to the energy `B = 1/4` of the barrier is `2B/s²` from
 //!   the bottom; and if `τ` is the time to the other well, `E H(τ) = s² E τ/2`.
 //! * **For weak noise**: the distribution of the time follows the averaged equation of Stratonovich and of Kramers' weak friction
 //!   (`support/energy_diffusion.rs`), the same for all `s` in units of `2B/s²`.
 //!
-//! The energy is looked at after every step only. It diffuses with `s p` and goes on average `0.5826 s |p| √h` too far before that is seen
-//! (M. Broadie, P. Glasserman, S. Kou, Math. Finance 7 (1997) 325): that much longer takes it in the mean.
+//! The energy is tested after each step only. It diffuses with the coefficient `s p`, and overshoots the barrier by `0.5826 s |p| √h` on average
+//! before the crossing is detected (M. Broadie, P. Glasserman, S. Kou, Math. Finance 7 (1997) 325). The mean time is longer accordingly.
 //!
 //! `cargo run --release --example kramers`, less than a minute
 
@@ -42,7 +42,7 @@ pub struct DoubleWell {
 const BARRIER: f64 = 0.25;
 const H: f64 = 0.01;
 const PATHS: u64 = 16_384;
-/// Length of a run, in mean times: one path in a few thousand is left.
+/// Length of a run, in mean times: one path in a few thousand has not escaped.
 const SPAN: f64 = 5.5;
 /// `-ζ(1/2)/√(2π)`: the mean overshoot of a random walk over a far barrier, in standard deviations of a step.
 const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
@@ -58,7 +58,7 @@ struct Escape {
 
 fn escape(passages: &Passages, unit: f64) -> Escape {
     let all = (passages.passed() + passages.censored()) as f64;
-    // What those that are left still have to go is as long as for all others, at most.
+    // The remaining time of paths that have not escaped is at most as long as the mean over all paths.
     let mean = passages.passed() as f64 / passages.rate() / all + passages.censored() as f64 / all * unit;
     let histogram = passages.histogram();
     let (mut left, mut survival, mut density) = (all, vec![(0.0, 1.0)], vec![]);

@@ -1,7 +1,7 @@
-//! How fast a particle leaves a well, over three decades of friction: the turnover of Kramers.
+//! The rate at which a particle leaves a well, over three decades of friction: Kramers' turnover.
 //!
-//! `H = p²/2 + (q² - 1)²` with friction `γ` and the temperature `kT = 0.2`, a fifth of the barrier; `ω_0² = 8` at the bottom, `ω_b² = 4` at the top. Much
-//! friction slows the passage over the barrier, little friction the way up to its energy (H. A. Kramers, Physica 7, 1940):
+//! `H = p²/2 + (q² - 1)²` with friction `γ` and the temperature `kT = 0.2`, a fifth of the barrier; `ω_0² = 8` at the bottom, `ω_b² = 4` at the top. Strong
+//! friction slows the passage over the barrier, weak friction the gain of energy up to it (H. A. Kramers, Physica 7, 1940):
 //!
 //! ```text
 //! k_0 = ω_0/2π e^{-B/kT},   γ large: k = (√(γ²/4 + ω_b²) - γ/2)/ω_b k_0,   γ small: k = γ J/kT k_0,   J = ∮ p dq = 8/3 at the barrier
@@ -9,10 +9,10 @@
 //!
 //! Between them both factors act, the second as `A(γ J/kT)` (V. I. Mel'nikov, S. V. Meshkov, J. Chem. Phys. 85, 1986), with
 //! `A(x) = exp(1/2π ∫ ln(1 - e^{-x (λ² + 1/4)})/(λ² + 1/4) dλ)`, to corrections of the order `kT/B`, which are up to a quarter here
-//! where friction is small.
+//! for weak friction.
 //!
-//! `Gjf` takes long steps: positions have the right distribution to order `h²`, and exactly where the well is harmonic, and a free particle diffuses as it should. Diffusion limits the rate
-//! where friction is large; `Baoab` has it too large by `(γh/2) coth(γh/2)`, which is 8 % at the last of these frictions, and so is its rate.
+//! `Gjf` allows long steps: the distribution of positions is right to order `h²`, exactly in a harmonic well, and the diffusion of a free particle is exact. Diffusion limits
+//! the rate where friction is strong. That of `Baoab` is too fast by `(γh/2) coth(γh/2)`, which is 8 % at the last of these frictions, and so is its rate.
 //!
 //! `cargo run --release --example kramers_friction`, less than a minute
 

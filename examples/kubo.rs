@@ -2,8 +2,8 @@
 //! and strong errors against step size and run time.
 //!
 //! `H0 = a (q² + p²)/2`, `H1 = σ (q² + p²)/2`: a rotation by the angle `a t + σ W(t)`, so the exact solution is known
-//! and `q² + p²` is a first integral. Read at the left end of a step (`DeltaPlus`), the noise leaves a drift that does
-//! not vanish with h.
+//! and `q² + p²` is a first integral. With the noise at the left end of a step (`DeltaPlus`), a spurious drift remains that
+//! does not vanish with h.
 //!
 //! Run with `cargo run --release --example kubo`.
 
@@ -296,7 +296,7 @@ where
 {
     let mut stepper = KUBO.stepper::<E>(grid.h)?;
     let mut ends = vec![start(); grid.ends.len()];
-    // The best of some runs: what else the machine does is no part of the cost.
+    // The best of several runs excludes other work of the machine.
     let mut best = f64::INFINITY;
     for _ in 0..5 {
         let clock = Instant::now();

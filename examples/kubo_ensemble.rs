@@ -2,7 +2,7 @@
 //!
 //! The system has `E z(t) = e^{-σ² t / 2} R(a t) z(0)`, where `R` turns by `a t`. The scheme multiplies `p + iq` by
 //! `(1 + iθ)/(1 - iθ)` with `θ = (a h + σ ΔW)/2`, whose mean is an integral; the two differ by its weak error of order
-//! `h`, ten standard errors of so many paths. What is printed as the deviation is that from the mean of the scheme.
+//! `h`, ten standard errors of so many paths. The printed deviation is that from the mean of the scheme.
 //!
 //! `cargo run --release --example kubo_ensemble`
 

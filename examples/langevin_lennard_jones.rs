@@ -1,10 +1,10 @@
 //! Thirteen Lennard-Jones atoms in a bath: distances, and the specific heat where the cluster melts.
 //!
-//! `H = Σ |p_i|²/2 + Σ_{j<i} 4 (r_ij^-12 - r_ij^-6) + Σ (|q_i|/2.5)^20`, in units of the well of a pair and of σ; the wall at 2.5 keeps atoms that evaporate.
+//! `H = Σ |p_i|²/2 + Σ_{j<i} 4 (r_ij^-12 - r_ij^-6) + Σ (|q_i|/2.5)^20`, in units of the well of a pair and of σ; the wall at 2.5 confines atoms that evaporate.
 //! `Baoab` draws states of the Gibbs measure, with a bias of order `h²`. What is checked:
 //!
-//! * **Temperature**: momenta and positions have that of the bath, `⟨q · ∂H/∂q⟩ = d kT`.
-//! * **Specific heat**: `C = Var H/(kT)²` at each temperature, and between neighbours what `⟨H⟩` gains; 36 for a cold cluster, half of 39 momenta and 33 vibrations.
+//! * **Temperature**: momenta and positions have the temperature of the bath, `⟨q · ∂H/∂q⟩ = d kT`.
+//! * **Specific heat**: `C = Var H/(kT)²` at each temperature agrees with the slope of `⟨H⟩` between neighbouring ones; 36 for a cold cluster, half of 39 momenta and 33 vibrations.
 //! * **Melting**: the peak of `C` is published near `kT = 0.29` (D. D. Frantz, J. Chem. Phys. 102, 3747, 1995, arXiv:chem-ph/9406001, by Monte Carlo).
 //!
 //! `cargo run --release --example langevin_lennard_jones`, less than a minute

@@ -1,14 +1,14 @@
-//! The field φ⁴ on a square lattice with periodic ends: waves in its vacuum, and a circular wall that its tension pulls
-//! together.
+//! The field φ⁴ on a square lattice with periodic boundaries: waves in its vacuum, and a circular wall that collapses under
+//! its tension.
 //!
 //! `H = Σ p²/2 + [(right - own)² + (down - own)²]/2a² + (φ² - 1)²/4` per site, energy `a² H`.
 //!
 //! What is checked:
-//! * Small waves in the vacuum φ = 1 have the frequency `ω² = 2 + (4/a²)(sin²(k a/2) + sin²(l a/2))` of the lattice, of
-//!   which a step makes `tan(ω' h/2) = ω h/2` (`Midpoint`) or `sin(ω' h/2) = ω h/2` (`DeltaPlus`).
+//! * Small waves in the vacuum φ = 1 have the frequency `ω² = 2 + (4/a²)(sin²(k a/2) + sin²(l a/2))` of the lattice. That
+//!   of the steps is `tan(ω' h/2) = ω h/2` (`Midpoint`) or `sin(ω' h/2) = ω h/2` (`DeltaPlus`).
 //! * A wall, `φ = tanh(x/√2)` across, has the tension `2√2/3` (R. Rajaraman, *Solitons and Instantons*, section 2.3).
-//! * A circular wall at rest falls in as a relativistic string does, `R = R_0 cos(t/R_0)`, up to the square of its width
-//!   against its radius; the lattice slows it by a² (A. Vilenkin, E. P. S. Shellard, *Cosmic Strings and Other Topological Defects*, chapter 6, for
+//! * A circular wall at rest collapses like a relativistic string, `R = R_0 cos(t/R_0)`, up to the square of width over
+//!   radius; the lattice slows it by a² (A. Vilenkin, E. P. S. Shellard, *Cosmic Strings and Other Topological Defects*, chapter 6, for
 //!   loops of strings: the same equation in the plane).
 //!
 //! Run with `cargo run --release --example lattice_2d`.
@@ -127,10 +127,10 @@ where
         .until(200.0 * TAU / omega)
         .record_every(0)
         .inspect(|state, _| {
-            // The wave has no mean, so that the vacuum drops out.
+            // The wave has zero mean, so that the vacuum drops out.
             let now: f64 = state.q.iter().zip(&shape).map(|(q, shape)| (q - 1.0) * shape).sum();
             if before * now < 0.0 {
-                // On a sine through both points, by the frequency that is nearly known.
+                // The zero of a sine through both points, with the approximately known frequency.
                 let phase = (before * (omega * h).sin()).atan2(before * (omega * h).cos() - now);
                 let phase = phase.rem_euclid(PI);
                 zeros.push(state.t - h + phase / omega);
@@ -228,7 +228,7 @@ fn wall() -> Result<[Figure; 2], Box<dyn Error>> {
     ])
 }
 
-/// What a run left.
+/// The result of a run.
 struct Fall {
     tension: f64,
     /// Once per unit of time.

@@ -1,13 +1,13 @@
-//! Clusters of 7 and 13 Lennard-Jones atoms: their minima, the breath of the icosahedron, and how it melts.
+//! Clusters of 7 and 13 Lennard-Jones atoms: their minima, the breathing mode of the icosahedron, and its melting.
 //!
 //! `H = Σ |p_i|²/2 + Σ_{j<i} 4 (r_ij^-12 - r_ij^-6)`: energies in units of the well of a pair, lengths in units of σ.
 //!
 //! What is checked:
-//! * Quenches of 7 atoms from random places end in the four minima that there are, of energies -16.505384, -15.935043,
+//! * Quenches of 7 atoms from random places end in the four known minima, of energies -16.505384, -15.935043,
 //!   -15.593211 and -15.533060 (M. R. Hoare, P. Pal, *Adv. Phys.* 20, 161, 1971), and the icosahedron of 13 in the global
 //!   minimum, -44.326801 (the Cambridge Cluster Database, D. J. Wales and others, lists both).
-//! * The icosahedron breathes with the frequency `ω² = E''(R)/12` of its energy as a function of its radius; a step of
-//!   `Midpoint` makes `tan(ω' h/2) = ω h/2` of it.
+//! * The icosahedron breathes with the frequency `ω² = E''(R)/12` of its energy as a function of its radius; that of
+//!   `Midpoint` is `tan(ω' h/2) = ω h/2`.
 //! * Near its minimum half of the energy is kinetic (equipartition). It melts where the distances fluctuate by more than
 //!   a tenth (R. S. Berry, T. L. Beck, H. L. Davis, J. Jellinek, *Adv. Chem. Phys.* 70 B, 75, 1988).
 //!
@@ -65,7 +65,7 @@ fn quench(mut state: Cluster) -> Result<Cluster, wzvi::Error> {
         if state.p.dot(&slope) > 0.0 {
             state.p.fill(0.0);
         }
-        // The last digit of an energy that is quadratic in what is left.
+        // The energy is quadratic in the remaining distance: this is its last digit.
         if slope.amax() < 1e-8 {
             break;
         }

@@ -1,7 +1,7 @@
-//! Where the noise is read decides what a scheme converges to: `dX = a X dt + b X ∘ dW` by the four discretisations of
-//! the paper's first figure.
+//! The quadrature point of the noise decides the limit of a scheme: `dX = a X dt + b X ∘ dW` by the four discretisations
+//! of the paper's first figure.
 //!
-//! The equation is the q-part of `H0 = a q p`, `H1 = b q p`. Whatever the quadrature points of drift and noise,
+//! The equation is the q-part of `H0 = a q p`, `H1 = b q p`. With the quadrature points `l0` of the drift and `l1` of the noise,
 //! `X_{i+1} - X_i = a h X_{l0} + b ΔW X_{l1}` with `X_l = (1 - l) X_i + l X_{i+1}`:
 //!
 //! | paper | drift    | noise    | embedding                                   |

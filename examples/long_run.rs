@@ -1,12 +1,12 @@
 //! A run that can be stopped at any moment: Kepler's problem for a hundred million steps, with a checkpoint per second.
 //!
 //! ```sh
-//! cargo run --release --example long_run            # press ^C, run it again: it goes on
-//! cargo run --release --example long_run -- cost    # what checkpoints cost
+//! cargo run --release --example long_run            # press ^C, run it again: it resumes
+//! cargo run --release --example long_run -- cost    # measures the cost of checkpoints
 //! ```
 //!
-//! The last line is the same, bit for bit, however often the run was stopped. It goes on from
-//! `target/wzvi/long_run.wzvi`; remove that file to start anew.
+//! The last line is the same, bit for bit, however often the run was stopped. It resumes from
+//! `target/wzvi/long_run.wzvi`; remove that file to start again.
 
 use std::error::Error;
 use std::path::Path;

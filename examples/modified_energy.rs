@@ -1,5 +1,5 @@
-//! Is the step short enough for the theory? A symplectic step follows a modified Hamiltonian, and how well a run keeps that one tells: the pendulum
-//! from (2, 0) to T = 1000, by several schemes, down to steps where the theory holds and up to where it does not.
+//! Is the step short enough for the theory? A symplectic step nearly conserves a modified Hamiltonian if it is. The pendulum from (2, 0) to T = 1000,
+//! by several schemes, with steps for which the theory holds, and steps for which it does not.
 //!
 //! ```text
 //! cargo run --release --example modified_energy
@@ -25,7 +25,7 @@ where
 {
     let mut drifts = Vec::new();
     for h in STEPS {
-        // The longest steps are too long, which is to be seen.
+        // The longest steps are too long, as the table shows.
         let run = Pendulum.simulate::<E>(h).start(State::new([2.0], [0.0])).until(END).unwatched();
         let path = run.run()?;
         drifts.push([path.energy_drift(&Pendulum), path.shadow_energy_drift(&Pendulum)]);

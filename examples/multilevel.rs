@@ -1,9 +1,9 @@
-//! What an error costs: multilevel Monte Carlo beside paths of one step size.
+//! Cost against error: multilevel Monte Carlo beside paths of one step size.
 //!
-//! Kubo's oscillator at t = 1, mean of q, exactly `e^{-σ²/2} sin a`. Both ways are asked for a root mean square error `ε` and
-//! divide it alike: a quarter of the square to the bias, the rest to the sample. Multilevel runs find their levels by
-//! themselves. Plain ones are given the step size that has the bias, from the exact mean of the scheme, and stop when their
-//! standard error is small enough. Theory: steps `~ ε^-2` against `~ ε^-3` (M. B. Giles, Oper. Res. 56 (2008) 607).
+//! Kubo's oscillator at t = 1, mean of q, exactly `e^{-σ²/2} sin a`. Both methods have the same target, a root mean square error `ε`,
+//! and divide it in the same way: a quarter of its square for the bias, three quarters for the sampling error. Multilevel runs find
+//! their levels by themselves. Plain runs take the step size with this bias, from the exact mean of the scheme, and stop when
+//! their standard error is small enough. Theory: steps `~ ε^-2` against `~ ε^-3` (M. B. Giles, Oper. Res. 56 (2008) 607).
 //!
 //! `cargo run --release --example multilevel`, less than a minute
 
@@ -33,7 +33,7 @@ pub struct Kubo {
 
 const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
 const COARSEST: f64 = 0.25;
-/// Runs with other seeds, for the error that is really made.
+/// Runs with other seeds, for the actual error.
 const RUNS: u64 = 8;
 
 /// What runs to one error found and took, in the mean of all seeds.
@@ -41,7 +41,7 @@ struct Cost {
     target: f64,
     steps: f64,
     seconds: f64,
-    /// Root mean square of the error that was made.
+    /// Root mean square of the actual error.
     error: f64,
     finest: f64,
 }

@@ -1,13 +1,13 @@
 //! Oscillators coupled along a random graph that is given as a list of edges.
 //!
-//! `H = Σ p_i²/2 + Σ_e s_e (1 - cos(q_a - q_b))` over the edges `e = (a, b)`: rotors that want to point the same way. The
-//! graph is of P. Erdős and A. Rényi's kind: every pair of 500 is joined with probability 3/500, so that degrees differ
+//! `H = Σ p_i²/2 + Σ_e s_e (1 - cos(q_a - q_b))` over the edges `e = (a, b)`: rotors with aligning couplings. The
+//! graph is that of P. Erdős and A. Rényi: every pair of 500 sites is joined with probability 3/500, so that degrees differ
 //! and no order of the sites makes the matrix narrow.
 //!
 //! What is checked:
 //! * Small deflections oscillate with the frequencies `√λ` of the Laplacian of the graph, `L = Σ_e s_e (e_a - e_b)(e_a -
 //!   e_b)ᵀ`; a step of `Midpoint` turns each by `2 atan(√λ h/2)`: the network after 2000 steps beside 500 exact rotations.
-//! * Pushes of its own Wiener process for every site heat by `σ²/2` each; `Midpoint` takes up the part `1/(1 + λ h²/4)`.
+//! * Independent Wiener processes at the sites heat by `σ²/2` each; with `Midpoint` by the fraction `1/(1 + λ h²/4)` of that.
 //! * The total momentum is kept to rounding: angles enter as differences.
 //! * A matrix of the network's pattern solves a step that is too large for the fixed point.
 //!
@@ -131,7 +131,7 @@ fn small(network: &Network, modes: &Modes) -> Result<(), Box<dyn Error>> {
     println!("1. Small deflections after {STEPS} steps, beside rotations of the modes\n");
     let mut rows = Vec::new();
     for (size, h) in [(1e-3, 0.1), (1e-4, 0.1), (1e-4, 0.05)] {
-        // From rest, so that parts of the graph that hang together with nothing else stay.
+        // From rest, so that disconnected parts of the graph do not move.
         let start = Angles { p: DVector::zeros(SITES), ..network.start(size, 1) };
         let path = network
             .simulate::<Midpoint>(h)

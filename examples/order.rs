@@ -1,5 +1,5 @@
-//! Which scheme for which error: the pendulum from (2, 0) to T = 100 against its exact solution, by every scheme, at the number of
-//! steps that its error wants.
+//! The best scheme for each target error: the pendulum from (2, 0) to T = 100 against its exact solution, by every scheme, with the
+//! number of steps that each target requires.
 //!
 //! ```text
 //! cargo run --release --example order
@@ -20,7 +20,7 @@ struct Pendulum;
 const EXACT: [f64; 2] = [1.982_325_653_157_030_5, 0.179_640_742_590_940_2];
 const END: f64 = 100.0;
 
-/// Errors that are wanted.
+/// Target errors.
 const WANTED: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 /// One run: its error, the time per unit of time in nanoseconds, and iterations per step.
@@ -44,7 +44,7 @@ where
     Ok((error, fastest * 1e9 / END, f64::from(iterations) / f64::from(steps)))
 }
 
-/// The cheapest run, by doubling and then by bisection of the number of steps, for each error that is wanted.
+/// The cheapest run for each target error, by doubling and then by bisection of the number of steps.
 fn row<E>(name: &str) -> Result<(), wzvi::Error>
 where
     Pendulum: Discretized<E, Vector = SVector<f64, 1>>,

@@ -1,5 +1,5 @@
 //! The pendulum, `H = p²/2 - cos q`: phase portrait with its separatrix, energy over a long time, the period against the
-//! exact one, and what a step costs, for the two basic embeddings.
+//! exact one, and the cost of a step, for the two basic embeddings.
 //!
 //! Run with `cargo run --release --example pendulum`.
 //!
@@ -81,7 +81,7 @@ where
         .run()?;
     let period = (turns[turns.len() - 1] - turns[0]) / (turns.len() - 1) as f64;
 
-    // The best of some runs: what else the machine does is no part of the cost.
+    // The best of several runs excludes other work of the machine.
     let (mut cost, mut iterations) = (f64::INFINITY, 0.0);
     for _ in 0..5 {
         let clock = Instant::now();

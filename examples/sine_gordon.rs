@@ -1,13 +1,13 @@
 //! Sine-Gordon: a kink on a lattice, shaken at every site.
 //!
-//! The field equation `φ_tt = φ_xx - sin φ` on sites `x_i = i a` of a ring that the field climbs by 2π:
+//! The field equation `φ_tt = φ_xx - sin φ` on sites `x_i = i a` of a ring, around which the field increases by 2π:
 //! `H = Σ p_i²/2 + (q_{i+1} - q_i)²/2a² + 1 - cos q_i`, energy `E = a H`. Each site has its own Wiener process, which
 //! pushes the field (`σ q_k`) or shakes the potential (`τ (1 - cos q_k)`).
 //!
 //! What is checked, with `M = 8` the mass of the kink `φ = 4 atan exp(γ (x - v t))`, `γ = (1 - v²)^(-1/2)`:
 //! * Without noise the kink has energy `8 γ` and velocity `v` (A. C. Scott, *Nonlinear Science*, section 3.3), up to a².
 //! * Pushes of strength `σ = s/√a` heat by `σ²/2` per site and time, exactly, whatever the field does. A step of `Midpoint`
-//!   gives a mode of frequency ω the part `1/(1 + ω²h²/4)` of that, which is less by h². They make the kink diffuse like a Brownian particle without friction, `<X²> = s² t³/3M` for small s (P. J. Pascual, L. Vázquez,
+//!   gives a mode of frequency ω the fraction `1/(1 + ω²h²/4)` of that. The pushes make the kink diffuse like a Brownian particle without friction, `<X²> = s² t³/3M` for small s (P. J. Pascual, L. Vázquez,
 //!   *Phys. Rev. B* 32, 8305, 1985, treat this equation).
 //! * Shaking the potential heats by `τ²/2 Σ sin² q_i`: at first only where the kink is, by `4 τ²/3`.
 //!
@@ -73,7 +73,7 @@ impl SineGordon {
         self.spacing * self.energy(state)
     }
 
-    /// What a step of `Midpoint` leaves of the heat of independent pushes: the mean of `1/(1 + ω²h²/4)` over the modes
+    /// The fraction of the heat of independent pushes that a step of `Midpoint` has: the mean of `1/(1 + ω²h²/4)` over the modes
     /// of the lattice, `ω_k² = 1 + (4/a²) sin²(π k/N)`.
     fn taken(&self) -> f64 {
         let part = |k: usize| {
@@ -217,7 +217,7 @@ fn ensemble(system: &SineGordon, paths: u64, end: f64) -> Result<Ensemble, Box<d
     Ok(all)
 }
 
-/// A mean beside what it is in continuous time, and what the step makes of that.
+/// A mean beside its values in continuous time and for the step.
 fn row(name: String, mean: &Mean, exact: f64, taken: f64) -> [String; 5] {
     let (value, error) = (mean.value(), mean.standard_error());
     let expected = taken * exact;

@@ -214,7 +214,7 @@ impl Revolutions {
     }
 }
 
-/// What a run left.
+/// The result of a run.
 #[derive(Default)]
 struct Run {
     /// Largest relative errors.

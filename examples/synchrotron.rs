@@ -1,16 +1,16 @@
 //! A particle in the bucket of a synchrotron: noise of the accelerating voltage heats it until it is lost.
 //!
 //! `H0 = p²/2 + ω² (1 - cos q)`, `H1 = -s q`: `q` is the phase against the voltage, `p` the deviation from the energy of the beam,
-//! both scaled, and the noise kicks `p`. Two things are known:
+//! both scaled, and the noise kicks `p`. Two results are known:
 //!
 //! * **Exactly**: `E H(t) = H(0) + s² t/2`, whatever the potential, since `dH = s²/2 dt + s p dW`.
 //! * **For weak noise**: a particle leaves the bucket when its energy reaches `2ω²`. The mean time for that from the centre is `4ω²/s²`
 //!   exactly, and its distribution that of the averaged equation (`support/energy_diffusion.rs`).
 //!
 //! Paths run until the standard error of the last mean is below a target. Both embeddings are symplectic for every path of the noise, and
-//! neither adds to the growth of the energy or takes from it.
+//! neither changes the growth of the energy.
 //!
-//! Electrons radiate: that damps their oscillation, and the quanta of it heat, to an equilibrium of the temperature `kT`. The same bucket with `friction` and
+//! Electrons radiate: radiation damps their oscillation, and its quanta excite it, up to an equilibrium of temperature `kT`. The same bucket with `friction` and
 //! `temperature` then has, at any step and to the scheme's error,
 //!
 //! * **Exactly**: `⟨p²⟩ = kT` and `⟨1 - cos q⟩ = 1 - I_1(x)/I_0(x)` with `x = ω²/kT`: the spread of the energy and the length of the bunch.

@@ -278,7 +278,7 @@ fn paths() -> Drawn {
         .slope("1/√paths", -0.5, 0.7, [10.0, 1e5]))
 }
 
-/// What a failed run looks like: the energy of steps that are too long, up to the alarm.
+/// A failed run: the energy for steps that are too long, up to the alarm.
 fn unresolved() -> Drawn {
     let start = State::new([1.9, 0.0], [0.0, (0.1f64 / 1.9).sqrt()]);
     let mut figure =

@@ -1,4 +1,4 @@
-//! The paper's diagram `X, X_ε, X_{ε,n}, X_n`, an arrow at a time, beside what the compiler says of each embedding.
+//! The paper's diagram `X, X_ε, X_{ε,n}, X_n`, one arrow at a time, beside the facts that the compiler prints for each embedding.
 
 use wzvi::noise::Sampling;
 use wzvi::prelude::*;
@@ -65,7 +65,7 @@ fn halvings(powers: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = f64> 
 /// The arrows of one embedding.
 struct Arrows {
     scheme: &'static str,
-    /// What the compiler says of the way over `X_n`.
+    /// The fact that the compiler prints about the limit by `X_n`.
     says: &'static str,
     /// h to 0 at fixed ε, against `X_ε`.
     to_smooth: Curve,

@@ -1,7 +1,7 @@
 //! The whole paper on one page, measured: `cargo run --release --example paper`, then open `target/wzvi/paper/index.html`.
 //!
 //! J. Cresson, R. Safi, *Dynamics of stochastic Hamiltonian systems I: Wong-Zakai variational integrators*. Its figures with
-//! its parameters, and what it leaves open: what the approximations of the noise cost, for which step size.
+//! its parameters, and its open questions: the errors of the approximations of the noise, for each step size.
 
 mod additive;
 mod diagram;

@@ -1,4 +1,4 @@
-//! What the paper leaves open: the error of the approximation of the noise, over (eps, h), for each way to sample it.
+//! A question that the paper leaves open: the error of the approximation of the noise, over (eps, h), for each sampling.
 
 use wzvi::noise::{Noise as _, Sampling};
 use wzvi::prelude::*;
@@ -78,7 +78,7 @@ pub(crate) fn append(document: Document) -> Result<Document, wzvi::Error> {
     Ok(document)
 }
 
-/// h to 0 first: what is left is the error of W_eps.
+/// h to 0 first: the remaining error is that of W_eps.
 fn limits(map: &[Point]) -> Figure {
     let (x, y) = (Axis::logarithmic("ε"), Axis::logarithmic("error against Stratonovich"));
     let mut figure =

@@ -1,4 +1,4 @@
-//! The cases: what is run, and what is measured on it.
+//! The cases: systems, runs and measured errors.
 
 use std::time::Instant;
 

@@ -1,8 +1,8 @@
-//! Where the schemes hold and where they stop: one table of stiff and extreme cases, with what each costs.
+//! Where the schemes hold and where they stop: one table of stiff and extreme cases, with their cost.
 //!
 //! Run with `cargo run --release --example stability`; the table is also written to `target/wzvi/stability/table.csv`
 //! and, as a page, to `target/wzvi/stability/index.html`.
-//! `docs/guide/stability.md` explains each way to fail, and what to do.
+//! `docs/guide/stability.md` explains each kind of failure, and what to do.
 
 mod cases;
 mod systems;
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use wzvi::report::{Document, Machine};
 
-/// What a case measures that has no exact solution to compare with: how large its state becomes.
+/// The measure of a case without exact solution: the size of its state.
 pub(crate) const SIZE: &str = "size";
 
 /// One line of the table.
@@ -36,7 +36,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// The outcome in words, with a mark, so that colour is not all that tells.
+    /// The outcome in words, with a mark, so that it does not depend on colour alone.
     fn outcome(&self) -> String {
         let word = match (&self.error, self.drift) {
             (Some(error), _) => return format!("✗ {error}"),
