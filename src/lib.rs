@@ -45,7 +45,7 @@
 //! }
 //! ```
 //!
-//! Without noise, orders 8 and 16 take no more than another name:
+//! Without noise, orders 8 and 16 need only the name of another scheme:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -66,7 +66,7 @@
 //! }
 //! ```
 //!
-//! Non-Hamiltonian terms stand beside it. Friction and a temperature make a heat bath, whose part of the step is exact:
+//! Non-Hamiltonian terms are declared beside the drift. Friction and a temperature make a heat bath, whose part of the step is exact:
 //!
 //! ```
 //! use wzvi::prelude::*;
@@ -108,19 +108,19 @@
 //!   `stepper.step(&mut state, &[dw])?` allocates nothing, and on an error leaves the state unchanged, bit for bit.
 //! * **One path**: `kubo.simulate::<Midpoint>(h)` builds a [`Simulation`](simulate::Simulation), and running it gives a
 //!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, the residual of the
-//!   discrete Euler-Lagrange equations. Given numbers may drive it, too:
-//!   [`Increments::from`](increments::Increments).
-//! * **Many paths**: `kubo.ensemble::<Midpoint>(h)` builds an [`Ensemble`](ensemble::Ensemble), and running it gives [`Statistics`](ensemble::Statistics), the
-//!   same bits however the work is split.
+//!   discrete Euler-Lagrange equations. [`Increments::from`](increments::Increments) drives it with increments of your
+//!   own.
+//! * **Many paths**: `kubo.ensemble::<Midpoint>(h)` builds an [`Ensemble`](ensemble::Ensemble), and running it gives [`Statistics`](ensemble::Statistics), with
+//!   the same bits however the work is split.
 //! * **Order**: [`Verlet`](embedding::Verlet), compositions [`Composed`](embedding::Composed) of order 4 to 8, and [`Gauss`](embedding::Gauss) of order 2 to 32.
 //! * **Results**: [`path.table()`](trajectory::Trajectory::table) has columns with the names of the closure, as CSV, JSON and (feature `columnar`) Parquet; with the
-//!   feature `plot`, `path.plot()` draws.
+//!   feature `plot`, `path.plot()` draws figures.
 //! * **Between the nodes**: [dense] output of every scheme, recorded times and exact ends, and the crossings of [sections](section).
 //! * **The discrete calculus**, time scales and the operators on them, is [`calculus`];
 //!   [`Trajectory::observable`](trajectory::Trajectory::observable) turns a path into a function on a time scale.
 //! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps conserve, to its first terms;
-//!   its drift in a run tells whether that theory applies.
-//! * **How much error for how much time**: with the feature `report`, `report::WorkPrecision` measures schemes against
+//!   its drift in a run shows whether that theory applies.
+//! * **Error against run time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
 //! * **Long runs**: a [`Checkpoint`](checkpoint::Checkpoint) lets a stopped run resume, bit for bit.
 //! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start;
@@ -137,10 +137,10 @@
 //! | `ensemble` | yes | many paths: lanes, threads, statistics |
 //! | `plot` | | `path.plot()`, figures as SVG and PNG |
 //! | `report` | | error against run time: tables, plots, one HTML page |
-//! | `serde` | | states and paths that serialise |
+//! | `serde` | | serialisation of states and paths |
 //! | `columnar` | | Parquet files |
 //! | `correlation` | | correlation functions and times along a path, mean square displacements |
-//! | `interrupt` | | Ctrl-C stops runs whose handle asks for it, and keeps what is done |
+//! | `interrupt` | | Ctrl-C stops runs whose handle enables it; they keep their results so far |
 //! | `mpi` | | ensembles on many machines (needs an MPI library) |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -230,7 +230,7 @@ pub mod prelude {
     pub use wzvi_runtime::scheme::system::{Discretized, Hamiltonian, SystemState};
 }
 
-/// What generated code names. Its version is pinned to that of the macro; nothing here is for people.
+/// Names for generated code. Its version is pinned to that of the macro; nothing here is for users.
 #[doc(hidden)]
 pub mod __private {
     pub use core;
@@ -269,7 +269,7 @@ pub mod __private {
 
     pub use crate::__bindings as bindings;
 
-    /// What bindings of generated code are called until they are bound: a pattern may shadow a function, and not a
+    /// Stands for each binding of generated code until it is bound: a pattern may shadow a function, but not a
     /// constant.
     pub fn binding() {}
 }

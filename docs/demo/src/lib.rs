@@ -1,4 +1,4 @@
-//! What the page asks: paths of the Kubo oscillator, and the mean of many. It reads the numbers from the memory of the module.
+//! The functions that the page calls: paths of the Kubo oscillator, and the mean of many. The page reads the numbers from the memory of the module.
 
 use std::cell::RefCell;
 

@@ -69,7 +69,7 @@ impl Report {
         let document = self.figures(id).into_iter().fold(document, Document::figure);
         document
             .list(self.conclusions())
-            .table(format!("{}: what was measured", self.title), headings, rows)
+            .table(format!("{}: measurements", self.title), headings, rows)
             .list(self.terms())
             .text(self.conditions())
     }

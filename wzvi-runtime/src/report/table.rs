@@ -19,7 +19,7 @@ impl Report {
             headings.extend(cell.weak.iter().map(|weak| format!("weak error of {} (95 %)", weak.observable)));
         }
         headings.extend([format!("{energy} trend"), format!("{energy} oscillation")]);
-        headings.extend(["failed", "Newton", "steps take", "noise takes"].map(str::to_owned));
+        headings.extend(["failed", "Newton", "time of steps", "time of noise"].map(str::to_owned));
         (headings, self.cells.iter().map(row).collect())
     }
 
@@ -61,7 +61,7 @@ impl Report {
             }
         }
         if self.interrupted {
-            lines.push("interrupted: this is what was measured until then".to_owned());
+            lines.push("interrupted: only the measurements until then".to_owned());
         }
         lines
     }
@@ -71,9 +71,8 @@ impl Report {
         let strong = "strong error: the root mean square over paths of the distance between the end of the run and the solution, with its \
                       standard error";
         let weak = "weak error: the mean of the observable minus that of the solution, with its 95 % confidence interval";
-        let energy = "trend: what the energy changes over the run, by a straight line through it; oscillation: the largest distance from that \
-                      line";
-        let rest = "failed: paths whose step had no solution; Newton: iterations in a step, mean; steps take, noise takes: the median time of a \
+        let energy = "trend: the change of the energy over the run, by a linear fit; oscillation: the largest distance from that line";
+        let rest = "failed: paths whose step had no solution; Newton: mean iterations in a step; time of steps, of noise: the median for one \
                     path, with half the distance of the quartiles";
         let has_weak = self.cells.first().is_some_and(|cell| !cell.weak.is_empty());
         let weak = has_weak.then_some(weak);
