@@ -38,7 +38,7 @@ fn compare<H, E, const D: usize>(system: &H) -> [u64; 2]
 where
     H: Discretized<E> + Hamiltonian<Vector = SVector<f64, D>> + Sync,
 {
-    const STEPS: u64 = 3;
+    const STEPS: u64 = 5;
     let (mut random, mut counts) = (numbers(D as u64), [0; 2]);
     for paths in [1, 3, 8] {
         let (h, mut errors) = (1.025 + 0.975 * random(), 0);

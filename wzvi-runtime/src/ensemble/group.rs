@@ -7,7 +7,6 @@ mod watched;
 
 use std::marker::PhantomData;
 
-use alone::checks_anew;
 use coupled::Coarse;
 use watched::Motions;
 
@@ -24,7 +23,7 @@ use crate::error::{ConfigError, InternalError, StepError, StepFailure};
 use crate::increments::Interval;
 use crate::path::Error;
 use crate::path::retry::Subdivision;
-use crate::path::step::Stepper;
+use crate::path::step::{Stepper, checks_starts};
 use crate::path::steps::Advance;
 use crate::path::watch::{Room, Watch, keeps_energy};
 use crate::scheme::continuation::Hard;
@@ -69,8 +68,10 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     steppers: Vec<Stepper<'j, H, E, Plain>>,
     /// Halves steps, once one has to be.
     subdivision: Option<Subdivision<'j, H, E, Plain>>,
-    /// The last step of each lane that was halved, and how often; and the step that some lanes begin anew: the first, or one after that.
+    /// The last step of each lane that was halved, and how often.
     halved: [(u64, u32); L],
+    /// The step that each lane begins without a guide, the first or one after a halved or hard one, and the last of these.
+    unguided: [u64; L],
     anew: u64,
     /// Where that one began, by lane.
     starts: Vec<State<H::Vector>>,
@@ -122,6 +123,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             steppers: Vec::new(),
             subdivision: None,
             halved: [NEVER; L],
+            unguided: [0; L],
             anew: 0,
             starts: Vec::new(),
             checked: None,
@@ -147,7 +149,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         }
         (self.failed, self.any_failed) = ([false; L], false);
         let was_over = std::mem::take(&mut self.is_over);
-        (self.halved, self.anew) = ([NEVER; L], 0);
+        (self.halved, self.unguided, self.anew) = ([NEVER; L], [0; L], 0);
         self.memory.tell(&Request::Forget);
         self.apart.clear();
         self.increments.begin(path);
@@ -273,8 +275,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         if const { keeps_energy::<H, E>() } && step == self.next_look {
             self.begin_look(step);
         }
-        let is_anew = const { checks_anew::<H, E>() } && step == self.anew && !self.is_stepped();
-        if const { checks_anew::<H, E>() } && is_anew {
+        let is_anew = const { checks_starts::<H, E>() } && step == self.anew && !self.is_stepped();
+        if const { checks_starts::<H, E>() } && is_anew {
             self.keep_starts(step);
         }
         let is_measured = const { keeps_energy::<H, E>() } && step == self.motions.next;
@@ -282,7 +284,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             self.begin_motion();
         }
         self.take_step(step)?;
-        if const { checks_anew::<H, E>() } && is_anew {
+        if const { checks_starts::<H, E>() } && is_anew {
             self.check_starts(step)?;
         }
         if is_measured {

@@ -85,8 +85,23 @@ impl Clock {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(self, h: f64) -> Self {
         let ticks = self.ticks + 1;
+        Self { ticks, now: self.time(ticks, h), ..self }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn time(self, ticks: u64, h: f64) -> f64 {
         // The conversion of a signed integer is one instruction.
-        Self { ticks, now: self.start + ticks.cast_signed() as f64 * h, ..self }
+        self.start + ticks.cast_signed() as f64 * h
+    }
+
+    /// The same time, but no state is taken for the one that the last step led to without a check.
+    fn unguided(self) -> Self {
+        Self { now: f64::NAN, ..self }
+    }
+
+    /// Whether its last step ended at `t`, of steps that have been taken.
+    fn has_reached(self, t: f64, h: f64) -> bool {
+        self.ticks > 0 && t == self.time(self.ticks, h)
     }
 }
 
@@ -338,16 +353,19 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_anew(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
         cold();
+        let is_moved = !self.clock.has_reached(state.t, self.h) || self.jumped(state);
         // If time cannot overflow from here, no step needs to check its own.
-        if !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
+        if is_moved && !(state.t.abs() + MOST_TICKS * self.h.abs()).is_finite() {
             return Err(self.error(state, dw, StepFailure::NonFinite));
         }
         // With the room that it has; a copy of what it remembers comes back if the step fails.
-        let (clock, left, mut memory) =
-            (Clock::started(state.t), self.memory.clone(), std::mem::take(&mut self.memory));
-        memory.tell(&Request::Forget);
+        let (left, mut memory) = (self.memory.clone(), std::mem::take(&mut self.memory));
+        let clock = if is_moved { Clock::started(state.t) } else { self.clock };
+        if is_moved {
+            memory.tell(&Request::Forget);
+        }
         if Self::IS_ITERATED {
-            let taken = self.step_rarely(state, dw, clock, Cause::Moved(memory));
+            let taken = self.step_rarely(state, dw, clock, Cause::Unguided { memory, is_moved });
             if taken.is_err() {
                 self.memory.adopt(left);
             }
@@ -381,9 +399,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         cause: Cause<MemoryOf<H, E, f64>>,
     ) -> Result<StepInfo, StepError> {
         cold();
-        let (is_moved, pinned) = match &cause {
-            Cause::Moved(memory) => (true, memory.report().pinned),
-            Cause::Failed(_) => (false, self.memory.report().pinned),
+        let (is_moved, is_unguided, pinned) = match &cause {
+            Cause::Unguided { memory, is_moved } => (*is_moved, true, memory.report().pinned),
+            Cause::Failed(_) => (false, false, self.memory.report().pinned),
         };
         let hard = Hard {
             system: self.system,
@@ -393,7 +411,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             q: state.q.clone(),
             p: state.p.clone(),
             dw: List::of(dw),
-            carry: self.carry.clone(),
+            carry: if is_moved { C::default() } else { self.carry.clone() },
             blocks: None,
         };
         // Care takes Newton's method, which a pinned fixed point excludes.
@@ -409,6 +427,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         };
         if is_moved {
             self.before += self.clock.ticks;
+        }
+        if is_unguided {
             self.memory = taken.memory;
         } else {
             self.memory.adopt(taken.memory);
@@ -416,6 +436,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         (state.q, state.p) = (taken.q, taken.p);
         self.carry = taken.carry;
         self.arrive(state, clock.next(self.h), dw);
+        if is_hard && const { may_mislead::<H, E>() } {
+            self.clock = self.clock.unguided();
+        }
         let Effort { iterations, doubtful, .. } = taken.effort;
         Ok(StepInfo { iterations, halvings: 0, is_hard, is_doubtful: is_hard && doubtful })
     }
@@ -441,6 +464,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
+}
+
+/// Whether what a hard step leaves may mislead the next: it knows one point of the curve that steps follow, which may be nearer to another solution than to
+/// the one that continues the state. A step after a hard one is therefore checked as a first one is.
+pub(crate) const fn may_mislead<H: Discretized<E>, E>() -> bool {
+    H::PROPERTIES.remembers && checks_starts::<H, E>()
+}
+
+/// Whether steps that begin without a guide are checked ([`Hard::check`]): with noise, all steps begin so.
+pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
+    matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
 }
 
 /// What does not change from step to step, of a system that makes sense.

@@ -7,6 +7,8 @@
 //! ended, and is taken if Newton's method leaves no doubt there that it is still the same solution; else it is halved. Doubled after that, parts are as
 //! long as the curve allows, and an eighth of the step at most: between the starts of two parts the force may change, which nothing else looks at.
 //!
+//! Parts have to lead back to their starts, too. Where hundreds that do are too few, those that may not are taken, and the step is reported as doubtful.
+//!
 //! At a fold parts become shorter without end, and the step has no solution. At a kink of `H` they need not: no correction there shrinks as it should,
 //! however short the part, but the parts themselves do, where a jump to another solution stays as long as it is.
 //!
@@ -160,8 +162,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         memory
     }
 
-    /// The solution that continues the state of a first step, where that is another than the one at these ends, which the short way has found: that had
-    /// nothing to go by. `room` is for what the steps of a check leave.
+    /// The solution that continues the state of a first step, or of one after a step that was hard, where that is another than the one at these ends, which the short
+    /// way has found: that had nothing to go by. `room` is for what the steps of a check leave.
     ///
     /// # Errors
     /// [`StepFailure::NoSolution`] where it ends.
@@ -175,15 +177,13 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             return Ok(None);
         }
         room.tell(&Request::Forget);
+        let is_same = |end: [&H::Vector; 2]| is_near(&self.q, [q, end[0]]) && is_near(&self.p, [p, end[1]]);
         let found = self.solve(&self.prepared, self.h, &self.dw, room);
-        if found.is_ok_and(|found| found.effort.is_certain()) {
+        if found.is_ok_and(|found| found.effort.is_certain() && is_same([&found.q, &found.p])) {
             return Ok(None);
         }
         match self.follow() {
-            Ok(end) => {
-                let is_same = is_near(&self.q, [q, &end.q]) && is_near(&self.p, [p, &end.p]);
-                Ok(if is_same { None } else { Some(end) })
-            }
+            Ok(end) => Ok(if end.effort.doubtful || is_same([&end.q, &end.p]) { None } else { Some(end) }),
             Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
             Err(End { is_fold: false, .. }) => Ok(None),
         }
@@ -206,6 +206,18 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
 
     /// The solution that continues the state, or where it ends.
     pub(crate) fn follow(&self) -> Result<Taken<H, E, C>, End> {
+        match self.follow_parts(true) {
+            Err(End { is_fold: false, .. }) => {
+                let mut end = self.follow_parts(false)?;
+                end.effort.doubtful = true;
+                Ok(end)
+            }
+            outcome => outcome,
+        }
+    }
+
+    /// In parts that all have to lead back to their starts, or need not.
+    fn follow_parts(&self, are_returned: bool) -> Result<Taken<H, E, C>, End> {
         let mut many = Vec::new();
         let mut few = Few::of(&self.dw);
         let dw: &mut [f64] = match &mut few {
@@ -232,8 +244,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             let tried = self.solve(&prepared, h, dw, &mut left);
             let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());
             iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);
-            let is_same =
-                tried.as_ref().is_some_and(|step| !step.effort.doubtful || kink.is_passed(&at, step));
+            let is_same = tried.as_ref().is_some_and(|step| {
+                let is_doubtful = step.effort.doubtful || are_returned && step.effort.is_one_way;
+                !is_doubtful || kink.is_passed(&at, step)
+            });
             match tried {
                 Some(mut step) if is_same => {
                     if fraction == 1.0 {
@@ -253,7 +267,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     }
                     part *= 0.5;
                     if part < SHORTEST {
-                        let is_fold = reached >= EARLIEST_END;
+                        // Where corrections contract without doubt, the curve goes on, but rounding or a force that swings hides how.
+                        let contracts = tried.is_some_and(|step| !step.effort.doubtful);
+                        let is_fold = reached >= EARLIEST_END && !contracts;
                         return Err(End { reached, is_fold });
                     }
                 }

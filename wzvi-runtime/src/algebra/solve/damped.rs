@@ -28,6 +28,10 @@ const SHORTEST: f64 = 1.0 / 64.0;
 const FIRST_CONTRACTION: f64 = super::convergence::FIRST;
 /// Nor do later ones below this fraction of the one before.
 const SAFE_CONTRACTION: f64 = 0.5;
+/// What is left of the way back from the end of the iteration, with the Jacobian there, at most: `J_1⁻¹ r_0` for `d = x_0 - x_1`. From a start of the
+/// Kantorovich number `ω |c| = 1/4`, of which an eighth is left, `ω |d| <= 1 - √(1/2)` and `|J_1⁻¹ r_0 - d| <= ω |d|² / (2 (1 - ω |d|))` (lemmas 2.1 and
+/// 2.2 there). The end of another branch, where one contraction was small by accident, has a Jacobian of its own.
+const RETURN: f64 = 0.5 * (std::f64::consts::SQRT_2 - 1.0);
 /// The Jacobian counts as close to the identity if a correction differs from that of the identity by at most this fraction of the longer one: half
 /// of the difference that reverses it.
 const ABOUT_IDENTITY: f64 = 0.5;
@@ -70,6 +74,8 @@ pub(crate) trait Problem {
 #[derive(Debug, Default)]
 pub(crate) struct Room<V> {
     x: V,
+    /// `r` at the start.
+    first: V,
     /// `c = J⁻¹r` at `x`.
     correction: V,
     /// `x - λc`
@@ -83,8 +89,8 @@ pub(crate) struct Room<V> {
 impl<V: Clone> Room<V> {
     /// Room for vectors such as this one.
     pub(crate) fn of(start: &V) -> Self {
-        let [x, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
-        Self { x, correction, trial, residual, next }
+        let [x, first, correction, trial, residual, next] = std::array::from_fn(|_| start.clone());
+        Self { x, first, correction, trial, residual, next }
     }
 
     /// What was found.
@@ -93,8 +99,8 @@ impl<V: Clone> Room<V> {
     }
 
     fn start(&mut self, start: &V) {
-        let Self { x, correction, trial, residual, next } = self;
-        [x, correction, trial, residual, next].into_iter().for_each(|vector| vector.clone_from(start));
+        let Self { x, first, correction, trial, residual, next } = self;
+        [x, first, correction, trial, residual, next].into_iter().for_each(|vector| vector.clone_from(start));
     }
 }
 
@@ -109,7 +115,7 @@ pub(crate) fn damped<P: Problem>(
 ) -> Result<Effort, StepFailure> {
     let mut attempt = |shortens: bool| {
         room.start(start);
-        Search { problem: &mut *problem, room: &mut *room }.run(shortens)
+        Search { problem: &mut *problem, room: &mut *room }.run(start, shortens)
     };
     attempt(false).or_else(|_| attempt(true))
 }
@@ -122,15 +128,15 @@ struct Search<'a, P: Problem> {
 
 impl<P: Problem> Search<'_, P> {
     /// With whole corrections, or shortened ones.
-    fn run(mut self, shortens: bool) -> Result<Effort, StepFailure> {
+    fn run(mut self, start: &P::Vector, shortens: bool) -> Result<Effort, StepFailure> {
         let most = if shortens { MOST_SHORTENED } else { PATIENCE };
         let mut convergence = Convergence::patient(P::UNSEEN);
         let (mut doubtful, mut shortened) = (shortens, 0);
-        self.problem.residual(&self.room.x, &mut self.room.correction);
-        self.room.residual.clone_from(&self.room.correction);
+        self.problem.residual(&self.room.x, &mut self.room.first);
+        self.room.correction.clone_from(&self.room.first);
         self.problem.factor()?;
         self.problem.correct(&mut self.room.correction)?;
-        let is_far = !is_about(self.room.correction.as_ref(), self.room.residual.as_ref());
+        let is_far = !is_about(self.room.correction.as_ref(), self.room.first.as_ref());
         loop {
             self.go(1.0);
             let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
@@ -143,7 +149,15 @@ impl<P: Problem> Search<'_, P> {
                     let (is_reversed, is_indefinite) =
                         (self.problem.is_reversed(), self.problem.is_indefinite());
                     let iterations = convergence.iterations;
-                    return Ok(Effort { iterations, doubtful, is_far, is_reversed, is_indefinite });
+                    let is_one_way = !self.returns(start);
+                    return Ok(Effort {
+                        iterations,
+                        doubtful,
+                        is_far,
+                        is_one_way,
+                        is_reversed,
+                        is_indefinite,
+                    });
                 }
                 Verdict::Straying => size.is_nan() || convergence.iterations >= most,
                 Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
@@ -193,6 +207,31 @@ impl<P: Problem> Search<'_, P> {
                 // The cause is a singular matrix at the end of every shortened correction.
                 return Err(solved.err().unwrap_or(lost));
             }
+        }
+    }
+
+    /// Whether the Jacobian at the end leads back to the start as far as one that hardly changes on the way does; unknowns whose equations are at rounding
+    /// at the start do not count.
+    fn returns(&mut self, start: &P::Vector) -> bool {
+        self.room.next.clone_from(&self.room.first);
+        if self.problem.correct(&mut self.room.next).is_err() {
+            return false;
+        }
+        let Room { next, trial, .. } = &*self.room;
+        let leads = |counts: &dyn Fn(usize) -> bool| {
+            let ends = start.as_ref().iter().zip(trial.as_ref()).zip(next.as_ref()).enumerate();
+            let (mut left, mut way) = (0.0, 0.0);
+            for (_, ((&from, &to), &back)) in ends.filter(|&(k, _)| counts(k)) {
+                let own = from - to;
+                let size = from.magnitude() + own.magnitude().max(back.magnitude());
+                left = larger(left, (back - own).magnitude().relative_to(size));
+                way = larger(way, own.magnitude().relative_to(size));
+            }
+            left <= RETURN * way
+        };
+        leads(&|_| true) || {
+            let is_settled = self.problem.are_settled(start);
+            leads(&|k| !is_settled(k))
         }
     }
 

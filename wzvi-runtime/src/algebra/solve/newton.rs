@@ -50,6 +50,8 @@ pub struct Effort {
     /// Whether the Jacobian at the start was not about the identity: of a careful solution. From zero there may be
     /// another solution along the step, then.
     pub is_far: bool,
+    /// Whether the Jacobian at the solution does not lead back to the start, of a careful solution.
+    pub is_one_way: bool,
     /// Whether the Jacobian at the solution has a negative determinant, if the solution was a careful one.
     pub is_reversed: bool,
     /// Whether that Jacobian is symmetric and not definite, if the solution was a careful one.
@@ -60,7 +62,8 @@ impl Effort {
     /// A solution by the short way, or (0) without iterations.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn fast(iterations: u32) -> Self {
-        Self { iterations, doubtful: false, is_far: false, is_reversed: false, is_indefinite: false }
+        let (doubtful, is_far, is_one_way, is_reversed, is_indefinite) = (false, false, false, false, false);
+        Self { iterations, doubtful, is_far, is_one_way, is_reversed, is_indefinite }
     }
 
     /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of the whole
@@ -97,6 +100,7 @@ impl Add for Effort {
             iterations: self.iterations + other.iterations,
             doubtful: self.doubtful | other.doubtful,
             is_far: self.is_far | other.is_far,
+            is_one_way: self.is_one_way | other.is_one_way,
             is_reversed: self.is_reversed ^ other.is_reversed,
             is_indefinite: self.is_indefinite | other.is_indefinite,
         }

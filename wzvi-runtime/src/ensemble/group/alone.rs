@@ -12,9 +12,10 @@ use crate::ground::numbers::{Numbers, Tape};
 use crate::increments::Interval;
 use crate::path::Error;
 use crate::path::retry::{Subdivision, is_curable};
+use crate::path::step::may_mislead;
 use crate::path::steps::Step;
 use crate::scheme::continuation::{Hard, Taken, solve_by_continuation};
-use crate::scheme::plan::{NoiseClass, Solver};
+use crate::scheme::plan::Solver;
 use crate::scheme::system::{At, Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 
 impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P, L> {
@@ -87,8 +88,14 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let step_of_lane = Step { state: &mut state, interval, noise, dw: &mut self.alone };
         let info = subdivision.subdivide(step_of_lane, 1, motion)?;
         self.halved[lane] = (step, info.halvings);
-        self.anew = step + 1;
+        self.lose_guide(lane, step);
         Ok(state)
+    }
+
+    /// What this step of a lane has left is no guide for the next.
+    fn lose_guide(&mut self, lane: usize, step: u64) {
+        self.unguided[lane] = step + 1;
+        self.anew = step + 1;
     }
 
     /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
@@ -147,10 +154,23 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let hard = Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None };
         let solved = solve_by_continuation(hard, cause);
         let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
+        self.put_hard(lane, step, &mut solved, memory)
+    }
+
+    /// The end of a step of a lane that was hard, and what it leaves.
+    fn put_hard(
+        &mut self,
+        lane: usize,
+        step: u64,
+        solved: &mut Taken<H, E, Plain>,
+        memory: &mut MemoryOf<H, E, Lanes<1>>,
+    ) -> Result<(), Error> {
         self.put(lane, &solved.q, &solved.p);
+        if const { may_mislead::<H, E>() } {
+            self.lose_guide(lane, step);
+        }
         let words = Tape::write(|tape| solved.memory.pass(tape));
-        Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-        Ok(())
+        Ok(Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?)
     }
 
     /// Keeps where a step begins that some lanes begin anew.
@@ -174,8 +194,8 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     pub(super) fn check_starts(&mut self, step: u64) -> Result<(), Error> {
         let (h, starts) = (self.job.h, std::mem::take(&mut self.starts));
         for (lane, State { q, p, t }) in starts.iter().enumerate() {
-            let is_anew = step == 0 || self.halved[lane].0 == step - 1;
-            if !is_anew || self.failed[lane] || self.halved[lane].0 == step {
+            // Halves that were taken, and a careful solution, have been checked.
+            if self.unguided[lane] != step || self.failed[lane] {
                 continue;
             }
             let end = self.state_of(lane, *t);
@@ -187,11 +207,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             let mut memory = MemoryOf::<H, E, _>::default();
             match other {
                 Ok(None) => {}
-                Ok(Some(mut solved)) => {
-                    self.put(lane, &solved.q, &solved.p);
-                    let words = Tape::write(|tape| solved.memory.pass(tape));
-                    Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-                }
+                Ok(Some(mut solved)) => self.put_hard(lane, step, &mut solved, &mut memory)?,
                 Err(cause) => {
                     self.put(lane, q, p);
                     let error = StepError { step, t: *t, h, cause };
@@ -261,11 +277,6 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             self.apart.clear();
         }
     }
-}
-
-/// Whether steps that begin anew are checked, as those of a stepper are.
-pub(super) const fn checks_anew<H: Discretized<E>, E>() -> bool {
-    matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
 }
 
 /// One lane of a list.

@@ -13,8 +13,8 @@ type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
 
 /// Why a step is none of the usual ones.
 pub(super) enum Cause<M> {
-    /// What the last step left is no guide from another state: the memory, which has forgotten it.
-    Moved(M),
+    /// What the last step left is no guide: the state was moved, and the memory has forgotten it, or that step was hard.
+    Unguided { memory: M, is_moved: bool },
     /// The short way failed.
     Failed(StepFailure),
 }
@@ -47,11 +47,10 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
     #[cold]
     #[inline(never)]
     pub(super) fn take(self, cause: Cause<MemoryOf<H, E, f64>>) -> Outcome<H, E, C> {
-        let Self { mut hard, is_iterated } = self;
+        let Self { hard, is_iterated } = self;
         let (failure, memory) = match cause {
             Cause::Failed(failure) => (failure, None),
-            Cause::Moved(mut memory) => {
-                hard.carry = C::default();
+            Cause::Unguided { mut memory, is_moved: _ } => {
                 let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
                 let Hard { system, prepared, t, h, dw, .. } = &hard;
                 let (time, ends) = ([*t, *h], [&mut q, &mut p]);
