@@ -9,7 +9,7 @@ use wzvi::prelude::*;
 use wzvi::retry::Serves;
 use wzvi::simulate::{Simulation, Unobserved};
 
-use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, bits};
+use super::systems::{DoublePendulum, Folding, KEPLER, PENDULUM, Wells, bits};
 use fixtures::files::{contents, refused};
 use fixtures::folder;
 
@@ -86,6 +86,13 @@ fn steps_that_are_halved() {
     let halved = run(STEPS, 0).run().unwrap().iterations().halved;
     assert!((2..STEPS).contains(&halved), "{halved}");
     resumes_from_everywhere("halved", run);
+}
+
+/// A step after a hard one is checked, also where a checkpoint lies between them.
+#[test]
+fn steps_after_hard_ones() {
+    assert_eq!(Wells.run(STEPS, 0).run().unwrap().iterations().hard, STEPS);
+    resumes_from_everywhere("hard", |steps, every| Wells.run(steps, every));
 }
 
 #[test]

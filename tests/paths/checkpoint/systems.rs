@@ -88,6 +88,18 @@ impl Folding {
     }
 }
 
+/// Every step of this run is hard. The extrapolation of the first three is near another branch than that of the fourth.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + 2.0 * q.powi(4) - 3.0 * q * q, embedding = Midpoint)]
+#[derive(Clone, Debug)]
+pub(crate) struct Wells;
+
+impl Wells {
+    pub(crate) fn run(&self, steps: u64, every: u64) -> Simulation<'_, Self, Midpoint> {
+        let start = State::new([-0.7713954891219279], [1.2232998105796071]);
+        self.simulate(1.1788991315147956).start(start).steps(steps).record_every(every).unwatched()
+    }
+}
+
 /// A trajectory as bits: `==` on numbers takes zeros of both signs for one.
 pub(crate) fn bits<const D: usize, E>(path: &Trajectory<SVector<f64, D>, E>) -> Vec<u64> {
     let states = path.iter().chain([path.last()]);
