@@ -132,7 +132,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "points of the section",
         "dimension",
         "work of the drive",
-        "energy that is missing / work",
+        "error of the energy balance / work",
     ];
     table::print(headings, &rows);
     println!();

@@ -180,14 +180,14 @@ fn fermi_pasta_ulam() -> Result<Figure, Box<dyn Error>> {
         ])
     };
     let rows = [row("Midpoint, h = 0.05", &history)?, row("DeltaPlus, h² = 1/8", &own_step)?];
-    table::print(["scheme", "first return [periods]", "of what it lost", "drift of H"], &rows);
+    table::print(["scheme", "first return [periods]", "fraction regained", "drift of H"], &rows);
     let (fine, _) = history.recurrence(1, period).ok_or("no recurrence")?;
     let (coarse, _) = own_step.recurrence(1, period).ok_or("no recurrence")?;
     // A return takes as long as solitons need to meet, 1/√dispersion; the step leaves 1 - h² of the chain's.
     let expected = fine / (1.0_f64 - 0.125).sqrt();
     println!("\n  The figure shows the return after 157 periods: {:.1} by its own scheme.", coarse / period);
     println!(
-        "  Its step is not small. It leaves 1 - h² of the chain's dispersion, and delays the return by (1 - h²)^(-1/2):"
+        "  Its step is not small. It reduces the dispersion of the chain by the factor 1 - h², and delays the return by (1 - h²)^(-1/2):"
     );
     println!("  from {:.1} periods to {:.1}.\n", fine / period, expected / period);
     let mut panel = Figure::panel(

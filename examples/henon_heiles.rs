@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, energy, starts) in [("1/12", 1.0 / 12.0, regular), ("1/8", 0.125, mixed)] {
         let mut panel = Figure::panel(format!("E = {name}: section x = 0, px > 0"), "y", "py")
             .equal_axes()
-            .line("edge of what the energy allows", Colour::GREY, edge(energy));
+            .line("boundary at this energy", Colour::GREY, edge(energy));
         for ((y, py), color) in starts.into_iter().zip(colors) {
             let Section { points, drift, off } = section(energy, y, py)?;
             let dimension = dimension(&points);

@@ -143,7 +143,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     println!("Steps and time for an error, means of {RUNS} runs\n");
     let all = [rows("multilevel", &levels), rows("one step size", &single)].concat();
-    table::print(["", "ε asked", "error made", "finest h", "steps", "seconds"], &all);
+    table::print(["", "target ε", "actual error", "finest h", "steps", "seconds"], &all);
     let slopes = [&levels, &single].map(|costs| [slope(costs, |c| c.steps), slope(costs, |c| c.seconds)]);
     println!("\n  steps ~ ε^{:.2} multilevel, ε^{:.2} with one step size", slopes[0][0], slopes[1][0]);
     println!("  time  ~ ε^{:.2} multilevel, ε^{:.2} with one step size", slopes[0][1], slopes[1][1]);
@@ -158,7 +158,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let cost = Figure::panel(
         "Kubo oscillator, mean of q at t = 1",
-        "root mean square error asked for",
+        "target root mean square error",
         "steps of all paths",
     )
     .log_log()
@@ -166,12 +166,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     .points(Look::Joined, "one step size", Colour::VERMILION, points(&single, |cost| cost.steps))
     .slope("ε⁻²", -2.0, guide(last_levels, 2), [1.3e-4, 1.6e-2])
     .slope("ε⁻³", -3.0, guide(last_single, 3), [1e-3, 1.6e-2]);
-    let error =
-        Figure::panel("What was asked and what was got", "root mean square error asked for", "error made")
-            .log_log()
-            .points(Look::Joined, "multilevel", Colour::BLUE, points(&levels, |cost| cost.error))
-            .points(Look::Joined, "one step size", Colour::VERMILION, points(&single, |cost| cost.error))
-            .points(Look::Dashed, "as asked", Colour::INK, [1.25e-4, 1.6e-2].map(|x| (x, x)));
+    let error = Figure::panel("Actual error against target", "target root mean square error", "actual error")
+        .log_log()
+        .points(Look::Joined, "multilevel", Colour::BLUE, points(&levels, |cost| cost.error))
+        .points(Look::Joined, "one step size", Colour::VERMILION, points(&single, |cost| cost.error))
+        .points(Look::Dashed, "target", Colour::INK, [1.25e-4, 1.6e-2].map(|x| (x, x)));
     let variances = one.levels().iter().skip(1).map(|level| (level.h(), level.variance()));
     let means = one.levels().iter().skip(1).map(|level| (level.h(), level.mean().abs()));
     let first = one.levels().get(1).map_or(f64::NAN, |level| level.variance() / level.h().powi(2));
