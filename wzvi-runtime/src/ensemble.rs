@@ -78,12 +78,12 @@ pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSy
     types: Types<E, N, R, P>,
 }
 
-/// What was said so far.
+/// The settings so far.
 type Setup<'a, H> = options::Setup<'a, H, Many<'a, H>>;
 
-/// What ensembles alone are told.
+/// Settings of ensembles only.
 struct Many<'a, H: Hamiltonian> {
-    /// Of each path its own, unless the span has one that was said later.
+    /// A start for each path, unless a later setting gave one to the span.
     starts: Option<ByPath<'a, State<H::Vector>>>,
     systems: Option<ByPath<'a, H>>,
     paths: Option<u64>,
@@ -121,7 +121,7 @@ type Types<E, N, R, P> = PhantomData<fn() -> (E, N, R, P)>;
 #[derive(Default)]
 struct Extras {
     quantiles: bool,
-    /// All, if nothing was said.
+    /// All by default.
     covariances: Option<bool>,
     /// Observable, lower and upper end, bins.
     histograms: Vec<(String, [f64; 2], usize)>,

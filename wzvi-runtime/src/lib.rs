@@ -1,20 +1,20 @@
 //! Runtime of `wzvi`. Users depend on the facade crate `wzvi`; see there for the tour.
 //!
-//! Each room imports only those above it:
+//! Each module imports only modules above it:
 //!
-//! | room | what is in it |
+//! | module | contents |
 //! |---|---|
 //! | `ground` | numbers as words, digits, clocks, names |
-//! | `error` | why a step, a run, a file or a question failed |
+//! | `error` | errors of steps, runs, files and queries |
 //! | `algebra` | the kinds of numbers, states, sums, and the solvers of equations in them |
-//! | `scheme` | what takes a step |
-//! | `increments`, `noise` | what drives it |
+//! | `scheme` | schemes and their steps |
+//! | `increments`, `noise` | Wiener paths and other sources of increments |
 //! | `saving` | files and tables |
-//! | `statistics` | what is known of many paths |
+//! | `statistics` | statistics of many paths |
 //! | `path` | one path: steps, records, sections, checkpoints |
 //! | `ensemble` | many paths |
-//! | `plot`, `report` | what is shown of them |
-//! | `integrate` | where a run begins |
+//! | `plot`, `report` | figures and pages |
+//! | `integrate` | the entry points of runs |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -1,4 +1,4 @@
-//! One path: its steps, what is recorded of it, and how it goes on after it was stopped.
+//! One path: its steps, its recorded nodes, and how it resumes after a stop.
 
 pub(crate) mod between;
 pub mod checkpoint;

@@ -1,4 +1,4 @@
-//! What is known of the chunks that are done, its checkpoint, and when it is enough.
+//! The statistics of finished chunks, their checkpoint, and the test of targets.
 
 use std::ops::{ControlFlow, Range};
 
@@ -14,7 +14,7 @@ use crate::scheme::system::Discretized;
 use crate::statistics::Origin;
 use crate::statistics::{Statistics, StatisticsNode};
 
-/// Errors are looked at after each so many paths, whatever the chunks.
+/// Errors are tested each time so many paths are done, for any size of chunks.
 const LOOK: u64 = 512;
 
 /// Takes the chunks of a run in the order of their numbers.

@@ -1,4 +1,4 @@
-//! From what the user said of an ensemble to a run that makes sense.
+//! Checks the settings of an ensemble and turns them into a run.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ fn wrong<T>(what: impl Into<String>) -> Result<T, ConfigError> {
     Err(ConfigError::Setting(what.into()))
 }
 
-/// How many paths there are: so many as were asked for, or as there are listed starts and systems.
+/// The number of paths: the requested number, or that of listed starts and systems.
 ///
 /// # Errors
 /// [`ConfigError::Missing`] and [`ConfigError::Setting`].
@@ -137,7 +137,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let crossings = vec![crossings; setup.sections.len()];
         let empty = more.wanted.checked(names, &times, (passages, crossings), has_pairs, paths)?;
         if let Some(shorter) = grid.shorter.filter(|_| processes > 0) {
-            // What has no increments for the last step says so before the run.
+            // A source without increments for the last step is an error before the run.
             let last = Interval { step: grid.whole(), ..first };
             source.path(0).increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
         }

@@ -45,8 +45,8 @@ where
     P: Systems,
 {
     /// Runs all paths on all ranks of `world`, each of which calls this with the same settings; [`Ensemble::run`] gives
-    /// the same statistics, bit for bit. Rank 0 has them, the others get `None`: whoever prints or writes files does so
-    /// once. A checkpoint is read and written by rank 0 alone.
+    /// the same statistics, bit for bit. Rank 0 gets them and the others get `None`, so that printing and writing files
+    /// happens once. A checkpoint is read and written by rank 0 alone.
     ///
     /// A rank is one thread, unless [`Ensemble::threads`] says otherwise. MPI has to be initialised for threads, and this
     /// called on the thread that did it:
@@ -61,7 +61,7 @@ where
     /// ```
     ///
     /// A run that is stopped ([`Ensemble::stop_when`]) on one rank is stopped on all. A rank that does not answer delays no other: they do
-    /// its blocks, and the run ends without it; rank 0 says so in a line on standard error.
+    /// its blocks, and the run ends without it; rank 0 reports that in a line on standard error.
     ///
     /// # Errors
     /// Those of [`Ensemble::run`], and [`Error::Cluster`]: all ranks fail together. A panic on one rank ends the

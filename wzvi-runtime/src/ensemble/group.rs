@@ -43,7 +43,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// None where each path has a stepper.
     q: Vec<Lanes<L>>,
     p: Vec<Lanes<L>>,
-    /// What the steps before left, and what steps in lanes allocate once.
+    /// Data of previous steps, and the memory that steps in lanes allocate once.
     memory: MemoryOf<H, E, Lanes<L>>,
     /// The same by lane, between a step that not all lanes could take the short way and the first after which all remember as much;
     /// then, and where nothing is remembered, there are none.
@@ -55,11 +55,11 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     failed: [bool; L],
     any_failed: bool,
     failures: Vec<PathFailure>,
-    /// The states of paths with a stepper each, else that of one lane, for whoever looks at it.
+    /// The states of paths with a stepper each, else that of one lane, for observers.
     states: Vec<State<H::Vector>>,
     /// Increments of one lane.
     alone: Vec<f64>,
-    /// What is prepared of the system of each path, if it has its own.
+    /// The prepared numbers of each path, if it has a system of its own.
     own: Vec<PreparedOf<H, E>>,
     /// The same in lanes, where systems go so.
     gathered: Option<PreparedOf<H, E, Lanes<L>>>,
@@ -77,7 +77,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     starts: Vec<State<H::Vector>>,
     /// What checks it, and its memory.
     checked: Option<Checked<'j, H, E>>,
-    /// The energy of each lane, and the next step at which one is looked at; none where nothing is watched.
+    /// The monitored energy of each lane, and the next step at which one is tested; empty where nothing is monitored.
     watches: Vec<Watch<H::Vector>>,
     next_look: u64,
     /// Of lanes that are looked at in this step.

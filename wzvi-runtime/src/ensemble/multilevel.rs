@@ -15,7 +15,7 @@
 //! N_l = ⌈ √(V_l / C_l) Σ_k √(V_k C_k) / ((1 - θ) ε²) ⌉
 //! ```
 //!
-//! Levels are added until the bias that is left, estimated from the last differences, is below `√θ ε`. The cost of an error
+//! Levels are added until the remaining bias, estimated from the last differences, is below `√θ ε`. The cost of an error
 //! `ε` is then of order `ε^-2`, where one step size alone takes `ε^-3` with weak order one.
 //!
 //! The two paths of a difference have the normals `ξ_1, ξ_2` and `(ξ_1 + ξ_2)/√2`, each truncated with the bound of its own
@@ -51,15 +51,15 @@ use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::{Nodes, Statistics, StatisticsNode};
 
-/// The part `θ` of the squared error that is left to the bias.
+/// The part `θ` of the squared error that is allowed for the bias.
 const BIAS_PART: f64 = 0.25;
 /// Paths of a new level at least, to learn its variance from.
 const FIRST_PATHS: u64 = 256;
 /// A bias is not estimated from fewer levels.
 const LEAST_LEVELS: usize = 3;
-/// Finest level unless the user says so: steps a million times shorter than the coarsest.
+/// The default of the finest level: steps a million times shorter than the coarsest.
 const MOST_LEVELS: u32 = 20;
-/// Paths of a level, at most, unless the user says how many.
+/// The default of the largest number of paths of a level.
 const MOST_PATHS: u64 = 1 << 50;
 /// Paths of the coarsest level on which an observable may be the same number, unless the user says how many.
 const MOST_CONSTANT: u64 = 1 << 20;
@@ -86,7 +86,7 @@ pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
     types: PhantomData<fn() -> (E, O)>,
 }
 
-/// What is said of levels alone.
+/// Settings of levels only.
 #[derive(Clone, Copy)]
 struct Levels {
     target: Option<f64>,
@@ -96,8 +96,8 @@ struct Levels {
 
 impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// The mean of the one observable at the end, to a root mean square error of `target` (units of the observable), from
-    /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with what was said of start, end, seed,
-    /// observable, paths and threads. Whatever else was said has no meaning there, and is an error of the run.
+    /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with the start, end, seed,
+    /// observable, paths and threads of the ensemble. Its other settings have no meaning there, and are an error of the run.
     pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
         Multilevel::begun(self.setup).target(target)
     }
@@ -240,7 +240,7 @@ where
     }
 }
 
-/// What an ensemble was told that means nothing here.
+/// Settings of an ensemble that have no meaning here.
 fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
     let Setup { span, recorded, sections, keeping, retry, is_watched, more, .. } = setup;
     let Many { starts, systems, paths: _, source, settings, own, events, wanted, inspector, control } = more;
@@ -450,7 +450,7 @@ where
         let mut variances: Vec<f64> = Vec::new();
         for (level, mut variance) in variance_bounds(&ends).into_iter().enumerate() {
             if let Some(coarser) = variances.last().filter(|_| level >= 2) {
-                // A few paths may miss what is rare.
+                // A few paths may miss rare events.
                 variance = variance.max(0.5 * coarser / 2f64.powf(slope));
             }
             variances.push(variance);

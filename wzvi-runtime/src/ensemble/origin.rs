@@ -1,4 +1,4 @@
-//! What a run of paths was asked for.
+//! The settings of a run of paths, which identify its results.
 
 use super::job::Job;
 use crate::ground::names::short_name;

@@ -6,7 +6,7 @@ use super::halt::Halt;
 use super::job::Stop;
 use crate::ground::clock::{self, Moment};
 
-/// About how long a run works between two questions: a tenth of what a person notices.
+/// Approximate time between two checks for a stop: a tenth of a delay that a person notices.
 const WANTED: Duration = Duration::from_millis(10);
 /// Pieces of work between two questions, at most: one question a step would cost as much as a short step.
 const MOST: u32 = 1024;

@@ -22,7 +22,7 @@ where
     P: Systems,
 {
     /// The path with this number as the ensemble has it, bit for bit: as far as it goes, and what ended it early, if anything did. Nodes
-    /// are recorded as for a single path, by [`Ensemble::record_every`] and [`Ensemble::record_at`]; observables are not asked.
+    /// are recorded as for a single path, by [`Ensemble::record_every`] and [`Ensemble::record_at`]; observables are not evaluated.
     ///
     /// ```ignore
     /// let failure = statistics.failures()[0];

@@ -41,7 +41,7 @@ impl<'a> Source<'a> {
             }
             Self::Paths(mut noise) => {
                 noise.prepare(plan, first.h, processes, first.start)?;
-                // What ends too early says so before the run.
+                // A source that ends too early is an error before the run.
                 if let Some(step) = steps.checked_sub(1) {
                     noise.increments(&Interval { step, ..first }, &mut vec![0.0; processes])?;
                 }
@@ -101,7 +101,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What a builder says of normals.
+/// The settings of normals.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Settings {
     pub(super) truncation: Truncation,

@@ -82,7 +82,7 @@ impl<T> ByPath<'_, T> {
     }
 }
 
-/// What a list that is too short is told.
+/// The error for a list that is too short.
 pub(super) const STARTS: &str =
     "a start for each path: give `.starts_from(states)` as many as there are paths";
 

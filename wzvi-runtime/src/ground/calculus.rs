@@ -47,7 +47,7 @@ pub use function::{Function, Quadrature, Value};
 pub use lambda::Lambda;
 pub use scale::{Interior, Midpoints, Minus, Nodes, Plus, Point, Scale, TimeScale, Whole};
 
-/// A value was asked for where there is none.
+/// A value was requested where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DomainError {
     /// `[a, b]` with `N` steps is no uniform time scale: `a` and `b` must be finite and far enough apart, `N > 0`.

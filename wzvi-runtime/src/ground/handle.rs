@@ -13,8 +13,8 @@
 //! });
 //! ```
 //!
-//! A run that is stopped keeps what it has, and writes its checkpoint, if it has one: [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns it
-//! with `Error::Stopped`; averages, ensembles and multilevel runs return it and say that it is partial.
+//! A stopped run keeps its results so far, and writes its checkpoint, if it has one. [`run_partial`](crate::path::simulate::Simulation::run_partial) of a single path returns the
+//! path with `Error::Stopped`; averages, ensembles and multilevel runs return their results, marked as partial.
 
 use std::fmt;
 use std::sync::Arc;
@@ -77,7 +77,7 @@ impl Handle {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Whether its runs have been told to stop.
+    /// Whether its runs were stopped.
     pub fn is_stopped(&self) -> bool {
         self.0.is_stopped.load(Ordering::Relaxed)
     }

@@ -12,7 +12,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Between two looks at the line.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// A line that shows how far a run is, which goes when this is dropped, and the handle that knows it, too.
+/// A line that shows the progress of a run until this is dropped, and the handle that reports it, too.
 pub(crate) struct ProgressLine {
     /// What is counted.
     unit: &'static str,

@@ -43,7 +43,7 @@
 //!
 //! A checkpoint of a small system has about a kilobyte. It takes the time in which the disk confirms it, about a millisecond on a
 //! solid-state disk. Between two checkpoints a step costs one comparison more. With `d` degrees of freedom and `K` noises, a recorded node
-//! takes `8 (1 + 2 d + K)` bytes, as in memory, and every checkpoint writes all of them, and the crossings of sections: record what you need, or
+//! takes `8 (1 + 2 d + K)` bytes, as in memory, and every checkpoint writes all of them, and the crossings of sections: record only what you need, or
 //! save less often.
 //! `cargo run --release --example long_run -- cost` measures it.
 //!
@@ -54,7 +54,7 @@
 //!
 //! # Observers
 //!
-//! A checkpoint does not keep what an observer has seen. The observer of a resumed run sees the nodes after the checkpoint, with the sums of
+//! A checkpoint does not contain the data of an observer. The observer of a resumed run sees the nodes after the checkpoint, with the sums of
 //! the increments from the start. Nodes between the last checkpoint and the stop are seen twice.
 //!
 //! # Ensembles
@@ -92,7 +92,7 @@ pub(crate) use keeper::Keeper;
 pub(crate) use keeper::{Described, Extent};
 
 /// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run counts, `C`. A [`Simulation`]
-/// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) counts [`Paths`]; both accept one that says neither.
+/// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) counts [`Paths`]; both accept a checkpoint without a number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
 pub struct Checkpoint<C = Anything> {
@@ -103,7 +103,7 @@ pub struct Checkpoint<C = Anything> {
     counts: PhantomData<C>,
 }
 
-/// A checkpoint says nothing about what its run counts.
+/// A checkpoint without a number of steps or paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anything {}
 
@@ -126,7 +126,7 @@ impl<C> Suits<C> for Anything {}
 impl Suits<Steps> for Steps {}
 impl Suits<Paths> for Paths {}
 
-/// How often, unless the user says otherwise.
+/// The default interval.
 const MINUTE: Duration = Duration::from_secs(60);
 
 impl Checkpoint {
@@ -182,7 +182,7 @@ impl Checkpoint {
     }
 }
 
-/// What a run was told to keep.
+/// The checkpoint of a run, if it has one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Keeping(Option<Checkpoint>);
 

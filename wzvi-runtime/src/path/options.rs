@@ -29,7 +29,7 @@ pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync +
 #[cfg(feature = "ensemble")]
 pub(crate) type OwnObservable<'a, H, V> = Arc<dyn Fn(&H, &State<V>) -> f64 + Send + Sync + 'a>;
 
-/// Functions of the state, and what is said of each.
+/// Functions of the state, with the settings of each.
 pub(crate) struct Functions<'a, V, K>(pub(crate) Vec<(K, Observable<'a, V>)>);
 
 /// Functions of the state, by name.
@@ -99,7 +99,7 @@ impl<'a, V> Observables<'a, V> {
     }
 }
 
-/// What a run was told so far: what all runs of paths are told, and what one kind of them is told besides.
+/// The settings of a run so far: those of all runs of paths, and those of one kind of run.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup<'a, H: Hamiltonian, M = ()> {
     pub(crate) system: &'a H,
@@ -140,7 +140,7 @@ pub(crate) struct Execution<'a> {
     pub(crate) stop: Option<Arc<dyn Fn() -> bool + Send + Sync + 'a>>,
     pub(crate) is_quiet: bool,
     pub(crate) handle: Option<Handle>,
-    /// The best that the machine has if none are asked for.
+    /// The best of the machine by default.
     #[cfg(feature = "ensemble")]
     pub(crate) instructions: Option<InstructionSet>,
 }
@@ -154,7 +154,7 @@ impl fmt::Debug for Execution<'_> {
 
 #[cfg(feature = "ensemble")]
 impl Execution<'_> {
-    /// Those asked for, or all cores.
+    /// The requested number, or all cores.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for none.
@@ -308,15 +308,15 @@ macro_rules! options {
             self
         }
 
-        /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A stopped run returns what it has done, and says that
-        /// it is partial.
+        /// Lets this handle stop the run and report its progress ([`crate::ground::handle`]). A stopped run returns its results so far, marked
+        /// as partial.
         pub fn handle(mut self, handle: &crate::ground::handle::Handle) -> Self {
             self.setup.execution.handle = Some(handle.clone());
             self
         }
     };
     (@ progress) => {
-        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers what is done, and says that it is
+        /// Ends the run early when `stop` returns true, at a deadline for example. The result then covers the work so far, and is marked as
         /// partial.
         ///
         /// All threads call it about every 10 ms, and after each step or observed path that takes longer; a single path calls it ten times a

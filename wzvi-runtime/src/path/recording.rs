@@ -4,7 +4,7 @@ use crate::error::ConfigError;
 use crate::ground::digits::Brief;
 use crate::path::span::{Grid, Place};
 
-/// What to record, as the user says it.
+/// The user's request for recorded nodes and times.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Request {
     /// Every so many steps; 0 for none.
@@ -72,7 +72,7 @@ pub(crate) struct Recording {
 }
 
 impl Recording {
-    /// All recorded times of a run, in order: the start, those asked for, the end.
+    /// All recorded times of a run, in order: the start, the requested times, the end.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] if there are more than `most`.

@@ -21,12 +21,12 @@ use crate::path::options::Functions;
 use crate::scheme::dense::{DenseOutput, Samples};
 use root::{lowest, root};
 
-/// The fewest parts of a step whose ends are looked at.
+/// The fewest parts of a step at whose ends the function is evaluated.
 const LEAST_PARTS: usize = 4;
 /// The most.
 const MOST_PARTS: usize = 17;
 
-/// Sections that were asked for: functions, and the direction of those crossings that are wanted, if not of all.
+/// The requested sections: functions, with the direction of the crossings where only one is requested.
 pub(crate) type Sections<'a, V> = Functions<'a, V, Option<Direction>>;
 
 impl<V> Sections<'_, V> {

@@ -9,12 +9,12 @@ use crate::scheme::system::{Discretized, Hamiltonian, fits};
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
 pub(crate) const MOST_STEPS: u64 = 1 << 53;
 
-/// The end of a run, as the user says it.
+/// The end of a run, as the user sets it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum End {
     Time(f64),
     Steps(u64),
-    /// One after the other was said.
+    /// Two contradicting ends were set.
     Both(f64, u64),
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Grid {
     pub(crate) h: f64,
     /// All steps, a shorter last one included.
     pub(crate) steps: u64,
-    /// The time of the last node, if it was asked for to the last bit.
+    /// The time of the last node, if the end is exact.
     pub(crate) end: Option<f64>,
     /// The size of a last step that is shorter than the others.
     pub(crate) shorter: Option<f64>,

@@ -1,4 +1,4 @@
-//! What a run leaves: states at the recorded nodes and the increments between them.
+//! The result of a run: states at the recorded nodes and the increments between them.
 
 mod recorder;
 #[cfg(feature = "serde")]

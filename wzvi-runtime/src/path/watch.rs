@@ -1,7 +1,7 @@
-//! Whether a run of constant step still has the energy that it began with.
+//! Monitors the energy of runs of constant step.
 //!
-//! A step that is far too long for the orbit is solved as well as any other, and its state is wrong. What shows it is the energy. Both ends of one
-//! step in eight of a deterministic run of constant step, and of the paths of an ensemble of few steps until one is off ([`Watch::among_others`]),
+//! A step that is far too long for the orbit can be solved to the last digit, and still lead to a wrong state. The energy reveals it. In a deterministic run
+//! of constant step, both ends of one step in eight are tested; in a path of an ensemble few steps are, until one is off ([`Watch::among_others`]):
 //!
 //! ```text
 //! E_h = H                                   Midpoint, Gauss and their compositions (`KeptEnergy::Hamiltonian`)
@@ -11,17 +11,17 @@
 //! W   = min over the nodes of the last eight looks of |E_h - E_h(0)| / A
 //! ```
 //!
-//! are looked at, and `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact first integral of every linear system
-//! `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick keeps `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` keeps `p² + ω² q² +
-//! (2l - 1) h ω² q p`, and a mid-point keeps every quadratic form that the flow keeps. So a stable linear motion gives rounding at any `ω h`, and
-//! what is left in others is of the order of the scheme beyond that. Compositions of kicks and drifts keep an energy near `H` that differs more
-//! and more as they come near the limit of their stability; there `E_h(0)` is all that `H` is at the first eight looks (`KeptEnergy::Nearly`), and what goes wrong
-//! before is not seen. Excursions that return, at a pericentre or on the chord of a
-//! mid-point, are forgiven by the minimum, and so is a stiff direction that is excited at every other node. `A` is the size of the motion, twice the kinetic energy of a mechanical system, in units of
-//! energy: its mean does not grow with the error, as its largest value does. Its value depends on a constant that is added to `p`.
+//! `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact first integral of every linear system
+//! `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick conserves `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` conserves `p² + ω² q² +
+//! (2l - 1) h ω² q p`, and a mid-point conserves every quadratic form that the flow conserves. A stable linear motion therefore changes `E_h` by rounding only,
+//! at any `ω h`; in others the change is of one order more than the scheme.
 //!
-//! One step in each eight is looked at, and not always the same one of them: a motion whose period is a multiple of eight steps would show
-//! the same phase each time.
+//! Compositions of kicks and drifts conserve an energy near `H`, whose distance from `H` grows towards the limit of stability. Their `E_h(0)` is the range
+//! of `H` over the first eight tests (`KeptEnergy::Nearly`), so errors before that are not detected. The minimum ignores excursions that return, at a pericentre or
+//! on the chord of a mid-point, and a stiff direction that is excited at every other node. `A` is the size of the motion in units of energy, twice the
+//! kinetic energy of a mechanical system. Its mean does not grow with the error, unlike its largest value. It depends on the origin of `p`.
+//!
+//! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps would have the same phase in each test.
 
 use crate::algebra::scalar::{Dual, Rounded};
 use crate::algebra::state::{State, Vector, dot};
@@ -30,20 +30,20 @@ use crate::scheme::dense::copy_state;
 use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
-/// Steps of which one is looked at.
+/// One step of so many is tested.
 const STRIDE: u64 = 8;
-/// Looks that an energy has to be off for: 64 steps.
+/// Consecutive tests in which the energy must be off: 64 steps.
 const SPAN: usize = 8;
 /// The steps that they span.
 const TAIL: u64 = STRIDE * SPAN as u64;
 /// How far the energy may be off, in units of the mean of `p · dq/dt`. Resolved motions of all kinds stay below 0.031, and those that are wrong
 /// leave the constant energy by a multiple of their kinetic energy.
 const HARMFUL: f64 = 0.1;
-/// What the halves of one divided step may disagree by, in the same units: as many divided steps as a look spans, one after the other and all off to the
-/// same side, are then not what is called harmful.
+/// The largest disagreement of the halves of one divided step, in the same units: 64 divided steps in a row, all off to the same side, then stay below
+/// `HARMFUL`.
 pub(crate) const AGREEMENT: f64 = HARMFUL / TAIL as f64;
 
-/// Whether the energy of a run of this scheme is what is watched.
+/// Whether the energy of a run of this scheme is monitored.
 pub(crate) const fn keeps_energy<H: Discretized<E>, E>() -> bool {
     matches!(H::PLAN.noise, NoiseClass::None)
         && matches!(H::PLAN.conserves_energy, Knowledge::Proven)
@@ -82,9 +82,9 @@ pub(crate) fn next_look(step: u64) -> u64 {
 /// The energy of a run so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch<V> {
-    /// The step to look at; the largest number if nothing is watched.
+    /// The next step to test; the largest number if nothing is monitored.
     next: u64,
-    /// The steps of a path of an ensemble, which is looked at rarely as long as its energy is right.
+    /// The steps of a path of an ensemble, which is tested rarely as long as its energy is right.
     steps: Option<u64>,
     is_refusing: bool,
     suspected: u64,
@@ -92,14 +92,14 @@ pub(crate) struct Watch<V> {
     band: [f64; 2],
     /// That of all looks.
     motion: Motion,
-    /// By how much the energy is off before the step that is looked at, and, the less of both its ends, was at the last looks.
+    /// The deviation of the energy before the tested step; and at the last tests, the smaller one of both ends.
     off: f64,
     recent: [f64; SPAN],
     /// Made by the first look, and away in each.
     room: Option<Box<Room<V>>>,
 }
 
-/// What a look needs, and where its step began.
+/// The work space of a test, and the start of its step.
 #[derive(Clone, Debug)]
 pub(crate) struct Room<V> {
     before: State<V>,
@@ -118,14 +118,14 @@ impl<V> Default for Watch<V> {
 }
 
 impl<V: Vector> Watch<V> {
-    /// Of a run by this scheme from step 0, if the system keeps its energy; whether it refuses what it finds, or counts it only.
+    /// For a run by this scheme from step 0, if the system conserves its energy. Deviations are refused, or only counted.
     pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_refusing: bool) -> Self {
         Self { next: if keeps_energy::<H, E>() { 0 } else { u64::MAX }, is_refusing, ..Self::default() }
     }
 
-    /// Of a path of so many steps that is one of many, which refuses what it finds: it looks at the start, at steps eight times as far each, and where 64 steps are
-    /// left. From one that is off on it looks as any other, until one is not. So a path pays for four looks in its first
-    /// thousand steps and one more for eight times as many, and what has gone wrong 64 steps before its end is found.
+    /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then at eight times the step of the last test, and 64
+    /// steps before the end. After a deviation it is tested like a single run, until the deviation ends. A path thus pays for four tests in its first
+    /// thousand steps and one more for eight times as many, and deviations up to 64 steps before its end are found.
     #[cfg(feature = "ensemble")]
     pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
         let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
@@ -144,7 +144,7 @@ impl<V: Vector> Watch<V> {
         self.next
     }
 
-    /// Whether this step is looked at.
+    /// Whether this step is tested.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn looks_at(&self, step: u64) -> bool {
         step == self.next
@@ -160,7 +160,7 @@ impl<V: Vector> Watch<V> {
         self.motion.mean()
     }
 
-    /// Before a step of size `h` that is looked at: what [`Watch::end`] takes after it.
+    /// Before a tested step of size `h`: prepares [`Watch::end`].
     #[inline(never)]
     pub(crate) fn begin<H: Discretized<E, Vector = V>, E>(
         &mut self,
@@ -305,12 +305,12 @@ impl<V: Vector> Room<V> {
     }
 }
 
-/// What rounding may have done to the energy up to this state, `n r max(1, s (s + 1) √(R/A))`: `r` is the difference of the energies of all states that round to
-/// this one, in each of `n` steps, of which stiff ones err to one side, and at the start. A step that is long for a linear motion rounds by more: the
-/// increments are what is left of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy, and of `s` stages, of order
-/// `2s`, `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity. A composition has the `s` of its parts, whose weights are of the size
-/// of one: what its order is beyond theirs says nothing of rounding. Explicit steps, and compositions of them, have no stages: `s = 0`. Each part of theirs adds to the state what it
-/// evaluates, and is stable only where that is as large as the state.
+/// The rounding error of the energy up to this state, `n r max(1, s (s + 1) √(R/A))`. `r` is the difference of the energies of all states that round to this one, in
+/// each of `n` steps and at the start; stiff steps err to one side. A step that is long for a linear motion has larger roundings, because its increments are
+/// differences of stages that are `ωh` times as large. `R = r/ε` is the size of the terms of the energy. For `s` stages, of order `2s`,
+/// `A = O(R) (s (s + 1) / ωh)²`, from the Padé approximation at infinity. A composition has the `s` of its parts, whose weights are of the size of one; its higher
+/// order does not matter for rounding. Explicit steps and their compositions have no stages, `s = 0`: each part adds its values to the state, and is stable only
+/// where these are at most as large as the state.
 #[cold]
 fn rounding<H: Discretized<E>, E>(system: &H, state: &State<H::Vector>, step: u64, motion: f64) -> f64 {
     let lift =

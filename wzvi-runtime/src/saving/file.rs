@@ -1,4 +1,4 @@
-//! Files that appear complete or not at all: whatever happens, what has the name is the old content or the new one.
+//! Files that appear complete or not at all: whatever happens, the name refers to the old contents or to the new ones.
 //!
 //! Content is written under a temporary name in the same folder, flushed to the disk, and then renamed; the folder is
 //! flushed after that.
@@ -8,7 +8,7 @@
 //!   process that was killed ([`remove_parts`]).
 //! * A symbolic link stays, and the file that it leads to is replaced. Permissions stay, too. Another hard link to the
 //!   old content keeps it.
-//! * What is no regular file (a device, a pipe, a folder) and what is read-only is refused, untouched.
+//! * A device, a pipe, a folder or a read-only file is refused, untouched.
 
 use std::fs::{self, File, Metadata, TryLockError};
 use std::hash::{BuildHasher, RandomState};
@@ -99,7 +99,7 @@ pub(crate) struct Staged {
 }
 
 impl Staged {
-    /// Writes what is to become the content of `path`.
+    /// Writes the future content of `path`.
     pub(crate) fn write(
         path: &Path,
         write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -165,7 +165,7 @@ pub(crate) fn publish_set(staged: Vec<Staged>) -> Result<(), FileError> {
 
 const WRITE: &str = "write";
 
-/// Replaces the content of `path` by what `write` writes. Nothing is left behind if this fails.
+/// Replaces the content of `path` by the output of `write`. Nothing is left behind if this fails.
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,

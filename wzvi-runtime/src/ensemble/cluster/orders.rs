@@ -26,14 +26,14 @@ const FEW_WORDS: usize = 128;
 /// Bytes of a text, likewise.
 const FEW_BYTES: usize = 1000;
 
-/// What rank 0 says.
+/// A message of rank 0.
 pub(super) enum Order {
     Batch(u64, u64),
     Send,
     End(Option<String>),
 }
 
-/// What another rank says.
+/// A message of another rank.
 pub(super) enum Answer {
     Announced(usize),
     Results(Vec<u64>),

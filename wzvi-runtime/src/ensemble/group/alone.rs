@@ -1,4 +1,4 @@
-//! A lane of a group that goes alone: where the short way fails, and each remembers by itself.
+//! A lane of a group that steps alone, where the fast method fails, and lanes with memories of their own.
 
 use super::{Group, Systems, advance};
 use crate::algebra::carry::Plain;
@@ -92,13 +92,13 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         Ok(state)
     }
 
-    /// What this step of a lane has left is no guide for the next.
+    /// Marks a step of a lane as no guide for the next one.
     fn lose_guide(&mut self, lane: usize, step: u64) {
         self.unguided[lane] = step + 1;
         self.anew = step + 1;
     }
 
-    /// One lane, as it goes alone: the short way, then the careful one of a [`Stepper`].
+    /// One lane alone: the fast method, then the careful one of a `Stepper`.
     fn single(
         &mut self,
         lane: usize,
@@ -127,7 +127,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         }
     }
 
-    /// The system of a lane, and what is prepared of it.
+    /// The system of a lane, and its prepared numbers.
     fn system_of(&self, lane: usize) -> (&'j H, PreparedOf<H, E>) {
         let job = self.job;
         match self.own.get(lane) {
@@ -136,7 +136,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         }
     }
 
-    /// The careful way, of one lane.
+    /// The careful method for one lane.
     fn careful(
         &mut self,
         lane: usize,

@@ -20,7 +20,7 @@ pub(super) fn variance_bounds(levels: &[&StatisticsNode]) -> Vec<f64> {
     levels.iter().map(bound).collect()
 }
 
-/// The bias that is left, as far as the last three differences show: a remainder of `m / (2^α - 1)` after a difference `m`,
+/// The remaining bias, estimated from the last three differences: a remainder of `m / (2^α - 1)` after a difference `m`,
 /// if they fall like `2^{-α l}`; the largest of the three, since each may be small by chance. Infinite without differences.
 pub(super) fn bias(levels: &[&StatisticsNode], order: f64) -> f64 {
     let differences = levels.iter().skip(1).rev().take(3).zip(0..);

@@ -98,7 +98,7 @@ pub(super) fn decode(kind: Kind, bytes: &[u8]) -> (Vec<u8>, Result<Saved, Unread
 fn read(kind: Kind, line: &[u8], content: &[u8]) -> Result<Saved, Unreadable> {
     let damaged = |damage| Err(Unreadable::Damaged(damage));
     let Some(rest) = line.strip_prefix(kind.magic().as_bytes()) else {
-        // An empty file, or the start of a first line, is what is left of a checkpoint.
+        // An empty file, or the start of a first line, is the remainder of a checkpoint.
         let is_cut = content.is_empty() && kind.magic().as_bytes().starts_with(line);
         let other = KINDS.iter().find(|(magic, _)| line.starts_with(magic.as_bytes()));
         return Err(match other {
@@ -144,7 +144,7 @@ fn read(kind: Kind, line: &[u8], content: &[u8]) -> Result<Saved, Unreadable> {
     if is_written { Ok(saved) } else { damaged(Damage::Header) }
 }
 
-/// What has the checksum of what was written, and cannot have been.
+/// The error for contents with a right checksum that no run can have written.
 pub(super) fn nonsense() -> Damage {
     Damage::Content("a part of it has the wrong length".to_owned())
 }

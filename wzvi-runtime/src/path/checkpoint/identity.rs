@@ -1,4 +1,4 @@
-//! What makes two runs the same: as names and texts, so that a difference can be told.
+//! The identity of a run as names and texts, so that differences can be listed.
 
 use std::fmt::{self, Write};
 

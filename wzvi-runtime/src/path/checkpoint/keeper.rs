@@ -48,7 +48,7 @@ impl Described {
         self
     }
 
-    /// What differs: what the user set comes first, because the rest follows from it.
+    /// The differences, the user's settings first, because others follow from them.
     fn differences(&self, saved: &Saved) -> Vec<Difference> {
         let mut differences = identity::differences(&saved.settings, &self.settings);
         differences.extend(identity::start_differences(self.degrees, &saved.start, &self.start));
@@ -206,7 +206,7 @@ impl Keeper {
 }
 
 impl Kept {
-    /// What the file says; `None` if there is none.
+    /// The contents of the file; `None` if there is no file.
     fn read(&mut self) -> Result<Option<Saved>, CheckpointError> {
         let Some(mut file) = file::open(&self.path)? else { return Ok(None) };
         let mut bytes = Vec::new();

@@ -43,7 +43,7 @@ pub struct TimeAverage {
 /// The result of a run of averages.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeAverages<V> {
-    /// By observable, in the order in which they were asked for.
+    /// By observable, in the order of the requests.
     pub averages: Vec<TimeAverage>,
     /// Where the path ended: a start for the next.
     pub last: State<V>,
@@ -112,7 +112,7 @@ where
     /// the run is then a limit. The test uses [`BatchMeans::error_bound`], which is known once the path has lasted for some 200 correlation times. If
     /// this is called more than once, all targets must be met.
     ///
-    /// **One path does not know what it has not seen.** A path that has stayed in one of two wells has a small error of the mean over that well, and
+    /// **A path samples only the regions that it visits.** A path that has stayed in one of two wells has a small error of the mean over that well, and
     /// meets the target. Where a system may have more than one region, run several paths from starts in different ones, and compare their
     /// means: [`Chains`](super::Chains).
     pub fn until_error(mut self, observable: impl Into<String>, target: f64) -> Self {
@@ -120,7 +120,7 @@ where
         self
     }
 
-    /// Ends the run early when `stop` returns true, at a deadline for example. The averages then cover what is done ([`TimeAverages::is_partial`]).
+    /// Ends the run early when `stop` returns true, at a deadline for example. The averages then cover the path so far ([`TimeAverages::is_partial`]).
     /// It is called about ten times a second. The [handle](Simulation::handle) of the path stops it, too.
     pub fn stop_when(mut self, stop: impl Fn() -> bool + 'a) -> Self {
         self.stop = Some(Box::new(stop));

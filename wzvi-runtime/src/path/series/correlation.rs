@@ -1,4 +1,4 @@
-//! Autocorrelation functions, and what follows from them.
+//! Autocorrelation functions, correlation times and errors.
 
 use super::SeriesError;
 use super::transform::lagged_products;
@@ -27,7 +27,7 @@ impl ByLag {
     }
 }
 
-/// The autocorrelation of a stationary series, and what it says of the mean.
+/// The autocorrelation of a stationary series, and the error of the mean that follows from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Autocorrelation {
     /// The mean of all values.

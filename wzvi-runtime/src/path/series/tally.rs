@@ -1,4 +1,4 @@
-//! Averages in the making: what a run that keeps no path is left with.
+//! Running averages of a run that keeps no path.
 
 use super::BatchMeans;
 use crate::algebra::state::State;
@@ -29,9 +29,9 @@ const LOOKS: u64 = 64;
 /// The values of observables at every `stride`-th node.
 pub(crate) struct Tally<'a, V> {
     averaged: Averaged<'a, V>,
-    /// Time from the start that is left out.
+    /// Time from the start that is discarded.
     discarded: f64,
-    /// The errors that are small enough, infinite where none was asked for.
+    /// The target errors, infinite where there is no target.
     wanted: Vec<f64>,
     batches: Vec<BatchMeans>,
     /// How many values there were at the last look at the errors.

@@ -1,4 +1,4 @@
-//! Steps that do not begin where the last one ended, or that the short way does not take: out of line.
+//! Steps that do not begin where the last one ended, or that the fast method does not solve: out of line.
 //!
 //! Everything goes there and comes back by value, because state and stepper stay in registers only where no function is given their
 //! address.
@@ -13,9 +13,9 @@ type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
 
 /// Why a step is none of the usual ones.
 pub(super) enum Cause<M> {
-    /// What the last step left is no guide: the state was moved, and the memory has forgotten it, or that step was hard.
+    /// The last step is no guide: the state was moved, and the memory has forgotten that step, or it was hard.
     Unguided { memory: M, is_moved: bool },
-    /// The short way failed.
+    /// The fast method failed.
     Failed(StepFailure),
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Refused<M> {
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
-    /// Takes it: the short way if that is not known to fail, then with care.
+    /// Takes the step: by the fast method unless that is known to fail, then with care.
     ///
     /// # Errors
     /// The cause, or those of [`solve_by_continuation`].

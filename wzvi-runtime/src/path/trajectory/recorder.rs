@@ -13,7 +13,7 @@ use crate::path::section::Crossing;
 use crate::path::step::StepInfo;
 use crate::scheme::system::Exchange;
 
-/// Takes down what a run passes.
+/// Records the nodes that a run passes.
 pub(crate) struct Recorder<V> {
     path: Path<V>,
     recording: Recording,

@@ -16,7 +16,7 @@ use crate::scheme::system::Hamiltonian;
 /// | column | what | from |
 /// |---|---|---|
 /// | `t`, `x`, `y`, `px`, `py` | time, coordinates and momenta, as the closure of the drift calls them; `q[0]`, `q[1][2]` of arrays | [`Trajectory::table`] |
-/// | what was observed | under its own name; `q_` if another column is called `q` | [`Trajectory::table`] |
+/// | the observables | under their own names; `q_` if another column is called `q` | [`Trajectory::table`] |
 /// | `energy` | the drift Hamiltonian `H_0` | [`PathTable::energies`] |
 /// | `invariant_0`, ... | the proven first integrals, in the order of the attribute; under their names where they have some | [`PathTable::energies`] |
 /// | `dw_0`, ... | the increment of each noise since the row before; 0 in the first row | [`PathTable::increments`] |
@@ -30,7 +30,7 @@ pub struct PathTable<'a, V, E> {
 }
 
 impl<V: Vector, E> Trajectory<V, E> {
-    /// The recorded nodes as a table with time, coordinates, momenta and what was observed.
+    /// The recorded nodes as a table with time, coordinates, momenta and observables.
     ///
     /// `path.table().energies(&kubo).write_csv("path.csv")?` writes them with the energies.
     pub fn table(&self) -> PathTable<'_, V, E> {
