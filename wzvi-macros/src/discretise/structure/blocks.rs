@@ -34,23 +34,18 @@ impl Dependencies {
         Self { degrees, reads, cost }
     }
 
-    /// Strongly connected components, each after those that it reads.
+    /// Strongly connected components, each after those that it reads: the trees of the reversed graph, where those are planted first that
+    /// a search of the graph leaves last.
     pub(crate) fn components(&self) -> Vec<Vec<usize>> {
-        let mut search = Tarjan {
-            reads: &self.reads,
-            index: vec![None; self.reads.len()],
-            low: vec![0; self.reads.len()],
-            on_stack: vec![false; self.reads.len()],
-            stack: Vec::new(),
-            next: 0,
-            components: Vec::new(),
-        };
-        for vertex in 0..self.reads.len() {
-            if search.index[vertex].is_none() {
-                search.visit(vertex);
-            }
+        let mut read_by = vec![Vec::new(); self.reads.len()];
+        for (vertex, reads) in self.reads.iter().enumerate() {
+            reads.iter().for_each(|&read| read_by[read].push(vertex));
         }
-        search.components
+        let left = trees(&self.reads, 0..self.reads.len()).concat();
+        let mut components = trees(&read_by, left.into_iter().rev());
+        components.iter_mut().for_each(|component| component.sort_unstable());
+        components.reverse();
+        components
     }
 
     /// Splits a component into the unknowns to iterate on and those assigned from them, in order.
@@ -129,42 +124,21 @@ fn price(graph: &Graph, expr: Expr) -> u32 {
     graph.reachable(&[expr]).iter().map(weight).sum()
 }
 
-struct Tarjan<'a> {
-    reads: &'a [Vec<usize>],
-    index: Vec<Option<usize>>,
-    low: Vec<usize>,
-    on_stack: Vec<bool>,
-    stack: Vec<usize>,
-    next: usize,
-    components: Vec<Vec<usize>>,
+/// The trees of a search in depth from each of `roots`, with their vertices in the order in which it leaves them.
+fn trees(edges: &[Vec<usize>], roots: impl Iterator<Item = usize>) -> Vec<Vec<usize>> {
+    let mut met = vec![false; edges.len()];
+    let tree = |root| {
+        let mut left = Vec::new();
+        search(edges, root, &mut met, &mut left);
+        left
+    };
+    roots.map(tree).filter(|tree| !tree.is_empty()).collect()
 }
 
-impl Tarjan<'_> {
-    /// Depth is at most twice the degrees of freedom, which are few.
-    fn visit(&mut self, vertex: usize) {
-        self.index[vertex] = Some(self.next);
-        self.low[vertex] = self.next;
-        self.next += 1;
-        self.stack.push(vertex);
-        self.on_stack[vertex] = true;
-        for &read in &self.reads[vertex] {
-            match self.index[read] {
-                None => {
-                    self.visit(read);
-                    self.low[vertex] = self.low[vertex].min(self.low[read]);
-                }
-                Some(index) if self.on_stack[read] => self.low[vertex] = self.low[vertex].min(index),
-                Some(_) => {}
-            }
-        }
-        if Some(self.low[vertex]) == self.index[vertex] {
-            let start = self.stack.iter().rposition(|&v| v == vertex).promised("a root is on the stack");
-            let mut component = self.stack.split_off(start);
-            for &member in &component {
-                self.on_stack[member] = false;
-            }
-            component.sort_unstable();
-            self.components.push(component);
-        }
+/// Depth is at most twice the degrees of freedom, which are few.
+fn search(edges: &[Vec<usize>], vertex: usize, met: &mut [bool], left: &mut Vec<usize>) {
+    if !std::mem::replace(&mut met[vertex], true) {
+        edges[vertex].iter().for_each(|&next| search(edges, next, met, left));
+        left.push(vertex);
     }
 }
