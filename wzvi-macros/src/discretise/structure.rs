@@ -184,23 +184,18 @@ fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut Has
 /// The expression to scale and add to a state: the definition of an assigned increment where that is one product (the
 /// factor then merges with it), else its symbol, so that the terms of an increment are summed before the state is added.
 pub(crate) fn increment(graph: &mut Graph, symbol: Symbol, definitions: &HashMap<Symbol, Expr>) -> Expr {
-    match definitions.get(&symbol) {
-        Some(&definition) if !is_long_sum(graph, definition) => definition,
-        _ => graph.symbol(symbol),
-    }
+    let is_long = |node: &Node| match node {
+        Node::Sum { terms, constant } => terms.len() > 1 || !constant.is_zero(),
+        _ => false,
+    };
+    let short = definitions.get(&symbol).copied().filter(|&definition| !is_long(graph.node(definition)));
+    short.unwrap_or_else(|| graph.symbol(symbol))
 }
 
 impl Graph {
     /// Whether `expr` contains no symbols but `symbols`.
     pub(crate) fn reads_only(&self, expr: Expr, symbols: &[Symbol]) -> bool {
         self.reachable(&[expr]).iter().all(|&e| self.as_symbol(e).is_none_or(|s| symbols.contains(&s)))
-    }
-}
-
-fn is_long_sum(graph: &Graph, expr: Expr) -> bool {
-    match graph.node(expr) {
-        Node::Sum { terms, constant } => terms.len() > 1 || !constant.is_zero(),
-        _ => false,
     }
 }
 

@@ -10,44 +10,52 @@ use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
 /// Pivots above this lose a digit of the points to which they contribute.
 const STIFF: i32 = 2;
 
-/// How a block is solved, in operations.
-pub(crate) enum Solve {
+/// How a block is solved.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Method {
     /// One linear unknown whose pivot never changes: its reciprocal is an input that `prepare` computes.
-    Inverted {
-        pivot: Op,
-        inverse: Op,
-    },
+    Inverted,
     /// One linear unknown whose pivot does not read the state: its reciprocal is computed once per step, off the path
     /// from one state to the next.
     Reciprocal {
-        pivot: Op,
-        inverse: Op,
         /// At least 1 wherever it is defined.
         is_safe: bool,
     },
     /// One linear unknown.
-    Divided {
-        pivot: Op,
-        rhs: Op,
-        unknown: Op,
-    },
+    Divided,
     /// A linear system whose matrix never changes: factored by `prepare`.
-    Factored {
-        matrix: Vec<Vec<Op>>,
-        rhs: Vec<Op>,
-        unknowns: Vec<Op>,
-    },
-    Linear {
-        matrix: Vec<Vec<Op>>,
-        rhs: Vec<Op>,
-        unknowns: Vec<Op>,
-    },
+    Factored,
+    Linear,
     Newton {
-        residual: Vec<Op>,
-        jacobian: Vec<Vec<Op>>,
-        unknowns: Vec<Op>,
         symmetric: bool,
     },
+}
+
+/// A block in operations: `matrix · x = rhs`, or `rhs(x) = 0` with the Jacobian `matrix`.
+pub(crate) struct Solve {
+    pub(crate) method: Method,
+    pub(crate) matrix: Vec<Vec<Op>>,
+    /// None where only the reciprocal of a pivot is wanted: what it multiplies is assigned.
+    pub(crate) rhs: Vec<Op>,
+    /// `x`, or the reciprocal.
+    pub(crate) unknowns: Vec<Op>,
+}
+
+impl Solve {
+    /// Whether the matrix is read by `prepare`, and not by the step.
+    pub(crate) fn is_prepared(&self) -> bool {
+        matches!(self.method, Method::Inverted | Method::Factored)
+    }
+
+    pub(crate) fn entries(&self) -> Vec<Op> {
+        self.matrix.concat()
+    }
+
+    /// What the step reads: the matrix by rows, and the right side.
+    pub(crate) fn read(&self) -> Vec<Op> {
+        let entries = if self.is_prepared() { Vec::new() } else { self.entries() };
+        [entries.as_slice(), &self.rhs].concat()
+    }
 }
 
 /// The program of one step with the operations that have a role.
@@ -120,37 +128,20 @@ impl Flow {
     pub(crate) fn affords_compensation(&self) -> bool {
         let price: usize =
             self.program.needed(&self.roots(), &|_| false).iter().map(|&op| self.program.price(op)).sum();
-        let has_newton = self.solves.iter().any(|solve| matches!(solve, Solve::Newton { .. }));
-        let step = if has_newton { 2 * price } else { price };
+        let step = if self.newton_sizes().is_empty() { price } else { 2 * price };
         step > 20 * 6 * 2 * self.q0.len()
     }
 
     /// Sizes of the Newton blocks.
     pub(crate) fn newton_sizes(&self) -> Vec<usize> {
-        let sizes = self.solves.iter().filter_map(|solve| match solve {
-            Solve::Newton { unknowns, .. } => Some(unknowns.len()),
-            _ => None,
-        });
-        sizes.collect()
+        let is_newton = |solve: &&Solve| matches!(solve.method, Method::Newton { .. });
+        self.solves.iter().filter(is_newton).map(|solve| solve.unknowns.len()).collect()
     }
 
     /// Everything that the step computes.
     pub(crate) fn roots(&self) -> Vec<Op> {
-        let ends = self.dq.iter().chain(&self.dp);
-        let mut roots: Vec<Op> = ends.chain(&self.isolated).copied().collect();
-        for solve in &self.solves {
-            match solve {
-                Solve::Inverted { .. } => {}
-                Solve::Reciprocal { pivot, .. } => roots.push(*pivot),
-                Solve::Divided { pivot, rhs, .. } => roots.extend([*pivot, *rhs]),
-                Solve::Factored { rhs, .. } => roots.extend(rhs),
-                Solve::Linear { matrix, rhs, .. } => roots.extend(matrix.iter().flatten().chain(rhs)),
-                Solve::Newton { residual, jacobian, .. } => {
-                    roots.extend(residual.iter().chain(jacobian.iter().flatten()));
-                }
-            }
-        }
-        roots
+        let ends = self.dq.iter().chain(&self.dp).chain(&self.isolated).copied();
+        ends.chain(self.solves.iter().flat_map(Solve::read)).collect()
     }
 
     /// The values of level `Prepared` that the step reads, apart from literals and the step size.
@@ -165,15 +156,8 @@ impl Flow {
 
     /// What `prepare` computes, with multiplicity.
     pub(crate) fn prepared_roots(&self, constants: &[Op]) -> Vec<Op> {
-        let mut roots = constants.to_vec();
-        for solve in &self.solves {
-            match solve {
-                Solve::Inverted { pivot, .. } => roots.push(*pivot),
-                Solve::Factored { matrix, .. } => roots.extend(matrix.iter().flatten()),
-                _ => {}
-            }
-        }
-        roots
+        let prepared = self.solves.iter().filter(|solve| solve.is_prepared());
+        constants.iter().copied().chain(prepared.flat_map(Solve::entries)).collect()
     }
 }
 
@@ -199,36 +183,30 @@ fn invert_constant_pivots(
     let constant: Vec<Symbol> =
         parameters.iter().map(|parameter| parameter.symbol).chain([symbols.h]).collect();
     let given: Vec<Symbol> = constant.iter().chain([&symbols.t]).chain(&symbols.dw).copied().collect();
+    let of_pivot = |graph: &Graph, symbol: Symbol, pivot: Expr| {
+        let is_prepared = graph.reads_only(pivot, &constant);
+        let level = if is_prepared { Level::Prepared } else { Level::Increments };
+        Inverse { symbol, level, is_safe: graph.exceeds_one(pivot) }
+    };
     let mut inverses = Vec::new();
     for block in &scheme.structure.blocks {
-        let inverse = match (&block.solution, block.iterates.as_slice()) {
+        inverses.push(match (&block.solution, block.iterates.as_slice()) {
             (Solution::Linear { matrix, rhs }, &[unknown]) if graph.reads_only(matrix[0][0], &given) => {
                 let pivot = matrix[0][0];
                 let symbol = graph.new_symbol("inverse");
-                let factor = graph.symbol(symbol);
-                let value = graph.multiply(factor, rhs[0]);
+                let inverse = graph.symbol(symbol);
+                let value = graph.multiply(inverse, rhs[0]);
                 definitions.insert(symbols.unknown(unknown), value);
-                let is_prepared = graph.reads_only(pivot, &constant);
-                if is_prepared {
-                    solve_for_points(
-                        graph,
-                        symbols,
-                        unknown,
-                        &Quotient { rhs: rhs[0], pivot, inverse: factor },
-                        definitions,
-                    );
+                let made = of_pivot(graph, symbol, pivot);
+                if made.level == Level::Prepared {
+                    let quotient = Quotient { rhs: rhs[0], pivot, inverse };
+                    solve_for_points(graph, symbols, unknown, &quotient, definitions);
                 }
-                let level = if is_prepared { Level::Prepared } else { Level::Increments };
-                Some(Inverse { symbol, level, is_safe: graph.exceeds_one(pivot) })
+                Some(made)
             }
-            (&Solution::Isolated(Pivot { value, inverse }), _) => {
-                let is_prepared = graph.reads_only(value, &constant);
-                let level = if is_prepared { Level::Prepared } else { Level::Increments };
-                Some(Inverse { symbol: inverse, level, is_safe: graph.exceeds_one(value) })
-            }
-            _ => None,
-        };
-        inverses.push(inverse);
+            (&Solution::Isolated(Pivot { value, inverse }), _) => Some(of_pivot(graph, inverse, value)),
+            (Solution::Assigned | Solution::Linear { .. } | Solution::Newton { .. }, _) => None,
+        });
     }
     inverses
 }
@@ -287,49 +265,43 @@ fn lower_block(
     block: &Block,
     inverse: Option<&Inverse>,
 ) -> Option<Solve> {
-    let symbols = &scheme.lagrangian.symbols;
-    let lower_rows = |lowering: &mut Lowering<'_>, rows: &[Vec<Expr>]| -> Vec<Vec<Op>> {
-        rows.iter().map(|row| row.iter().map(|&entry| lowering.lower(entry)).collect()).collect()
+    let all = |lowering: &mut Lowering<'_>, of: &[Expr]| -> Vec<Op> {
+        of.iter().map(|&value| lowering.lower(value)).collect()
     };
-    match &block.solution {
-        Solution::Assigned => None,
-        Solution::Isolated(pivot) => inverse.map(|inverse| {
-            let pivot = lowering.lower(pivot.value);
-            reciprocal(lowering, pivot, inverse)
-        }),
-        Solution::Linear { matrix, rhs } => {
-            let matrix = lower_rows(lowering, matrix);
-            if let Some(inverse) = inverse {
-                return Some(reciprocal(lowering, matrix[0][0], inverse));
-            }
-            let rhs: Vec<Op> = rhs.iter().map(|&value| lowering.lower(value)).collect();
-            let unknowns: Vec<Op> =
-                block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
-            let is_constant =
-                matrix.iter().flatten().all(|&entry| lowering.program.level(entry) == Level::Prepared);
-            Some(match (is_constant, unknowns.as_slice()) {
-                (_, &[unknown]) => Solve::Divided { pivot: matrix[0][0], rhs: rhs[0], unknown },
-                (true, _) => Solve::Factored { matrix, rhs, unknowns },
-                (false, _) => Solve::Linear { matrix, rhs, unknowns },
-            })
+    let by_rows = |lowering: &mut Lowering<'_>, rows: &[Vec<Expr>]| -> Vec<Vec<Op>> {
+        rows.iter().map(|row| all(lowering, row)).collect()
+    };
+    let inputs = |lowering: &mut Lowering<'_>| -> Vec<Op> {
+        let symbols = block.iterates.iter().map(|&x| scheme.lagrangian.symbols.unknown(x));
+        symbols.map(|symbol| lowering.program.input(symbol)).collect()
+    };
+    match (&block.solution, inverse) {
+        (Solution::Assigned, _) => None,
+        (Solution::Isolated(pivot), inverse) => Some(reciprocal(lowering, pivot.value, inverse?)),
+        (Solution::Linear { matrix, .. }, Some(inverse)) => Some(reciprocal(lowering, matrix[0][0], inverse)),
+        (Solution::Linear { matrix, rhs }, None) => {
+            let (matrix, rhs) = (by_rows(lowering, matrix), all(lowering, rhs));
+            let is_prepared = |&entry: &Op| lowering.program.level(entry) == Level::Prepared;
+            let method = match matrix.iter().flatten().all(is_prepared) {
+                _ if rhs.len() == 1 => Method::Divided,
+                true => Method::Factored,
+                false => Method::Linear,
+            };
+            Some(Solve { method, matrix, rhs, unknowns: inputs(lowering) })
         }
-        Solution::Newton { residual, jacobian, symmetric } => {
-            let unknowns =
-                block.iterates.iter().map(|&x| lowering.program.input(symbols.unknown(x))).collect();
-            let residual = residual.iter().map(|&value| lowering.lower(value)).collect();
-            let jacobian = lower_rows(lowering, jacobian);
-            Some(Solve::Newton { residual, jacobian, unknowns, symmetric: *symmetric })
+        (Solution::Newton { residual, jacobian, symmetric }, _) => {
+            let (method, unknowns) = (Method::Newton { symmetric: *symmetric }, inputs(lowering));
+            let (rhs, matrix) = (all(lowering, residual), by_rows(lowering, jacobian));
+            Some(Solve { method, matrix, rhs, unknowns })
         }
     }
 }
 
-fn reciprocal(lowering: &mut Lowering<'_>, pivot: Op, inverse: &Inverse) -> Solve {
+fn reciprocal(lowering: &mut Lowering<'_>, pivot: Expr, inverse: &Inverse) -> Solve {
     let Inverse { symbol, level, is_safe } = *inverse;
-    let inverse = lowering.program.input(symbol);
-    match level {
-        Level::Prepared => Solve::Inverted { pivot, inverse },
-        _ => Solve::Reciprocal { pivot, inverse, is_safe },
-    }
+    let method = if level == Level::Prepared { Method::Inverted } else { Method::Reciprocal { is_safe } };
+    let matrix = vec![vec![lowering.lower(pivot)]];
+    Solve { method, matrix, rhs: Vec::new(), unknowns: vec![lowering.program.input(symbol)] }
 }
 
 /// Names for what a reader knows from the formulas.
@@ -356,8 +328,8 @@ fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme, solves: &[Solve]) -> Hash
         }
     }
     for solve in solves {
-        if let Solve::Inverted { inverse, .. } | Solve::Reciprocal { inverse, .. } = solve {
-            hints.entry(*inverse).or_insert_with(|| "inverse_pivot".to_owned());
+        if matches!(solve.method, Method::Inverted | Method::Reciprocal { .. }) {
+            hints.entry(solve.unknowns[0]).or_insert_with(|| "inverse_pivot".to_owned());
         }
     }
     hints

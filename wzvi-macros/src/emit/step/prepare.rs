@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::flow::{Flow, Solve};
+use super::flow::{Flow, Method};
 use super::memory::tuple;
 use crate::emit::Printer;
 use crate::emit::names::Names;
@@ -33,10 +33,8 @@ impl Prepared {
 
         let mut own = Names::default();
         let own_names = parameter_names(&mut own, graph, parameters);
-        let inverses = flow.solves.iter().filter_map(|solve| match solve {
-            Solve::Inverted { inverse, .. } => Some(*inverse),
-            _ => None,
-        });
+        let inverted = flow.solves.iter().filter(|solve| solve.method == Method::Inverted);
+        let inverses = inverted.map(|solve| solve.unknowns[0]);
         let varied: Vec<Op> = flow.parameters.iter().copied().chain([flow.h]).chain(inverses).collect();
         let constant = quote!(__K);
         let mut printer =
@@ -59,42 +57,36 @@ impl Prepared {
             });
         }
         let mut factors = Vec::new();
-        for solve in &flow.solves {
-            match solve {
-                Solve::Inverted { pivot, inverse } => {
-                    statements.extend(printer.bind(&[*pivot], &used, &|_| false));
-                    let (name, value) = (printer.name(*inverse), printer.constant_value(*pivot));
-                    statements
-                        .extend(quote!(let #name = __wzvi::prepared(__h, __wzvi::reciprocal(#value))?;));
-                }
-                Solve::Factored { matrix, .. } => {
-                    let entries: Vec<Op> = matrix.iter().flatten().copied().collect();
-                    statements.extend(printer.bind(&entries, &used, &|_| false));
-                    let rows = rows(matrix, |entry| printer.constant_value(entry));
-                    let name = names.take("factor");
-                    let factor = quote!(<__K as __wzvi::Constant>::factor([#(#rows),*]));
-                    statements.extend(quote!(let #name = __wzvi::prepared(__h, #factor)?;));
-                    factors.push((matrix.len(), name));
-                }
-                _ => {}
-            }
+        for solve in flow.solves.iter().filter(|solve| solve.is_prepared()) {
+            statements.extend(printer.bind(&solve.entries(), &used, &|_| false));
+            let (name, made) = if solve.method == Method::Inverted {
+                let value = printer.constant_value(solve.matrix[0][0]);
+                (printer.name(solve.unknowns[0]), quote!(__wzvi::reciprocal(#value)))
+            } else {
+                let (name, rows) =
+                    (names.take("factor"), rows(&solve.matrix, |entry| printer.constant_value(entry)));
+                factors.push((rows.len(), name.clone()));
+                (name, quote!(<__K as __wzvi::Constant>::factor([#(#rows),*])))
+            };
+            statements.extend(quote!(let #name = __wzvi::prepared(__h, #made)?;));
         }
         statements.extend(printer.bind(&read_by_step, &used, &|_| false));
         let [numbers, flags] = [&constants, &truths].map(|ops| {
             let values = ops.iter().map(|&op| printer.constant_value(op));
             quote!([#(#values),*])
         });
-        let made = factors.iter().map(|(_, name)| quote!(#name)).collect();
-        let value = parts(&constants, numbers, &truths, flags, made);
-        let body = quote! {
-            #statements
-            __wzvi::Ok(#value)
-        };
         let mut named = |ops: Vec<Op>| -> Vec<(Op, Ident)> {
             ops.into_iter().map(|op| (op, names.take(&printer.wish_or_name(op)))).collect()
         };
         let (constants, truths) = (named(constants), named(truths));
-        Self { constants, truths, factors, body }
+        let mut prepared = Self { constants, truths, factors, body: TokenStream::new() };
+        let made = prepared.factors.iter().map(|(_, name)| quote!(#name));
+        let value = prepared.parts(numbers, flags, made.collect());
+        prepared.body = quote! {
+            #statements
+            __wzvi::Ok(#value)
+        };
+        prepared
     }
 
     /// What it is, for constants of any type.
@@ -105,7 +97,7 @@ impl Prepared {
             quote!(__wzvi::Factored<#size>)
         });
         let (numbers, flags) = (quote!(__wzvi::Reals<#constants>), quote!(__wzvi::Truths<#truths>));
-        parts(&self.constants, numbers, &self.truths, flags, factors.collect())
+        self.parts(numbers, flags, factors.collect())
     }
 
     /// `let` for all parts: numbers by value, factors by reference.
@@ -115,29 +107,23 @@ impl Prepared {
             quote!([#(#names),*])
         });
         let factors: Vec<TokenStream> = self.factors.iter().map(|(_, name)| quote!(ref #name)).collect();
-        let pattern = parts(&self.constants, numbers, &self.truths, flags, factors);
+        let pattern = self.parts(numbers, flags, factors);
         match self.constants.is_empty() && self.truths.is_empty() && self.factors.is_empty() {
             true => TokenStream::new(),
             false => quote!(let #pattern = *__prepared;),
         }
     }
-}
 
-/// What is prepared, as a type, a value or a pattern: an array of numbers, and where there are others, a tuple of
-/// numbers, truths and factors.
-fn parts<T>(
-    constants: &[T],
-    numbers: TokenStream,
-    truths: &[T],
-    flags: TokenStream,
-    factors: Vec<TokenStream>,
-) -> TokenStream {
-    if truths.is_empty() && factors.is_empty() {
-        return numbers;
+    /// What is prepared, as a type, a value or a pattern: an array of numbers, and where there are others, a tuple of
+    /// numbers, truths and factors.
+    fn parts(&self, numbers: TokenStream, flags: TokenStream, factors: Vec<TokenStream>) -> TokenStream {
+        if self.truths.is_empty() && factors.is_empty() {
+            return numbers;
+        }
+        let numbers = (!self.constants.is_empty()).then_some(numbers);
+        let flags = (!self.truths.is_empty()).then_some(flags);
+        tuple(numbers.into_iter().chain(flags).chain(factors).collect())
     }
-    let numbers = (!constants.is_empty()).then_some(numbers);
-    let flags = (!truths.is_empty()).then_some(flags);
-    tuple(numbers.into_iter().chain(flags).chain(factors).collect())
 }
 
 /// A matrix by rows.

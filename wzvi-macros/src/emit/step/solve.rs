@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::flow::{Flow, Solve};
+use super::flow::{Flow, Method, Solve};
 use super::given::Given;
 use super::memory::part;
 use super::prepare::{Prepared, rows};
@@ -47,10 +47,12 @@ pub(super) fn solution(
         printer.set(*op, name.clone());
     }
     let uses = flow.program.uses(&flow.roots());
-    let factors = prepared.factors.iter().map(|(_, name)| name.clone()).collect();
+    let factors: Vec<Ident> = prepared.factors.iter().map(|(_, name)| name.clone()).collect();
+    let (efforts, records, functions) = (Vec::new(), Vec::new(), TokenStream::new());
     let mut body =
-        SolveBody { flow, uses, printer, factors, records: Vec::new(), functions: TokenStream::new() };
-    let statements = body.emit();
+        SolveBody { flow, uses, printer, factors: factors.into_iter(), efforts, records, functions };
+    let mut statements: TokenStream = flow.solves.iter().map(|solve| body.solved(solve)).collect();
+    statements.extend(body.finish());
     Solution { functions: body.functions, statements }
 }
 
@@ -59,7 +61,9 @@ struct SolveBody<'f> {
     uses: Vec<u32>,
     printer: Printer<'f>,
     /// Those of the matrices that never change, in their order.
-    factors: Vec<Ident>,
+    factors: std::vec::IntoIter<Ident>,
+    /// What was spent on each Newton block.
+    efforts: Vec<TokenStream>,
     /// `memory.i.record_where(taken, solution)`, of the paths of which the whole step succeeds.
     records: Vec<TokenStream>,
     /// The equations of each Newton block.
@@ -67,47 +71,43 @@ struct SolveBody<'f> {
 }
 
 impl SolveBody<'_> {
-    fn emit(&mut self) -> TokenStream {
-        let mut statements = TokenStream::new();
-        let mut efforts = Vec::new();
-        let mut factors = self.factors.clone().into_iter();
-        let flow = self.flow;
-        for solve in &flow.solves {
-            statements.extend(match solve {
-                Solve::Inverted { .. } => TokenStream::new(),
-                Solve::Reciprocal { pivot, inverse, is_safe } => self.reciprocal(*pivot, *inverse, *is_safe),
-                Solve::Divided { pivot, rhs, unknown } => {
-                    let shared = self.bind(&[*pivot, *rhs]);
-                    let (rhs, pivot) = (self.printer.scalar_value(*rhs), self.printer.scalar_value(*pivot));
-                    let name = self.printer.name(*unknown);
-                    quote!(#shared let #name = __wzvi::quotient::<__S>(#rhs, #pivot)?;)
-                }
-                Solve::Factored { rhs, unknowns, .. } => {
-                    let shared = self.bind(rhs);
-                    let (factor, rhs) = (factors.next(), self.values(rhs));
-                    let names = self.names(unknowns);
-                    quote! {
-                        #shared
-                        let [#(#names),*] = <__S as __wzvi::Over<__K>>::solve_factored(#factor, [#(#rhs),*]);
-                    }
-                }
-                Solve::Linear { matrix, rhs, unknowns } => {
-                    let entries: Vec<Op> = matrix.iter().flatten().chain(rhs).copied().collect();
-                    let shared = self.bind(&entries);
-                    let (rows, rhs) =
-                        (rows(matrix, |entry| self.printer.scalar_value(entry)), self.values(rhs));
-                    let names = self.names(unknowns);
-                    quote!(#shared let [#(#names),*] = __wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?;)
-                }
-                Solve::Newton { residual, jacobian, unknowns, symmetric } => {
-                    let (code, effort) = self.newton(residual, jacobian, unknowns, *symmetric);
-                    efforts.push(quote!(#effort));
-                    code
-                }
-            });
+    /// The statements of a block.
+    fn solved(&mut self, solve: &Solve) -> TokenStream {
+        match solve.method {
+            Method::Inverted => TokenStream::new(),
+            Method::Reciprocal { is_safe: true } => {
+                self.linear(solve, |pivot, _| quote!(__wzvi::reciprocal_above_one::<__S>(#(#pivot)*)))
+            }
+            Method::Reciprocal { is_safe: false } => {
+                self.linear(solve, |pivot, _| quote!(__wzvi::reciprocal::<__S>(#(#pivot)*)?))
+            }
+            Method::Divided => {
+                self.linear(solve, |pivot, rhs| quote!(__wzvi::quotient::<__S>(#(#rhs)*, #(#pivot)*)?))
+            }
+            Method::Factored => {
+                let (factor, over) = (self.factors.next(), quote!(<__S as __wzvi::Over<__K>>));
+                self.linear(solve, |_, rhs| quote!(#over::solve_factored(#factor, [#(#rhs),*])))
+            }
+            Method::Linear => self.linear(solve, |matrix, rhs| {
+                let rows = matrix.chunks(rhs.len()).map(|row| quote!([#(#row),*]));
+                quote!(__wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?)
+            }),
+            Method::Newton { symmetric } => self.newton(solve, symmetric),
         }
-        statements.extend(self.finish(efforts));
-        statements
+    }
+
+    /// The statements of a block without iteration, by what its unknowns are made of its matrix and its right side.
+    fn linear(
+        &mut self,
+        solve: &Solve,
+        made: impl FnOnce(&[TokenStream], &[TokenStream]) -> TokenStream,
+    ) -> TokenStream {
+        let read = solve.read();
+        let (shared, values) = (self.bind(&read), self.values(&read));
+        let (matrix, rhs) = values.split_at(values.len() - solve.rhs.len());
+        let (made, names) = (made(matrix, rhs), self.names(&solve.unknowns));
+        let pattern = if let [only] = names.as_slice() { quote!(#only) } else { quote!([#(#names),*]) };
+        quote!(#shared let #pattern = #made;)
     }
 
     fn bind(&mut self, roots: &[Op]) -> TokenStream {
@@ -122,61 +122,40 @@ impl SolveBody<'_> {
         ops.iter().map(|&op| self.printer.name(op)).collect()
     }
 
-    fn reciprocal(&mut self, pivot: Op, inverse: Op, is_safe: bool) -> TokenStream {
-        let shared = self.bind(&[pivot]);
-        let (value, name) = (self.printer.scalar_value(pivot), self.printer.name(inverse));
-        match is_safe {
-            true => quote!(#shared let #name = __wzvi::reciprocal_above_one::<__S>(#value);),
-            false => quote!(#shared let #name = __wzvi::reciprocal::<__S>(#value)?;),
-        }
-    }
-
-    /// What does not read the iterates is computed before the iteration, once. Returns what was spent, too.
-    fn newton(
-        &mut self,
-        residual: &[Op],
-        jacobian: &[Vec<Op>],
-        unknowns: &[Op],
-        symmetric: bool,
-    ) -> (TokenStream, Ident) {
-        let program = &self.flow.program;
-        let roots: Vec<Op> = residual.iter().chain(jacobian.iter().flatten()).copied().collect();
-        let readers = program.readers_of(unknowns);
+    /// What does not read the iterates is computed before the iteration, once.
+    fn newton(&mut self, solve: &Solve, symmetric: bool) -> TokenStream {
+        let (program, roots) = (&self.flow.program, solve.read());
+        let readers = program.readers_of(&solve.unknowns);
         let mut outer = program.frontier(&roots, &|op| !readers[op]);
         outer.retain(|&op| !program.operation(op).is_trivial());
         let statements = self.printer.bind(&outer, &self.uses, &|op| outer.contains(&op));
 
-        let names = self.names(unknowns);
-        let given = Given::new(program, &self.printer, &roots, unknowns);
-        let equations = self.equations(&given, &names, &roots, residual, jacobian);
-        let used = self.uses_memory();
+        let names = self.names(&solve.unknowns);
+        let given = Given::new(program, &self.printer, &roots, &solve.unknowns);
+        let equations = self.equations(&given, &names, solve);
+        // Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start, but
+        // where a solution is followed along its step.
+        let used = if self.flow.is_deterministic { quote!(true) } else { quote!(__CAREFUL) };
         let memory = part(self.records.len(), self.flow.newton_sizes().len());
         self.records.push(quote!(#memory.record_where::<#used>(__taken, [#(#names),*]);));
         let (given, effort) = (given.tokens(), self.printer.other("effort"));
-        let code = quote! {
+        self.efforts.push(quote!(#effort));
+        quote! {
             #statements
             use __wzvi::Block as _;
             let mut __unknowns = #memory.guess::<#used>();
             let #effort =
                 #equations::newton::<__S, __K, #symmetric, #used, __CAREFUL>(#given, &mut __unknowns)?;
             let [#(#names),*] = __unknowns;
-        };
-        (code, effort)
+        }
     }
 
     /// Adds the equations of a block; returns the type that has them.
-    fn equations(
-        &mut self,
-        given: &Given,
-        names: &[Ident],
-        roots: &[Op],
-        residual: &[Op],
-        jacobian: &[Vec<Op>],
-    ) -> Ident {
-        let mut inner = self.printer.clone();
-        let shared = inner.bind(roots, &self.flow.program.uses(roots), &|_| false);
-        let values: Vec<TokenStream> = residual.iter().map(|&op| inner.scalar_value(op)).collect();
-        let rows = rows(jacobian, |entry| inner.scalar_value(entry));
+    fn equations(&mut self, given: &Given, names: &[Ident], solve: &Solve) -> Ident {
+        let (mut inner, roots) = (self.printer.clone(), solve.read());
+        let shared = inner.bind(&roots, &self.flow.program.uses(&roots), &|_| false);
+        let values: Vec<TokenStream> = solve.rhs.iter().map(|&op| inner.scalar_value(op)).collect();
+        let rows = rows(&solve.matrix, |entry| inner.scalar_value(entry));
         let name = match self.flow.newton_sizes().len() {
             1 => format_ident!("__Equations"),
             _ => format_ident!("__Equations{}", self.records.len()),
@@ -200,13 +179,7 @@ impl SolveBody<'_> {
         name
     }
 
-    /// Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start, but
-    /// where a solution is followed along its step.
-    fn uses_memory(&self) -> TokenStream {
-        if self.flow.is_deterministic { quote!(true) } else { quote!(__CAREFUL) }
-    }
-
-    fn finish(&mut self, efforts: Vec<TokenStream>) -> TokenStream {
+    fn finish(&mut self) -> TokenStream {
         let flow = self.flow;
         let roots: Vec<Op> = flow.dq.iter().chain(&flow.dp).copied().collect();
         let statements = self.bind(&roots);
@@ -215,7 +188,7 @@ impl SolveBody<'_> {
         let isolated = self.values(&flow.isolated);
         let isolated =
             isolated.iter().map(|inverse| quote!(__wzvi::Effort::isolated::<__S, __CAREFUL>(#inverse)));
-        let mut efforts: Vec<TokenStream> = efforts.into_iter().chain(isolated).collect();
+        let mut efforts: Vec<TokenStream> = self.efforts.iter().cloned().chain(isolated).collect();
         if efforts.is_empty() {
             efforts.push(quote!(__wzvi::Effort::fast(0)));
         }
