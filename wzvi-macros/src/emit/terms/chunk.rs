@@ -232,18 +232,12 @@ impl Chunk<'_> {
                 let first = self.first(code, &index, 1);
                 self.limit(code, &index, inner);
                 code.opening.extend(quote!(let #slice = &#list[#first..#first + __len];));
-                let is_state =
-                    matches!(local.slot, Slot::State(Half::Coordinates, _) | Slot::State(Half::Momenta, _));
-                code.reads.extend(match is_state {
-                    true => {
-                        let value = self.wanted.lifted(quote!(#slice[__place]));
-                        quote!(let #own = #value;)
-                    }
-                    false => {
-                        let number = self.wanted.number();
-                        quote!(let #own = #number::from_f64(#slice[__place]);)
-                    }
-                });
+                let entry = quote!(#slice[__place]);
+                let value = match &local.slot {
+                    Slot::State(..) => self.wanted.lifted(entry),
+                    Slot::Entry(..) | Slot::Number(_) => self.wanted.constant(&entry),
+                };
+                code.reads.extend(quote!(let #own = #value;));
             }
             Motion::Points { base, part } => {
                 let (points, part) = (self.points(code, inner, &list, &base, false), count(part));
@@ -323,8 +317,7 @@ impl Chunk<'_> {
     }
 
     fn zero(&self) -> TokenStream {
-        let number = self.wanted.number();
-        quote!(#number::from_f64(0.0))
+        self.wanted.constant(&quote!(0.0))
     }
 
     fn list(&self, slot: &Slot) -> TokenStream {
@@ -349,21 +342,14 @@ impl Chunk<'_> {
 
     fn read_by(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {
         match slot {
-            Slot::State(Half::Coordinates, index) => {
-                let position = indices.position(index);
-                self.wanted.lifted(quote!(__at.q[#position]))
+            Slot::State(Half::Coordinates | Half::Momenta, index) => {
+                let (list, position) = (self.list(slot), indices.position(index));
+                self.wanted.lifted(quote!(#list[#position]))
             }
-            Slot::State(Half::Momenta, index) => {
-                let position = indices.position(index);
-                self.wanted.lifted(quote!(__at.p[#position]))
-            }
-            Slot::Entry(table, at) => {
-                let (entry, number) = (indices.entry(*table, at), self.wanted.number());
-                quote!(#number::from_f64(#entry))
-            }
+            Slot::Entry(table, at) => self.wanted.constant(&indices.entry(*table, at)),
             Slot::Number(index) | Slot::State(Half::Displacements, index) => {
-                let (value, number) = (indices.value(index), self.wanted.number());
-                quote!(#number::from_f64(#value as __wzvi::f64))
+                let value = indices.value(index);
+                self.wanted.constant(&quote!(#value as __wzvi::f64))
             }
         }
     }

@@ -33,17 +33,15 @@ use self::weighted::Nests;
 
 /// Values and slopes of all terms, and what follows from them.
 pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> TokenStream {
-    let has_curvature = steps.iter().any(|step| needs_curvature(facts, step));
+    // Where something is solved with second derivatives: the step in loops, or its momentum between its ends.
+    let has_curvature = steps.iter().any(|step| {
+        matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
+            || !Quadrature::new(facts, step.embedding()).gives_momentum()
+    });
     let mut generated = elements(model, facts, has_curvature, &structure(texts));
     generated.extend(parts::emit(model, texts));
     generated.extend(parts::bath(model));
     generated
-}
-
-/// Whether something is solved with second derivatives: the step in loops, or its momentum between its ends.
-fn needs_curvature(facts: &Facts, step: &Step) -> bool {
-    matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
-        || !Quadrature::new(facts, step.embedding()).gives_momentum()
 }
 
 /// What is read of the struct and of the constants around it.
@@ -119,6 +117,12 @@ impl Wanted {
             Self::Slopes => quote!(__T),
             Self::Value | Self::Curvature => quote!(__S),
         }
+    }
+
+    /// An `f64` as it is computed with.
+    fn constant(self, value: &TokenStream) -> TokenStream {
+        let number = self.number();
+        quote!(#number::from_f64(#value))
     }
 
     /// A number of a vector as it is computed with.

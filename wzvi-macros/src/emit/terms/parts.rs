@@ -31,8 +31,7 @@ impl Numbers {
 
 /// The arms of values or slopes; of second derivatives that of damping by a matrix.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let number = wanted.number();
-    let weight = quote!(#number::from_f64(__at.h));
+    let weight = wanted.constant(&quote!(__at.h));
     let numbers = Numbers::of(model);
     let parts = model.parts.iter().cloned().zip(numbers.parts..).filter(|_| wanted != Wanted::Curvature);
     let is_wanted = |friction: &Friction| (wanted == Wanted::Curvature) == friction.is_matrix;

@@ -176,10 +176,7 @@ impl Nests<'_> {
         });
         match increments.reduce(|product, increment| quote!(#product * #increment)) {
             Some(product) => quote!(#product #factor),
-            None => {
-                let number = self.wanted.number();
-                quote!(#number::from_f64(__at.h #factor))
-            }
+            None => self.wanted.constant(&quote!(__at.h #factor)),
         }
     }
 

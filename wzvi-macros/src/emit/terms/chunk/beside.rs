@@ -7,12 +7,10 @@ use quote::{format_ident, quote};
 
 use super::motion::{Motion, moves};
 use super::{Chunk, rows};
-use crate::emit::count;
 use crate::emit::terms::indices::{Indices, OpenList};
 use crate::emit::terms::windows::is_correctly_rounded;
 use crate::model::{Atom, Element, Half, Index, Slot, Table};
 use crate::symbolic::{Expr, Graph};
-use crate::tokens::mentions;
 
 /// What a chunk needs to know for that.
 pub(in crate::emit::terms) struct Beside<'a> {
@@ -115,36 +113,27 @@ impl Chunk<'_> {
         inside: &TokenStream,
         values: &[TokenStream],
     ) -> Block {
-        let code = quote!(#inside #(#values)*);
-        let (mut own, mut entries): (Vec<Ident>, Vec<Ident>) = Default::default();
+        let mut interaction = rows::Interaction::new(inside, values, beside.constants);
         for (k, local) in self.read_locals(inside, values) {
-            let name = self.locals[k].clone();
             match self.motion(&local.slot, inner) {
-                Motion::Fixed => own.push(name),
-                Motion::Run | Motion::Points { .. } | Motion::Free => entries.push(name),
+                Motion::Fixed => interaction.own.push(self.locals[k].clone()),
+                Motion::Run | Motion::Points { .. } | Motion::Free => {
+                    interaction.entries.push(self.locals[k].clone());
+                }
             }
         }
-        if mentions(&code, "__factor") {
-            let all = if beside.weight.is_empty() { &mut own } else { &mut entries };
-            all.push(format_ident!("__factor"));
+        let factor = interaction.factor.take();
+        match beside.weight.is_empty() {
+            true => interaction.own.extend(factor),
+            false => interaction.entries.extend(factor),
         }
-        let constants = beside.constants.iter().filter(|name| mentions(&code, &name.to_string()));
-        let constants: Vec<&Ident> = constants.collect();
+        interaction.by_own = values.to_vec();
+        let number = self.wanted.number();
+        let (items, [of_own, of_constants, _, of_entries, of_values]) =
+            (interaction.emit(&number), interaction.sizes());
+        let rows::Interaction { own, constants, entries, .. } = interaction;
         let names: Vec<Ident> = (0..values.len()).map(|j| format_ident!("__slope{j}")).collect();
-        let interaction = rows::Interaction {
-            number: self.wanted.number(),
-            own: &own,
-            constants: &constants,
-            partner: &[],
-            entries: &entries,
-            inside,
-            by_own: values,
-            by_partner: &[],
-        };
-        let (number, items) = (self.wanted.number(), interaction.emit());
         let sums = super::written(self.outputs);
-        let [of_own, of_constants, of_entries, of_values] =
-            [own.len(), constants.len(), entries.len(), values.len()].map(count);
         let opened = beside.lists.iter().map(|OpenList { tokens, first, name }| {
             let first = self.indices.position(first);
             quote! {

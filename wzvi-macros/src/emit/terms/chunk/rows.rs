@@ -5,7 +5,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::motion::{Motion, motion, moves, wrap};
-use super::{Chunk, Emitted, slot_index};
+use super::{Chunk, Emitted, slot_index, variable};
 use crate::diagnostics::Promised;
 use crate::discretise::Weighted;
 use crate::emit::count;
@@ -63,30 +63,40 @@ fn moves_on(slot: &Slot, inner: u32, components: i128) -> Motion {
 
 /// The arithmetic of one placement: of a pair, or beside others.
 pub(super) struct Interaction<'a> {
-    /// The type that it is done in.
-    pub(super) number: TokenStream,
-    /// The names of what is the same for all.
-    pub(super) own: &'a [Ident],
-    pub(super) constants: &'a [&'a Ident],
-    /// Patterns of the components of a partner.
-    pub(super) partner: &'a [TokenStream],
-    /// The names of what each placement has besides.
-    pub(super) entries: &'a [Ident],
     pub(super) inside: &'a TokenStream,
+    /// The names of what is the same for all.
+    pub(super) own: Vec<Ident>,
+    /// That of the weight, if it is read: the same for all, or not.
+    pub(super) factor: Option<Ident>,
+    pub(super) constants: Vec<&'a Ident>,
+    /// Patterns of the components of a partner.
+    pub(super) partner: Vec<TokenStream>,
+    /// The names of what each placement has besides.
+    pub(super) entries: Vec<Ident>,
     /// What it ends in.
-    pub(super) by_own: &'a [TokenStream],
-    pub(super) by_partner: &'a [TokenStream],
+    pub(super) by_own: Vec<TokenStream>,
+    pub(super) by_partner: Vec<TokenStream>,
 }
 
-impl Interaction<'_> {
+impl<'a> Interaction<'a> {
+    /// That of `inside`, which ends in `values` and reads some of `constants`.
+    pub(super) fn new(inside: &'a TokenStream, values: &[TokenStream], constants: &'a [Ident]) -> Self {
+        let code = quote!(#inside #(#values)*);
+        let is_read = |name: &&Ident| mentions(&code, &name.to_string());
+        let factor = Some(format_ident!("__factor")).filter(|name| is_read(&name));
+        let constants = constants.iter().filter(is_read).collect();
+        let (own, partner, entries, by_own, by_partner) = Default::default();
+        Self { inside, own, factor, constants, partner, entries, by_own, by_partner }
+    }
+
     pub(super) fn sizes(&self) -> [Literal; 5] {
         let Self { own, constants, partner, entries, by_own, .. } = self;
         [own.len(), constants.len(), partner.len(), entries.len(), by_own.len()].map(count)
     }
 
     /// What implements it.
-    pub(super) fn emit(&self) -> TokenStream {
-        let Self { number, own, constants, partner, entries, inside, by_own, by_partner } = self;
+    pub(super) fn emit(&self, number: &TokenStream) -> TokenStream {
+        let Self { own, constants, partner, entries, inside, by_own, by_partner, .. } = self;
         let (elements, sizes, f64) = (quote!(__wzvi::elements), self.sizes(), quote!(__wzvi::f64));
         let [of_own, of_constants, of_partner, of_entries, of_places] = &sizes;
         quote! {
@@ -117,64 +127,14 @@ impl Chunk<'_> {
         values: &[TokenStream],
     ) -> Emitted {
         let (inner, [start, end]) = self.inner.clone().promised("pairs have an innermost loop");
-        let name = super::variable(inner);
-        let code = quote!(#inside #(#values)*);
-        let mut before = TokenStream::new();
-        let (mut own, mut entries, mut lists): (Vec<Ident>, Vec<Ident>, Vec<TokenStream>) =
-            Default::default();
-        let mut partner = vec![quote!(_); usize::try_from(self.components).unwrap_or(1)];
-        for (k, local) in self.read_locals(inside, values) {
-            let local_name = self.locals[k].clone();
-            match (&local.slot, moves_on(&local.slot, inner, self.components)) {
-                (slot, Motion::Fixed) => {
-                    let value = self.read(slot);
-                    before.extend(quote!(let #local_name = #value;));
-                    own.push(local_name);
-                }
-                (Slot::Entry(..), _) => {
-                    let (list, at) =
-                        (self.list(&local.slot), self.indices.position(&slot_index(&local.slot)));
-                    lists.push(quote!(&#list[#at..]));
-                    entries.push(local_name);
-                }
-                (_, motion) => {
-                    let part = if let Motion::Points { part, .. } = motion { part } else { 0 };
-                    partner[part] = quote!(#local_name);
-                }
-            }
-        }
-        let factor = format_ident!("__factor");
-        own.extend(mentions(&code, "__factor").then_some(factor));
-        let constants: Vec<&Ident> =
-            constants.iter().filter(|name| mentions(&code, &name.to_string())).collect();
-        let number = self.wanted.number();
-        let (mut places, mut by_own, mut by_partner) =
-            (Vec::new(), Vec::new(), vec![quote!(#number::from_f64(-0.0)); partner.len()]);
-        for ((_, target), value) in self.outputs.iter().zip(values) {
-            let Target::Slope { index, .. } = target else { continue };
-            match motion(index, inner, self.components) {
-                Motion::Fixed => {
-                    places.push(self.indices.position(index));
-                    by_own.push(value.clone());
-                }
-                Motion::Points { part, .. } => by_partner[part] = value.clone(),
-                Motion::Run | Motion::Free => by_partner[0] = value.clone(),
-            }
-        }
+        let mut interaction = Interaction::new(inside, values, constants);
+        let (before, lists) = self.open_pair(&mut interaction, inner, values);
+        interaction.own.extend(interaction.factor.take());
+        let places = self.slopes_of_pair(&mut interaction, inner, values);
+        let (items, sizes) = (interaction.emit(&self.wanted.number()), interaction.sizes());
+        let (name, of_partner, first) = (variable(inner), &sizes[2], self.indices.position(first));
+        let Interaction { own, constants, .. } = &interaction;
         let elements = quote!(__wzvi::elements);
-        let interaction = Interaction {
-            number: number.clone(),
-            own: &own,
-            constants: &constants,
-            partner: &partner,
-            entries: &entries,
-            inside,
-            by_own: &by_own,
-            by_partner: &by_partner,
-        };
-        let (items, sizes) = (interaction.emit(), interaction.sizes());
-        let of_partner = &sizes[2];
-        let first = self.indices.position(first);
         let buffers = quote! {
             #items
             __by_q.begin_rows::<#of_partner>(&__at.q[0..__at.degrees()]);
@@ -193,5 +153,57 @@ impl Chunk<'_> {
             }
         };
         Emitted { buffers, body, after: quote!(__by_q.end_rows::<#of_partner>();) }
+    }
+
+    /// What a pair reads: what is the same for the row, before it, and the lists with an entry for each partner.
+    fn open_pair(
+        &self,
+        pair: &mut Interaction<'_>,
+        inner: u32,
+        values: &[TokenStream],
+    ) -> (TokenStream, Vec<TokenStream>) {
+        let (mut before, mut lists) = (TokenStream::new(), Vec::new());
+        pair.partner = vec![quote!(_); usize::try_from(self.components).unwrap_or(1)];
+        for (k, local) in self.read_locals(pair.inside, values) {
+            let (slot, name) = (&local.slot, self.locals[k].clone());
+            match (slot, moves_on(slot, inner, self.components)) {
+                (_, Motion::Fixed) => {
+                    let value = self.read(slot);
+                    before.extend(quote!(let #name = #value;));
+                    pair.own.push(name);
+                }
+                (Slot::Entry(..), _) => {
+                    let (list, at) = (self.list(slot), self.indices.position(&slot_index(slot)));
+                    lists.push(quote!(&#list[#at..]));
+                    pair.entries.push(name);
+                }
+                (_, Motion::Points { part, .. }) => pair.partner[part] = quote!(#name),
+                (_, Motion::Run | Motion::Free) => pair.partner[0] = quote!(#name),
+            }
+        }
+        (before, lists)
+    }
+
+    /// What a pair ends in: the slopes by the body, with their places, and those by the partner.
+    fn slopes_of_pair(
+        &self,
+        pair: &mut Interaction<'_>,
+        inner: u32,
+        values: &[TokenStream],
+    ) -> Vec<TokenStream> {
+        let mut places = Vec::new();
+        pair.by_partner = vec![self.wanted.constant(&quote!(-0.0)); pair.partner.len()];
+        for ((_, target), value) in self.outputs.iter().zip(values) {
+            let Target::Slope { index, .. } = target else { continue };
+            match motion(index, inner, self.components) {
+                Motion::Fixed => {
+                    places.push(self.indices.position(index));
+                    pair.by_own.push(value.clone());
+                }
+                Motion::Points { part, .. } => pair.by_partner[part] = value.clone(),
+                Motion::Run | Motion::Free => pair.by_partner[0] = value.clone(),
+            }
+        }
+        places
     }
 }

@@ -64,7 +64,10 @@ impl Chunk<'_> {
             left.chunk_by(|a, b| self.point(*a, inner).is_some_and(|a| self.point(*b, inner) == Some(a)))
         {
             match group {
-                [first, ..] if self.waits(code, *first, inner) => {
+                // While the arithmetic runs, another stretch of the same vector is written to.
+                [first, ..]
+                    if self.point(*first, inner).is_some_and(|(vector, ..)| code.direct.contains(vector)) =>
+                {
                     self.store_waiting(code, inner, group, values)
                 }
                 _ => group.iter().for_each(|&j| self.store_other(code, inner, j, &values[j])),
@@ -190,11 +193,6 @@ impl Chunk<'_> {
         let (vector, index) = self.slope(j)?;
         let (stride, base) = stretch(index, inner, self.components)?;
         Some((vector, stride, base))
-    }
-
-    /// Whether output `j` is a stretch of a vector of which another one is written to while the arithmetic runs.
-    fn waits(&self, code: &Code, j: usize, inner: u32) -> bool {
-        self.point(j, inner).is_some_and(|(vector, ..)| code.direct.contains(vector))
     }
 
     /// Outputs of one stretch, which wait in buffers until the arithmetic of the chunk is done.
