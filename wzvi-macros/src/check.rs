@@ -26,10 +26,10 @@ fn check_consistency(
         let [_, noise_l] = embedding.value.means();
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
-                let defect = facts.defect(graph, noise_l);
+                let defect = facts.defect(graph, &facts.half_defect_sum, noise_l);
                 diagnostics.report(match facts.force_defect_acts(noise_l) {
                     true => {
-                        let force = facts.force_defect(graph, noise_l);
+                        let force = facts.defect(graph, &facts.half_force_defect, noise_l);
                         let hamiltonian = match defect.as_str() {
                             "0" => String::new(),
                             defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),

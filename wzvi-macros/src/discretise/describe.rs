@@ -151,7 +151,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     let [_, noise_l] = embedding.means();
     let has_noise = facts.noise != NoiseClass::None;
     if has_noise {
-        let defect = facts.defect(graph, noise_l);
+        let defect = facts.defect(graph, &facts.half_defect_sum, noise_l);
         let verdict = if facts.converges(embedding) {
             "converges to the Stratonovich system"
         } else {
@@ -162,7 +162,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         };
         say!(text, "  {verdict}; D = {defect}");
         if facts.force_defect_acts(noise_l) {
-            let defect = facts.force_defect(graph, noise_l);
+            let defect = facts.defect(graph, &facts.half_force_defect, noise_l);
             say!(text, "  noise forces add the force d, d·δq = {defect}");
         }
         if !embedding.is_thermostat() {

@@ -145,13 +145,10 @@ impl Facts {
     pub(crate) fn new(system: &mut System) -> Self {
         let Hamiltonians { mut space, t, drift, noise, forces, numbers, invariants } =
             Hamiltonians::of(system, |term| &term.values);
-        let System { graph, drift: Term { elements, .. }, noise: declared, force, .. } = system;
-        let parted = declared.iter().flat_map(|noise| &noise.term.elements);
-        let is_covector = |element: &&Element| element.is_covector();
-        let covectors =
-            || force.iter().flat_map(|force| &force.elements).chain(parted.clone().filter(is_covector));
-        let of_noise_forces: Vec<&Element> = parted.clone().filter(is_covector).collect();
-        let parted = parted.clone().filter(|element| !is_covector(element));
+        let acting: Vec<Element> = system.acting().cloned().collect();
+        let noises: Vec<Element> =
+            system.noise.iter().flat_map(|noise| &noise.term.elements).cloned().collect();
+        let System { graph, noise: declared, force, .. } = system;
         let all_noise: Sum = noise.concat();
         let (q, p) = (Half::Coordinates, Half::Momenta);
         let half_defect_sum =
@@ -184,19 +181,17 @@ impl Facts {
         let boundaries: Vec<Vec<Boundary>> =
             [&drift].into_iter().chain(&noise).map(|sum| boundaries_of(graph, sum, t)).collect();
         conserves_energy.extend(boundaries[0].iter().map(|boundary| kept_across("H0", boundary)));
-        let all_parted = || elements.iter().chain(parted.clone());
         Self {
-            noise: noise_class(
-                graph,
-                &parted.clone().collect::<Vec<_>>(),
-                &of_noise_forces,
-                declared.is_empty(),
-            ),
+            noise: if declared.is_empty() { NoiseClass::None } else { noise_class(graph, &noises) },
             has_force: force.is_some(),
-            is_separable: all_parted().all(|element| element.reads() != Reads::Both)
-                && covectors().all(|element| matches!(element.reads(), Reads::Nothing | Reads::Coordinates)),
-            has_diagonal_kinetic_energy: all_parted()
-                .filter(|element| element.reads() == Reads::Momenta)
+            is_separable: acting.iter().all(|element| match element.reads() {
+                Reads::Nothing | Reads::Coordinates => true,
+                Reads::Momenta => !element.is_covector(),
+                Reads::Both => false,
+            }),
+            has_diagonal_kinetic_energy: acting
+                .iter()
+                .filter(|element| element.reads() == Reads::Momenta && !element.is_covector())
                 .all(|element| is_diagonal(graph, element)),
             half_defect_sum: half_defect_sum.sum,
             defect_is_constant,
@@ -210,7 +205,10 @@ impl Facts {
             boundaries,
             energy_rates,
             powers: powers.into_iter().map(|(name, rate)| (name, rate.sum)).collect(),
-            commuting: commuting(graph, &mut space, &noise, &forces.noise),
+            commuting: all([
+                commuting_hamiltonians(graph, &mut space, &noise),
+                commuting_forces(graph, &mut space, &noise, &forces.noise),
+            ]),
             has_several_noises: declared.len() > 1 || noise.iter().chain(&forces.noise).any(is_family),
             invariants: invariants
                 .into_iter()
@@ -250,17 +248,8 @@ impl Facts {
         l != Rational::HALF && !matches!(self.counter_term_is_constant, Knowledge::Proven)
     }
 
-    /// `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p`, as text.
-    pub(crate) fn defect(&self, graph: &mut Graph, l: Rational) -> String {
-        self.defect_of(graph, &self.half_defect_sum, l)
-    }
-
-    /// `(1/2 - l) Σ_k (f_k · ∂/∂p) f_k · δq`, as text.
-    pub(crate) fn force_defect(&self, graph: &mut Graph, l: Rational) -> String {
-        self.defect_of(graph, &self.half_force_defect, l)
-    }
-
-    fn defect_of(&self, graph: &mut Graph, half: &Sum, l: Rational) -> String {
+    /// `1/2 - l` times one of the sums that such defects are multiples of, as text.
+    pub(crate) fn defect(&self, graph: &mut Graph, half: &Sum, l: Rational) -> String {
         let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
         match weight.is_zero() {
             true => "0".to_owned(),
@@ -301,12 +290,7 @@ fn all(statements: impl IntoIterator<Item = Knowledge>) -> Knowledge {
     known
 }
 
-/// Whether every `{H_j, H_k}` is constant, and the noise forces commute with each other and with these.
-fn commuting(graph: &mut Graph, space: &mut Space, noise: &[Sum], forces: &[Sum]) -> Knowledge {
-    let hamiltonians = commuting_hamiltonians(graph, space, noise);
-    all([hamiltonians, commuting_forces(graph, space, noise, forces)])
-}
-
+/// Whether every `{H_j, H_k}` is constant.
 fn commuting_hamiltonians(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -> Knowledge {
     let mut statements = Vec::new();
     for (k, first) in noise.iter().enumerate() {
@@ -347,18 +331,17 @@ fn kept_across(name: &str, boundary: &Boundary) -> Knowledge {
     }
 }
 
-fn noise_class(graph: &mut Graph, noise: &[&Element], forces: &[&Element], is_absent: bool) -> NoiseClass {
+fn noise_class(graph: &mut Graph, noises: &[Element]) -> NoiseClass {
+    let (forces, noise): (Vec<&Element>, Vec<&Element>) =
+        noises.iter().partition(|element| element.is_covector());
     let are = |elements: &[&Element], reads: Reads| {
         elements.iter().all(|element| [reads, Reads::Nothing].contains(&element.reads()))
     };
-    let reads_only = |reads: Reads| are(noise, reads) && are(forces, reads);
-    if is_absent {
-        NoiseClass::None
-    } else if noise.iter().all(|element| is_affine(graph, element)) && are(forces, Reads::Nothing) {
+    if noise.iter().all(|element| is_affine(graph, element)) && are(&forces, Reads::Nothing) {
         NoiseClass::Additive
-    } else if reads_only(Reads::Coordinates) {
+    } else if are(&noise, Reads::Coordinates) && are(&forces, Reads::Coordinates) {
         NoiseClass::Position
-    } else if reads_only(Reads::Momenta) && forces.is_empty() {
+    } else if are(&noise, Reads::Momenta) && forces.is_empty() {
         NoiseClass::Momentum
     } else {
         NoiseClass::Multiplicative
