@@ -65,18 +65,16 @@ impl Bound {
         }
     }
 
-    /// A name for each number, made of `fallback` where there is none.
+    /// A name for each number of a known size, made of `fallback` where there is none.
     fn components(&self, shape: &Shape, fallback: &str) -> Vec<String> {
-        let mut names = Vec::new();
-        match (self, shape) {
-            (Self::Each(parts), Shape::Array(element, _)) => {
-                for (i, part) in parts.iter().enumerate() {
-                    names.extend(part.components(element, &format!("{fallback}[{i}]")));
-                }
-            }
-            _ => indexed(&self.name(fallback), shape, &mut names),
-        }
-        names
+        let name = self.name(fallback);
+        let Shape::Array(element, Length::Literal(length)) = shape else { return vec![name] };
+        let part = |i: usize| match self {
+            Self::Whole(_) => Some(&Self::Whole(None)),
+            Self::Each(parts) => parts.get(i),
+        };
+        let parts = (0..*length).filter_map(|i| Some((part(i)?, format!("{name}[{i}]"))));
+        parts.flat_map(|(part, name)| part.components(element, &name)).collect()
     }
 }
 
@@ -383,17 +381,5 @@ fn time(pattern: &Pat) -> syn::Result<String> {
             Shape::Array(..) => Err(messages::time_is_real(pattern)),
         },
         _ => Err(messages::time_is_real(pattern)),
-    }
-}
-
-fn indexed(name: &str, shape: &Shape, names: &mut Vec<String>) {
-    match shape {
-        Shape::Real => names.push(name.to_owned()),
-        Shape::Array(element, len) => {
-            let len = if let Length::Literal(len) = len { *len } else { 0 };
-            for i in 0..len {
-                indexed(&format!("{name}[{i}]"), element, names);
-            }
-        }
     }
 }

@@ -126,13 +126,8 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Option<Value> {
-        let member = &field.member;
-        let name = match member {
-            Member::Named(name) => name.unraw().to_string(),
-            Member::Unnamed(index) => format!("self.{}", index.index),
-        };
-        // `self` has to be that of the method which the tokens end up in; a field's name is the same everywhere.
-        self.place(Place::new(name, quote! { self.#member }, field.kind.clone()), at)
+        let (name, tokens) = displayed_and_read(field);
+        self.place(Place::new(name, tokens, field.kind.clone()), at)
     }
 
     /// The field that a bare name means, as it is displayed and read: no size and no variable has the name.
@@ -140,14 +135,22 @@ impl<'a> Interpreter<'a, '_> {
         if self.system.sizes.contains(name) {
             return None;
         }
-        let field = self.named_field(name)?;
-        let member = &field.member;
-        Some((name.unraw().to_string(), quote! { self.#member }))
+        self.named_field(name).map(displayed_and_read)
     }
 
     fn field_names(&self) -> Vec<String> {
         self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
     }
+}
+
+/// `self` has to be that of the method which the tokens end up in; a field's name is the same everywhere.
+fn displayed_and_read(field: &Field) -> (String, TokenStream) {
+    let member = &field.member;
+    let name = match member {
+        Member::Named(name) => name.unraw().to_string(),
+        Member::Unnamed(index) => format!("self.{}", index.index),
+    };
+    (name, quote! { self.#member })
 }
 
 /// `self`, in parentheses or not.
