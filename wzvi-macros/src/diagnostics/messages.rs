@@ -24,24 +24,6 @@ pub(crate) const KEYS: Listed = Listed(&[
 ]);
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
                        `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
-/// Names that are no types of the program.
-pub(crate) const SCHEME_NAMES: [&str; 15] = [
-    "DeltaPlus",
-    "Midpoint",
-    "DeltaMinus",
-    "Lambda",
-    "Mixed",
-    "Verlet",
-    "Gauss",
-    "Corrected",
-    "Uncorrected",
-    "Baoab",
-    "Obabo",
-    "Gjf",
-    "GjI",
-    "Splitting",
-    "Thermostat",
-];
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -134,7 +116,7 @@ messages! {
     } = "unknown key `{word}`; the keys are {KEYS}{meant}";
     unknown_embedding(name) {
         word = name.to_string();
-        meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, SCHEME_NAMES)));
+        meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, scheme_names())));
     } = "unknown embedding `{word}`; there are {SCHEMES}{meant}";
     /// A name that requests another sense of the stochastic integral.
     key_of_ito(key) = "{STRATONOVICH}";
@@ -208,6 +190,12 @@ pub(crate) fn missing_key(key: &str) -> Error {
         _ => "embedding = Midpoint",
     };
     Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
+}
+
+/// The names of schemes, which are no types of the program.
+pub(crate) fn scheme_names() -> impl Iterator<Item = &'static str> {
+    let quoted = SCHEMES.split('`').skip(1).step_by(2);
+    quoted.filter_map(|scheme| scheme.split('<').next()).chain(["Splitting"])
 }
 
 /// What other texts call the same scheme.

@@ -73,7 +73,9 @@ fn of_program(ty: &Type) -> syn::Result<Path> {
         ("Corrected" | "Uncorrected" | "Thermostat", Some([GenericArgument::Type(inner)]), _) => {
             of_program(inner)
         }
-        (name, None, Type::Path(path)) if !messages::SCHEME_NAMES.contains(&name) => Ok(path.path.clone()),
+        (name, None, Type::Path(path)) if messages::scheme_names().all(|known| known != name) => {
+            Ok(path.path.clone())
+        }
         _ => Err(messages::points_of_other(ty)),
     }
 }

@@ -20,14 +20,6 @@ const ROOT: &str = "__wzvi";
 /// Types whose names do not start with a capital.
 const PRIMITIVES: [&str; 7] = ["bool", "f64", "i128", "isize", "str", "u32", "usize"];
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
-const KEYWORDS: [&str; 53] = [
-    "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do",
-    "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
-    "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static",
-    "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual",
-    "where", "while", "yield", "_",
-];
-
 /// Where the code will stand.
 pub(crate) struct Surroundings<'s> {
     /// The facade as the user's crate knows it.
@@ -177,7 +169,6 @@ impl Survey {
     fn decide(self) -> Decided {
         let Self { of_user, words, paths, .. } = self;
         let mut taken = of_user;
-        taken.extend(KEYWORDS.map(str::to_owned));
         let root = free(ROOT, &mut taken);
         let mut names: Vec<String> = vec![String::new(); words.len()];
         for (name, word) in names.iter_mut().zip(&words).filter(|(_, word)| !word.is_bound) {
@@ -209,7 +200,9 @@ fn is_of_formula(word: &str) -> bool {
 /// The word without its mark, and not one that is taken.
 fn free(word: &str, taken: &mut HashSet<String>) -> String {
     let mut name = plain(word).to_owned();
-    while !taken.insert(name.clone()) {
+    // `syn` reads code of all editions, to the older of which `gen` is a word like others.
+    let is_keyword = |name: &str| syn::parse_str::<Ident>(name).is_err() || name == "gen";
+    while is_keyword(&name) || !taken.insert(name.clone()) {
         name.push('_');
     }
     name
