@@ -45,7 +45,13 @@ impl Texts {
     /// `steps` are those of `derived(listed)`.
     pub(crate) fn new(system: &mut System, facts: &Facts, listed: &[Embedding], steps: &[Step]) -> Self {
         let (flows, parts) = (Flows::of(system, facts, listed), split::forms(system));
-        let of_parts: Vec<String> = steps.iter().map(|step| of_step(system, facts, step)).collect();
+        let of_parts: Vec<String> = steps
+            .iter()
+            .map(|step| match step {
+                Step::StraightLine(_, scheme) => describe(system, facts, scheme),
+                Step::InLoops(embedding, strategy) => sweep::describe(system, facts, embedding, *strategy),
+            })
+            .collect();
         let parts = parts.filter(|_| listed.contains(&Embedding::Verlet));
         let derived: Vec<_> = steps.iter().map(Step::embedding).zip(&of_parts).collect();
         let of_listed = |embedding: &Embedding| {
@@ -66,14 +72,6 @@ impl Texts {
         };
         let listed = listed.iter().map(of_listed).collect();
         Self { listed, flows, parts, of_parts }
-    }
-}
-
-/// The text of a step.
-fn of_step(system: &mut System, facts: &Facts, step: &Step) -> String {
-    match step {
-        Step::StraightLine(_, scheme) => describe(system, facts, scheme),
-        Step::InLoops(embedding, strategy) => sweep::describe(system, facts, embedding, *strategy),
     }
 }
 

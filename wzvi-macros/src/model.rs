@@ -271,11 +271,6 @@ impl System {
         usize::try_from(degrees).ok()
     }
 
-    /// Whether there are functions of displacements.
-    pub(crate) fn has_covectors(&self) -> bool {
-        self.has_forces() || self.friction.is_some()
-    }
-
     /// Whether covectors stand beside the Hamiltonians, with noise or without.
     pub(crate) fn has_forces(&self) -> bool {
         self.force.is_some() || self.noise.iter().any(|noise| noise.is_force)

@@ -66,10 +66,12 @@ impl DiscreteLagrangian {
         }
         let value = graph.linear_combination(&terms);
         let by_momentum = symbols.momentum.iter().map(|&p| graph.derivative(value, p)).collect();
-        let mut by_node = |node: Node| -> Vec<Expr> {
-            (0..symbols.u.len()).map(|i| symbols.by_node(graph, (value, &forces), i, node)).collect()
+        let mut by_node = |of_increment: Rational, of_stage: fn(&Stage) -> Rational| -> Vec<Expr> {
+            let weights = (of_increment, of_stage);
+            (0..symbols.u.len()).map(|i| symbols.by_node(graph, (value, &forces), i, weights)).collect()
         };
-        let (by_start, mut by_end) = (by_node(Node::Start), by_node(Node::End));
+        let by_start = by_node(Rational::MINUS_ONE, Stage::start);
+        let mut by_end = by_node(Rational::ONE, Stage::end);
         if let Some(decay) = decay {
             // `e^{-γ h} - 1` is small, and so is the change that it causes.
             by_end.iter_mut().for_each(|end| {
@@ -79,12 +81,6 @@ impl DiscreteLagrangian {
         }
         Self { symbols, value, by_momentum, by_start, by_end }
     }
-}
-
-#[derive(Clone, Copy)]
-enum Node {
-    Start,
-    End,
 }
 
 impl StepSymbols {
@@ -120,18 +116,11 @@ impl StepSymbols {
         graph: &mut Graph,
         (value, forces): (Expr, &[Vec<Expr>]),
         i: usize,
-        node: Node,
+        (of_increment, of_stage): (Rational, fn(&Stage) -> Rational),
     ) -> Expr {
-        let of_increment = graph.derivative(value, self.u[i]);
-        let mut terms = match node {
-            Node::Start => vec![(of_increment, Rational::MINUS_ONE)],
-            Node::End => vec![(of_increment, Rational::ONE)],
-        };
+        let mut terms = vec![(graph.derivative(value, self.u[i]), of_increment)];
         for (stage, forces) in self.stages.iter().zip(forces) {
-            let weight = match node {
-                Node::Start => stage.at.start(),
-                Node::End => stage.at.end(),
-            };
+            let weight = of_stage(&stage.at);
             terms.push((graph.derivative(value, stage.q[i]), weight));
             terms.extend(forces.get(i).map(|&force| (force, weight)));
         }
@@ -168,26 +157,31 @@ impl StageSymbols {
     }
 }
 
-/// `e^{γ l h}` at a quadrature point, where friction has a rate that steps take in.
+/// `γ l h`, where friction has a rate that steps take in.
+fn exponent(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, l: Rational) -> Option<Expr> {
+    let rate = line.conformal?;
+    let h = graph.symbol(symbols.h);
+    let product = graph.multiply(rate, h);
+    Some(graph.scale(product, l))
+}
+
+/// `e^{γ l h}` at a quadrature point.
 fn scale(
     graph: &mut Graph,
     line: &StraightLine,
     symbols: &StepSymbols,
     stage: &StageSymbols,
 ) -> Option<Expr> {
-    let rate = line.conformal.filter(|_| !stage.at.l.is_zero())?;
-    let h = graph.symbol(symbols.h);
-    let product = graph.multiply(rate, h);
-    let exponent = graph.scale(product, stage.at.l);
+    if stage.at.l.is_zero() {
+        return None;
+    }
+    let exponent = exponent(graph, line, symbols, stage.at.l)?;
     Some(graph.apply(Function::Exp, &[exponent]))
 }
 
 /// `e^{-γ h} - 1`
 fn decay(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols) -> Option<Expr> {
-    let rate = line.conformal?;
-    let h = graph.symbol(symbols.h);
-    let product = graph.multiply(rate, h);
-    let exponent = graph.negate(product);
+    let exponent = exponent(graph, line, symbols, Rational::MINUS_ONE)?;
     Some(graph.apply(Function::ExpM1, &[exponent]))
 }
 

@@ -35,14 +35,6 @@ pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenSt
     generated
 }
 
-/// What is emitted of the field of a system in straight lines.
-struct Slopes {
-    reads: Vec<Read>,
-    noises: usize,
-    /// The matrix of its linear part, and the slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
-    functions: TokenStream,
-}
-
 /// `impl Field`
 fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
     let line = system.line.clone();
@@ -55,8 +47,8 @@ fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
         None => quote!(__wzvi::gauss::Dynamic),
     };
     let shape = size(line.map(|line| line.phase.q.len()));
-    let noises = size(slopes.as_ref().map(|slopes| slopes.noises));
-    let (reads, functions) = slopes.map(|slopes| (slopes.reads, slopes.functions)).unwrap_or_default();
+    let noises = size(line.map(StraightLine::noises));
+    let (reads, functions) = slopes.unwrap_or_default();
     let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
     let (bool, tokens) = (quote!(__wzvi::bool), reads.iter().map(|read| &read.tokens));
     let body = quote! {
@@ -78,7 +70,8 @@ fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
     implementation(&system.item, &quote!(__wzvi::gauss::Field), &body)
 }
 
-fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Slopes {
+/// Of a system in straight lines: what is read, the matrix of its linear part, and the slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
+fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read>, TokenStream) {
     let slopes = StepSlopes::new(graph, line, is_nystrom);
     let phase = &line.phase;
     let mut names = Names::default();
@@ -125,7 +118,7 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> Slopes {
                 }
             }
     };
-    Slopes { reads, noises: dw.len(), functions }
+    (reads, functions)
 }
 
 /// The matrix of the linear part of the force, where there is one.

@@ -110,10 +110,6 @@ impl Program {
         self.push(Operation::Constant(value.to_bits()))
     }
 
-    pub(crate) fn is_known(&self, operation: &Operation) -> bool {
-        self.known.contains_key(operation)
-    }
-
     /// The operation with this form, if there is one.
     pub(crate) fn find(&self, operation: &Operation) -> Option<Op> {
         self.known.get(operation).copied()

@@ -40,16 +40,13 @@ impl Calls {
 }
 
 pub(super) fn of_closures<'a>(closures: impl Iterator<Item = &'a ExprClosure>, name: &Ident) -> Vec<Path> {
-    let mut all = Calls::default();
+    let mut calls = Calls { own: Some(name.clone()), ..Calls::default() };
     for closure in closures {
-        let mut calls = Calls { own: Some(name.clone()), ..Calls::default() };
+        calls.bound = Names::default();
         calls.bound.visit_expr_closure(closure);
         calls.visit_expr_closure(closure);
-        all.called.extend(calls.called);
-        all.types.extend(calls.types);
-        all.method = all.method.or(calls.method);
     }
-    all.paths(Some(name))
+    calls.paths(Some(name))
 }
 
 /// The calls of a function with these parameters, which may be one of the type `own`.

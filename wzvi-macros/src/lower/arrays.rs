@@ -136,8 +136,7 @@ impl<'a> Interpreter<'a, '_> {
         let below = self.bounded(|bounds| bounds.largest(&negated)).and_then(|negated| negated.as_integer());
         let error = match (above, below) {
             (Some(excess), _) if excess >= 0 => {
-                let (index, length) = (self.display(k), self.display(&array.length));
-                expressions::index_beyond(at, &index, &length, excess)
+                expressions::index_beyond(at, &self.display(k), &self.display(&array.length), excess)
             }
             (_, Some(negated)) if negated > 0 => expressions::index_negative(at, &self.display(k)),
             _ => return Some(()),
@@ -163,10 +162,7 @@ impl<'a> Interpreter<'a, '_> {
                     let length = usize::try_from(length).unwrap_or(0);
                     expressions::index_out_of_range(at, end, length)
                 }
-                _ => {
-                    let (index, length) = (self.display(end), self.display(&array.length));
-                    expressions::index_beyond(at, &index, &length, 0)
-                }
+                _ => expressions::index_beyond(at, &self.display(end), &self.display(&array.length), 0),
             };
             return self.refuse(error);
         }

@@ -70,7 +70,7 @@ impl<'a> Interpreter<'a, '_> {
 
     /// A binary operator. Long chains lean left: they are walked, not recursed into.
     pub(super) fn binary(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
-        if is_logical(&syntax.op) {
+        if matches!(syntax.op, BinOp::And(_) | BinOp::Or(_)) {
             return self.logical(syntax);
         }
         if let Some(operator) = compound(&syntax.op) {
@@ -325,10 +325,6 @@ fn is_arithmetic(operator: &BinOp) -> bool {
     matches!(operator, BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::Div(_) | BinOp::Rem(_))
 }
 
-fn is_logical(operator: &BinOp) -> bool {
-    matches!(operator, BinOp::And(_) | BinOp::Or(_))
-}
-
 /// The exponent of `p**2`, which is `p * (*2)` in Rust.
 fn power_of(link: &ExprBinary) -> Option<&Syntax> {
     match (&link.op, &*link.right) {
@@ -370,17 +366,10 @@ pub(super) fn compound(operator: &BinOp) -> Option<BinOp> {
 
 /// Whether an integer type holds `value`.
 fn fits(value: i128, ty: &str) -> bool {
-    let unsigned = ty.starts_with('u');
-    let bits = match ty.trim_start_matches(['i', 'u']) {
-        "8" => 8,
-        "16" => 16,
-        "32" => 32,
-        "128" => return !unsigned || value >= 0,
-        _ => 64,
-    };
-    let (low, high) = match unsigned {
-        true => (0, (1i128 << bits) - 1),
-        false => (-(1i128 << (bits - 1)), (1i128 << (bits - 1)) - 1),
-    };
-    (low..=high).contains(&value)
+    let is_unsigned = ty.starts_with('u');
+    // `usize` and `isize` have 64 on some machine.
+    let bits: u32 = ty.trim_start_matches(['i', 'u']).parse().unwrap_or(64);
+    let least = if is_unsigned { 0 } else { i128::MIN >> (128 - bits) };
+    let most = i128::MAX >> (127 - (bits - u32::from(!is_unsigned)).min(127));
+    (least..=most).contains(&value)
 }

@@ -28,8 +28,15 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
             quote!(#checks::entries::<#entry, _>)
         }
     };
+    let scalars = system.fields.iter().filter(|field| is_scalar(field));
+    let scalars: Vec<&Ident> = scalars
+        .filter_map(|field| match &field.member {
+            Member::Named(name) => Some(name),
+            Member::Unnamed(_) => None,
+        })
+        .collect();
     let closures = declaration.in_order().map(|closure| {
-        let plain = plain_scalars(system, closure);
+        let plain = dereferenced(&closure.tokens, &scalars);
         let rewritten = match (plain, closure.role.is_covector()) {
             (plain, true) => with_entries(plain.as_ref().unwrap_or(&closure.closure), &entries),
             (Some(plain), false) => plain.into_token_stream(),
@@ -165,16 +172,4 @@ fn with_our_self(tokens: TokenStream) -> TokenStream {
         }
         token.into()
     })
-}
-
-/// The closure with `*a` written `a` for scalar fields, if there is such a thing.
-fn plain_scalars(system: &Container, hamiltonian: &Hamiltonian) -> Option<ExprClosure> {
-    let scalars = system.fields.iter().filter(|field| is_scalar(field));
-    let scalars: Vec<&Ident> = scalars
-        .filter_map(|field| match &field.member {
-            Member::Named(name) => Some(name),
-            Member::Unnamed(_) => None,
-        })
-        .collect();
-    dereferenced(&hamiltonian.tokens, &scalars)
 }

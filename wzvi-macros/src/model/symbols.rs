@@ -47,11 +47,6 @@ impl Symbols {
         }
     }
 
-    /// Whether every degree of freedom is a variable.
-    pub(crate) fn has_phase(&self) -> bool {
-        !self.phase[0].is_empty()
-    }
-
     /// The coordinates and the momenta, where each is a variable.
     pub(crate) fn phase(&self) -> [Vec<Symbol>; 2] {
         self.phase.clone()

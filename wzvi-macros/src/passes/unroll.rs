@@ -199,7 +199,7 @@ impl<'a> Writer<'a> {
 pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
-    let has_covectors = system.has_covectors();
+    let has_covectors = system.has_forces() || system.friction.is_some();
     let System { graph, symbols, tables, parameters, t, drift, noise, force, conformal, .. } = system;
     let displacements = if has_covectors { symbols.displacements(graph) } else { Vec::new() };
     let indices = Indices { tables, checked: true, lists: &[] };
@@ -243,8 +243,9 @@ fn known_locals(system: &System) -> Option<Vec<Local>> {
     }
     let read: BTreeSet<Symbol> = elements().flat_map(|e| &e.locals).map(|local| local.symbol).collect();
     let locals = system.symbols.locals_among(read.into_iter());
+    let has_phase = !system.symbols.phase()[0].is_empty();
     let is_known = |local: &Local| match &local.slot {
-        Slot::State(_, index) => system.symbols.has_phase() && index.as_integer().is_some(),
+        Slot::State(_, index) => has_phase && index.as_integer().is_some(),
         slot => !slot.indices().iter().any(Index::reads_size),
     };
     locals.iter().all(is_known).then_some(locals)

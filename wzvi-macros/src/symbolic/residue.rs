@@ -233,7 +233,10 @@ impl Point<'_> {
                     let power = match exponent.denominator() {
                         1 => field.power_signed(value(base)?, exponent.numerator())?,
                         2 => field.power_signed(self.root(base, value(base)?)?, exponent.numerator())?,
-                        _ => self.atom(Atom::Node, power_key(base, exponent)),
+                        _ => {
+                            let exponent = mix(exponent.numerator() as u64, exponent.denominator() as u64);
+                            self.atom(Atom::Node, mix(mix(base.index() as u64, exponent), u64::MAX))
+                        }
                     };
                     product = field.multiply(product, power);
                 }
@@ -315,11 +318,6 @@ impl Point<'_> {
             _ => vec![summand(argument.index() as u64, Rational::ONE)],
         }
     }
-}
-
-fn power_key(base: Expr, exponent: Rational) -> u64 {
-    let exponent = mix(exponent.numerator() as u64, exponent.denominator() as u64);
-    mix(mix(base.index() as u64, exponent), u64::MAX)
 }
 
 /// A hash of a pair of numbers.

@@ -34,16 +34,9 @@ impl Space {
                 width = width.max(form.anchor(&known.start)?).max(form.anchor(&known.end)?);
             }
             for local in &element.locals {
-                match &local.slot {
-                    Slot::State(_, index) => {
-                        width = width.max(form.distance(index, self.components)?);
-                    }
-                    Slot::Number(index) => width = width.max(form.distance(index, 1)?),
-                    Slot::Entry(_, indices) => {
-                        for index in indices {
-                            width = width.max(form.distance(index, 1)?);
-                        }
-                    }
+                let stride = if let Slot::State(..) = local.slot { self.components } else { 1 };
+                for index in local.slot.indices() {
+                    width = width.max(form.distance(index, stride)?);
                 }
             }
             for index in increments {

@@ -314,10 +314,10 @@ impl Solver<'_> {
                 let rest = condition.plus(&variable(own.variable), -slope)?;
                 if slope == 1 {
                     let start = Index::default().subtract(&rest)?;
-                    self.loops[at].start = self.larger(&own.start, &start)?;
+                    self.loops[at].start = self.extreme(Operation::Maximum, &own.start, &start)?;
                 } else {
                     let end = rest.shifted(1)?;
-                    self.loops[at].end = self.smaller(&own.end, &end)?;
+                    self.loops[at].end = self.extreme(Operation::Minimum, &own.end, &end)?;
                 }
             }
             _ => self.push_guard(Index::integer(1).minimum(&condition.shifted(1)?)),
@@ -325,24 +325,14 @@ impl Solver<'_> {
         Some(true)
     }
 
-    fn larger(&self, a: &Index, b: &Index) -> Option<Index> {
+    /// The larger or the smaller of two, where that is known one of them.
+    fn extreme(&self, operation: Operation, a: &Index, b: &Index) -> Option<Index> {
         let difference = a.subtract(b)?;
-        Some(match self.is_nonnegative(&difference) {
-            true => a.clone(),
-            false if self.is_nonnegative(&Index::default().subtract(&difference)?) => b.clone(),
-            false => a.maximum(b),
-        })
-    }
-
-    fn smaller(&self, a: &Index, b: &Index) -> Option<Index> {
-        let larger = self.larger(a, b)?;
-        Some(if larger == *a {
-            b.clone()
-        } else if larger == *b {
-            a.clone()
-        } else {
-            a.minimum(b)
-        })
+        let is_first_larger = self.is_nonnegative(&difference);
+        if !is_first_larger && !self.is_nonnegative(&Index::default().subtract(&difference)?) {
+            return a.operate(operation, b);
+        }
+        Some(if is_first_larger == (operation == Operation::Maximum) { a.clone() } else { b.clone() })
     }
 }
 

@@ -269,8 +269,11 @@ impl<'a> Lowering<'a> {
             Some(_) => Rational::ONE,
             None => coefficient,
         };
-        let mut values: Vec<Signed> =
-            terms.iter().map(|&(term, coefficient)| self.lower_term(term, divide(coefficient))).collect();
+        let mut values = Vec::with_capacity(terms.len() + 1);
+        for &(term, coefficient) in terms {
+            let (coefficient, factors) = self.flat_term(term, divide(coefficient));
+            values.push(self.lower_product(&factors, coefficient));
+        }
         if !constant.is_zero() {
             let op = self.program.constant(constant.to_f64().abs());
             values.push(Signed { negative: constant.is_negative(), op });
@@ -317,11 +320,6 @@ impl<'a> Lowering<'a> {
         Some(Signed { negative: start.negative, op })
     }
 
-    fn lower_term(&mut self, term: Expr, coefficient: Rational) -> Signed {
-        let (coefficient, factors) = self.flat_term(term, coefficient);
-        self.lower_product(&factors, coefficient)
-    }
-
     /// `coefficient · Π base^exponent`: per level one product over one quotient; the coefficient joins the earliest.
     fn lower_product(&mut self, factors: &[(Expr, Rational)], coefficient: Rational) -> Signed {
         let mut total: Option<Op> = None;
@@ -342,7 +340,7 @@ impl<'a> Lowering<'a> {
                 }
                 let (power, divides) = match exponent {
                     exponent if !exponent.is_negative() => (self.lower_power(base, exponent), false),
-                    Rational::MINUS_ONE if !self.program.is_known(&Operation::Reciprocal(base)) => {
+                    Rational::MINUS_ONE if self.program.find(&Operation::Reciprocal(base)).is_none() => {
                         (base, true)
                     }
                     exponent => (self.lower_inverse_power(base, exponent.negate()), false),
