@@ -35,16 +35,6 @@ pub(crate) struct Question {
 }
 
 impl Question {
-    pub(super) fn new(
-        kind: Ident,
-        crate_path: Path,
-        attribute: TokenStream,
-        item: TokenStream,
-        asked: Vec<Path>,
-    ) -> Self {
-        Self { kind, crate_path, attribute, item, stand_ins: TokenStream::new(), asked, answers: Vec::new() }
-    }
-
     /// The question for the next missing definition.
     pub(super) fn ask(&self) -> TokenStream {
         let position = self.answers.len();
@@ -215,7 +205,9 @@ pub(crate) fn questions(attribute: &TokenStream, item: &TokenStream) -> Option<Q
     let closures = declaration.in_order().map(|hamiltonian| &hamiltonian.closure);
     let asked = calls::of_closures(closures, &system.item.ident);
     let kind = syn::parse_quote!(hamiltonian);
-    let question = Question::new(kind, declaration.crate_path, attribute.clone(), item.clone(), asked);
+    let (crate_path, attribute, item) = (declaration.crate_path, attribute.clone(), item.clone());
+    let (stand_ins, answers) = (TokenStream::new(), Vec::new());
+    let question = Question { kind, crate_path, attribute, item, stand_ins, asked, answers };
     (!question.asked.is_empty()).then_some(question)
 }
 

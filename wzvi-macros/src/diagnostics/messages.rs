@@ -1,6 +1,6 @@
 //! The messages about declarations: the struct, the attribute and the phase space. One function per mistake.
 
-use std::fmt::{self, Display, Formatter};
+use std::fmt::Display;
 
 use proc_macro2::Span;
 use quote::ToTokens;
@@ -10,18 +10,8 @@ use super::{at, closest, source, suggest};
 use crate::symbolic::Rational;
 
 /// The keys that users know.
-pub(crate) const KEYS: Listed = Listed(&[
-    "drift",
-    "noise",
-    "force",
-    "noise_force",
-    "friction",
-    "damping",
-    "temperature",
-    "embedding",
-    "invariant",
-    "crate",
-]);
+const KEYS: &str = "`drift`, `noise`, `force`, `noise_force`, `friction`, `damping`, `temperature`, `embedding`, `invariant` \
+                    and `crate`";
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
                        `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
 const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
@@ -160,7 +150,7 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
 
 /// The key that `key` may stand for.
 pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
-    closest(key, KEYS.0.iter().copied()).or_else(|| synonym(key))
+    closest(key, names_in(KEYS)).or_else(|| synonym(key))
 }
 
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an equation of Ito, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
@@ -192,10 +182,18 @@ pub(crate) fn missing_key(key: &str) -> Error {
     Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
 }
 
+/// The names in a list of them, without arguments.
+fn names_in(list: &'static str) -> impl Iterator<Item = &'static str> {
+    list.split('`').skip(1).step_by(2).filter_map(|name| name.split('<').next())
+}
+
 /// The names of schemes, which are no types of the program.
 pub(crate) fn scheme_names() -> impl Iterator<Item = &'static str> {
-    let quoted = SCHEMES.split('`').skip(1).step_by(2);
-    quoted.filter_map(|scheme| scheme.split('<').next()).chain(["Splitting"])
+    names_in(SCHEMES).chain(["Splitting"])
+}
+
+pub(crate) fn is_key(name: &str) -> bool {
+    names_in(KEYS).any(|key| key == name)
 }
 
 /// What other texts call the same scheme.
@@ -210,21 +208,4 @@ fn scheme_synonym(name: &str) -> Option<&'static str> {
         "GJI" => "GjI",
         _ => return None,
     })
-}
-
-/// Names as a sentence lists them.
-pub(crate) struct Listed(pub(crate) &'static [&'static str]);
-
-impl Display for Listed {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        for (i, name) in self.0.iter().enumerate() {
-            let before = match i {
-                0 => "",
-                i if i + 1 == self.0.len() => " and ",
-                _ => ", ",
-            };
-            write!(f, "{before}`{name}`")?;
-        }
-        Ok(())
-    }
 }

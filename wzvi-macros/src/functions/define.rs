@@ -41,7 +41,8 @@ fn read(attribute: TokenStream, item: &TokenStream, diagnostics: &mut Diagnostic
             Vec::new()
         }
     };
-    Some(Question::new(syn::parse_quote!(function), crate_path, attribute, item.clone(), asked))
+    let (kind, item, stand_ins) = (syn::parse_quote!(function), item.clone(), TokenStream::new());
+    Some(Question { kind, crate_path, attribute, item, stand_ins, asked, answers: Vec::new() })
 }
 
 fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {

@@ -116,7 +116,7 @@ struct Entry {
 }
 
 fn is_key(name: &str) -> bool {
-    messages::KEYS.0.contains(&name) || name == STRATEGY
+    messages::is_key(name) || name == STRATEGY
 }
 
 /// Reads the arguments of the attribute, each on its own: a mistake in one does not hide the others.

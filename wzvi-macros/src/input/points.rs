@@ -2,6 +2,7 @@
 
 use syn::{BinOp, Expr, ExprBinary, ExprTuple, ExprUnary, Lit, UnOp};
 
+use super::peeled;
 use crate::diagnostics::messages;
 use crate::embedding::Points;
 use crate::symbolic::Rational;
@@ -45,9 +46,7 @@ pub(super) fn read_points(list: &Expr) -> syn::Result<Points> {
 
 /// The value of a literal, of its negative, or of a quotient.
 fn exact(number: &Expr) -> Option<Rational> {
-    match number {
-        Expr::Paren(inner) => exact(&inner.expr),
-        Expr::Group(inner) => exact(&inner.expr),
+    match peeled(number) {
         Expr::Unary(ExprUnary { op: UnOp::Neg(_), expr, .. }) => Some(exact(expr)?.negate()),
         Expr::Binary(ExprBinary { left, op: BinOp::Div(_), right, .. }) => {
             exact(left)?.multiply(exact(right)?.recip()?)

@@ -15,31 +15,10 @@ type Composed = fn(&mut Graph, &[Expr]) -> Expr;
 const COMPOSED: [(&str, usize, Option<Composed>); 12] = [
     ("powi", 2, None),
     ("recip", 1, Some(|graph, x| graph.power(x[0], Rational::MINUS_ONE))),
-    (
-        "log",
-        2,
-        Some(|graph, x| {
-            let [x, base] = [x[0], x[1]].map(|x| graph.apply(Function::Ln, &[x]));
-            graph.divide(x, base)
-        }),
-    ),
+    ("log", 2, Some(logarithm)),
     ("sin_cos", 1, None),
-    (
-        "clamp",
-        3,
-        Some(|graph, x| {
-            let above = graph.apply(Function::Max, &x[..2]);
-            graph.apply(Function::Min, &[above, x[2]])
-        }),
-    ),
-    (
-        "mul_add",
-        3,
-        Some(|graph, x| {
-            let product = graph.multiply(x[0], x[1]);
-            graph.add(product, x[2])
-        }),
-    ),
+    ("clamp", 3, Some(clamped)),
+    ("mul_add", 3, Some(fused)),
     ("to_radians", 1, Some(|graph, x| scaled(graph, x, std::f64::consts::PI / 180.0))),
     ("to_degrees", 1, Some(|graph, x| scaled(graph, x, 180.0 / std::f64::consts::PI))),
     ("from", 1, None),
@@ -47,6 +26,22 @@ const COMPOSED: [(&str, usize, Option<Composed>); 12] = [
     ("to_owned", 1, Some(|_, x| x[0])),
     ("add", 2, Some(|graph, x| graph.add(x[0], x[1]))),
 ];
+
+fn logarithm(graph: &mut Graph, x: &[Expr]) -> Expr {
+    let [x, base] = [x[0], x[1]].map(|x| graph.apply(Function::Ln, &[x]));
+    graph.divide(x, base)
+}
+
+fn clamped(graph: &mut Graph, x: &[Expr]) -> Expr {
+    let above = graph.apply(Function::Max, &x[..2]);
+    graph.apply(Function::Min, &[above, x[2]])
+}
+
+/// `x y + z`
+fn fused(graph: &mut Graph, x: &[Expr]) -> Expr {
+    let product = graph.multiply(x[0], x[1]);
+    graph.add(product, x[2])
+}
 
 fn scaled(graph: &mut Graph, x: &[Expr], factor: f64) -> Expr {
     let factor = graph.float(factor);

@@ -12,7 +12,7 @@ use super::sequences::Sequence;
 use super::tables::Tables;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
-use crate::input::{Container, Function, Kind, Library};
+use crate::input::{Container, Function, Kind, Library, peeled};
 use crate::model::symbols::Symbols;
 use crate::symbolic::{Expr, Graph};
 
@@ -271,14 +271,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 /// The expression that gives a body its value, for messages.
 pub(super) fn result_of(mut syntax: &Syntax) -> &Syntax {
     loop {
-        syntax = match syntax {
-            Syntax::Paren(inner) => &inner.expr,
-            Syntax::Group(inner) => &inner.expr,
-            Syntax::Block(block) => match last_expression(&block.block) {
-                Some(inner) => inner,
-                None => return syntax,
-            },
-            _ => return syntax,
+        syntax = match peeled(syntax) {
+            Syntax::Block(block) if let Some(last) = last_expression(&block.block) => last,
+            result => return result,
         };
     }
 }

@@ -11,7 +11,7 @@ use super::floats::is_real_method;
 use super::interpreter::Interpreter;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::input::{Field, Kind};
+use crate::input::{Field, Kind, peeled};
 use crate::model::Parameter;
 use crate::symbolic::{Graph, Symbol};
 
@@ -155,10 +155,8 @@ fn displayed_and_read(field: &Field) -> (String, TokenStream) {
 
 /// `self`, in parentheses or not.
 pub(crate) fn is_self(syntax: &Syntax) -> bool {
-    match syntax {
+    match peeled(syntax) {
         Syntax::Path(path) => path.path.is_ident("self"),
-        Syntax::Paren(inner) => is_self(&inner.expr),
-        Syntax::Group(inner) => is_self(&inner.expr),
         Syntax::Unary(inner) if matches!(inner.op, UnOp::Deref(_)) => is_self(&inner.expr),
         _ => false,
     }

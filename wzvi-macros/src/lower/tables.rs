@@ -32,10 +32,15 @@ impl Tables {
         is_unsigned: bool,
         lengths: Vec<Option<usize>>,
     ) -> u32 {
+        let (name, suffix) = (name.to_owned(), TokenStream::new());
+        self.once(tokens.to_string(), Table { name, tokens: tokens.clone(), suffix, is_unsigned, lengths })
+    }
+
+    /// The number of the table with this key.
+    fn once(&mut self, key: String, table: Table) -> u32 {
         let list = &mut self.list;
-        *self.known.entry(tokens.to_string()).or_insert_with(|| {
-            let (name, tokens, suffix) = (name.to_owned(), tokens.clone(), TokenStream::new());
-            list.push(Table { name, tokens, suffix, is_unsigned, lengths });
+        *self.known.entry(key).or_insert_with(|| {
+            list.push(table);
             (list.len() - 1) as u32
         })
     }
@@ -53,13 +58,10 @@ impl Tables {
 
     /// What `suffix` says of the entries of a list.
     pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
-        let list = &mut self.list;
-        let Some(Table { name, tokens, lengths, .. }) = list.get(id as usize).cloned() else { return id };
-        let name = format!("{name}{suffix}").replace(' ', "");
-        *self.known.entry(format!("{tokens} [..] {suffix}")).or_insert_with(|| {
-            list.push(Table { name, tokens, suffix, is_unsigned, lengths });
-            (list.len() - 1) as u32
-        })
+        let Some(list) = self.list.get(id as usize).cloned() else { return id };
+        let name = format!("{}{suffix}", list.name).replace(' ', "");
+        let key = format!("{} [..] {suffix}", list.tokens);
+        self.once(key, Table { name, suffix, is_unsigned, ..list })
     }
 
     pub(super) fn name(&self, id: u32) -> String {
