@@ -36,6 +36,27 @@ struct Field {
     s: f64,
 }
 
+/// The same wells beside a noise, whose increments are zero here: then no step has previous ones to be compared with, and none is checked.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * a * q * q + b * q * q * q + c * q * q * q * q + d * (k * q).cos(),
+    noise = [|q, p| q],
+    embedding = [Midpoint],
+)]
+struct Driven {
+    a: f64,
+    b: f64,
+    c: f64,
+    d: f64,
+    k: f64,
+}
+
+impl Derivatives for Driven {
+    fn derivatives(&self, q: &[f64], p: &[f64], gradient: &mut [f64], hessian: &mut [f64]) {
+        let Self { a, b, c, d, k } = *self;
+        Well { a, b, c, d, k }.derivatives(q, p, gradient, hessian);
+    }
+}
+
 /// Two sites in double wells.
 #[hamiltonian(
     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 2.0 * x.powi(4) - 3.0 * x * x + 2.0 * y.powi(4) - 3.0 * y * y + g * x * y * y,
@@ -341,7 +362,7 @@ where
 {
     const RUN: u32 = 4;
     let (reference, mut random) = (Reference::new(stages), Random(seed));
-    let mut counts = Counts::default();
+    let (mut counts, dw) = (Counts::default(), vec![0.0; system.increments(D)]);
     while counts.steps < steps {
         let h = 1.025 + 0.975 * random.next();
         let q: [f64; D] = std::array::from_fn(|_| 2.0 * random.next());
@@ -350,7 +371,7 @@ where
         let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap();
         for n in 0..RUN {
             let start = components(&state);
-            let taken = stepper.step(&mut state, &[]);
+            let taken = stepper.step(&mut state, &dw);
             let (end, followed) = (components(&state), reference.follow(system, h, &start));
             let what = format!("{stages} stages, h = {h:?}, q = {q:?}, p = {p:?}, step {n}");
             counts.steps += 1;
@@ -383,16 +404,19 @@ fn components<const D: usize>(state: &State<wzvi::nalgebra::SVector<f64, D>>) ->
     state.q.iter().chain(state.p.iter()).copied().collect()
 }
 
+/// Steps of each scheme and system, and the seed of their random states, as the environment says.
+fn settings() -> [u64; 2] {
+    [("STEPS", 20), ("SEED", 7)]
+        .map(|(name, else_is)| std::env::var(name).map_or(else_is, |number| number.parse().unwrap()))
+}
+
 /// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 SEED=7 cargo test --release --test laws branches -- --nocapture` is 10^4 steps.
 #[test]
 fn random_steps_continue_their_state() {
-    let number =
-        |name: &str, else_is: u64| std::env::var(name).map_or(else_is, |number| number.parse().unwrap());
-    let (steps, seed) = (number("STEPS", 20) as u32, number("SEED", 7));
-    let mut all = Counts::default();
+    let ([steps, seed], mut all) = (settings(), Counts::default());
     macro_rules! of {
         ($system:expr, $name:expr, $($scheme:ty, $stages:expr);+) => {$(
-            let counts = compare::<_, $scheme, _>($system, $stages, steps, seed + $stages);
+            let counts = compare::<_, $scheme, _>($system, $stages, steps as u32, seed + $stages);
             println!("{} {}: {counts:?}", $name, stringify!($scheme));
             all.add(counts);
         )+};
@@ -407,6 +431,17 @@ fn random_steps_continue_their_state() {
     println!("all: {all:?}");
     assert_eq!(all.wrong, 0, "{all:?}");
     assert!(100 * (all.lost + all.doubtful) <= all.steps, "{all:?}");
+}
+
+/// With noise, a step that is far too long may be on another branch, one in a thousand of these (docs/guide/solver.md).
+#[test]
+fn noisy_steps_mostly_continue_their_state() {
+    let ([steps, seed], mut all) = (settings(), Counts::default());
+    for Well { a, b, c, d, k } in WELLS {
+        all.add(compare::<_, Midpoint, _>(&Driven { a, b, c, d, k }, 1, steps as u32, seed));
+    }
+    println!("with noise: {all:?}");
+    assert!(100 * (all.wrong + all.lost + all.doubtful) <= all.steps, "{all:?}");
 }
 
 /// Newton's method from zero finds another branch of these, of which two have a determinant of the other sign.

@@ -75,7 +75,7 @@ impl Effort {
 
     /// Whether a careful solution from zero is the one that continues the state.
     pub(crate) fn is_certain(self) -> bool {
-        !(self.doubtful || self.is_far || self.is_elsewhere())
+        !(self.doubtful || self.is_far || self.is_one_way || self.is_elsewhere())
     }
 
     /// Whether the Jacobian says that a careful solution is not the one that continues the state.
