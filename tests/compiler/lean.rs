@@ -61,7 +61,7 @@ fn build(name: &str, source: &str) -> PathBuf {
     let manifest = format!(
         "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n\
          [dependencies]\nwzvi = {{ path = {:?} }}\n\n\
-         [profile.dev]\ndebug = \"none\"\nincremental = false\ncodegen-units = 4\n",
+         [profile.dev]\ndebug = \"none\"\nincremental = false\ncodegen-units = 4\nbuild-override.codegen-units = 4\n",
         root()
     );
     std::fs::write(folder.join("Cargo.toml"), manifest).unwrap();
