@@ -38,7 +38,7 @@ where
 #[test]
 fn memory_is_a_few_vectors() {
     // Ten million sites in 4 GB are 400 bytes each, 16 of them the state.
-    let n = 100_000;
+    let n = 20_000;
     let explicit = bytes_per_site::<DeltaPlus>(n, 0.05);
     println!("DeltaPlus: {explicit:.0} bytes per site");
     assert!(explicit < 60.0, "{explicit}");
