@@ -38,9 +38,12 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
         match &value {
             Value::Poison => None,
-            Value::Index(index) if let Some(known) = index.as_integer() => Some(known),
-            Value::Index(index) if index.is_closed() && self.turns_of(index) => None,
-            Value::Index(_) | Value::Constant(_) => self.refuse(expressions::index_not_known(at)),
+            Value::Index(index) => match index.as_integer() {
+                Some(known) => Some(known),
+                None if index.is_closed() && self.turns_of(index) => None,
+                None => self.refuse(expressions::index_not_known(at)),
+            },
+            Value::Constant(_) => self.refuse(expressions::index_not_known(at)),
             value => self.mismatch(at, "an integer", value),
         }
     }

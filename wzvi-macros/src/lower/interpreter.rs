@@ -269,12 +269,11 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 }
 
 /// The expression that gives a body its value, for messages.
-pub(super) fn result_of(mut syntax: &Syntax) -> &Syntax {
-    loop {
-        syntax = match peeled(syntax) {
-            Syntax::Block(block) if let Some(last) = last_expression(&block.block) => last,
-            result => return result,
-        };
+pub(super) fn result_of(syntax: &Syntax) -> &Syntax {
+    let result = peeled(syntax);
+    match result {
+        Syntax::Block(block) => last_expression(&block.block).map_or(result, result_of),
+        _ => result,
     }
 }
 

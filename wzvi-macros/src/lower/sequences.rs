@@ -362,21 +362,24 @@ impl<'a> Interpreter<'a, '_> {
                 let (a, b) = (self.through(a, one_by_one, at, f)?, self.through(b, one_by_one, at, f)?);
                 Some(self.graph.add(a, b))
             }
-            Source::Range(..) | Source::Array(_) | Source::Positions
-                if let (Some(length), false) = (&sequence.length, one_by_one) =>
-            {
-                self.sum_loop(length, at, &mut |this, k| {
-                    let item = this.item(sequence, k, at)?;
-                    f(this, item)
-                })
-            }
-            // What was written one by one is added up one by one.
-            _ => {
-                let mut terms = Vec::new();
-                for item in self.items(sequence, at)? {
-                    terms.push((f(self, item)?, Rational::ONE));
+            Source::Range(..) | Source::Array(_) | Source::Positions | Source::Known(_) => {
+                let is_written = matches!(sequence.source, Source::Known(_));
+                match &sequence.length {
+                    Some(length) if !one_by_one && !is_written => {
+                        self.sum_loop(length, at, &mut |this, k| {
+                            let item = this.item(sequence, k, at)?;
+                            f(this, item)
+                        })
+                    }
+                    // What was written one by one is added up one by one.
+                    Some(_) | None => {
+                        let mut terms = Vec::new();
+                        for item in self.items(sequence, at)? {
+                            terms.push((f(self, item)?, Rational::ONE));
+                        }
+                        Some(self.graph.linear_combination(&terms))
+                    }
                 }
-                Some(self.graph.linear_combination(&terms))
             }
         }
     }

@@ -31,12 +31,7 @@ pub(super) fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
     match slot {
         Slot::State(_, index) => motion(index, inner, components),
         _ if is_fixed => Motion::Fixed,
-        Slot::Entry(_, indices)
-            if let [index] = indices.as_slice()
-                && runs(index, inner) =>
-        {
-            Motion::Run
-        }
+        Slot::Entry(_, indices) if matches!(indices.as_slice(), [index] if runs(index, inner)) => Motion::Run,
         Slot::Entry(..) | Slot::Number(_) => Motion::Free,
     }
 }
