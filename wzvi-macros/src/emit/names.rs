@@ -53,6 +53,9 @@ impl Names {
     }
 }
 
+/// What stands for `+`, `-` and `%`.
+const OPERATORS: [&str; 3] = ["plus", "minus", "mod"];
+
 /// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `2 i` is `index_2i`, `self.0` is `field0`; what is a word already is left alone.
 fn as_word(wish: &str) -> String {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
@@ -73,7 +76,7 @@ fn as_word(wish: &str) -> String {
         let (part, after) = (&rest[start..end], &rest[end..]);
         let is_number = |text: &str| text.ends_with(|c: char| c.is_ascii_digit());
         let is_component = gap == "[" && after.starts_with(']') && is_number(part);
-        let is_multiple = gap == " " && is_number(&word) && !is_number(part) && !is_operator(part);
+        let is_multiple = gap == " " && is_number(&word) && !is_number(part) && !OPERATORS.contains(&part);
         if !(word.is_empty() || is_component && !is_number(&word) || is_multiple) {
             word.push('_');
         }
@@ -84,10 +87,6 @@ fn as_word(wish: &str) -> String {
         word.insert_str(0, "index_");
     }
     if is_word(&word) { word } else { "x".to_owned() }
-}
-
-fn is_operator(word: &str) -> bool {
-    ["plus", "minus", "mod"].contains(&word)
 }
 
 #[cfg(test)]

@@ -171,8 +171,10 @@ impl<'p> Printer<'p> {
             let own: u32 =
                 1 + operation.operands().iter().map(|a| length.get(a).copied().unwrap_or(0)).sum::<u32>();
             let is_shared = uses.get(op).copied().unwrap_or(0) > 1 || forced(op) || own > LONGEST_EXPRESSION;
-            if let Some(pair) = self.sine_and_cosine(op, &needed) {
-                statements.extend(self.bind_pair(pair));
+            if let Some((sine, cosine)) = self.sine_and_cosine(op, &needed) {
+                let argument = self.receiver(self.program.operation(sine).operands()[0]);
+                let (sine, cosine) = (self.name(sine), self.name(cosine));
+                statements.extend(quote!(let (#sine, #cosine) = #argument.sin_cos();));
             } else if is_shared && !operation.is_trivial() {
                 let value = self.value(op);
                 let name = self.name(op);
@@ -197,12 +199,6 @@ impl<'p> Printer<'p> {
             return None;
         }
         Some(if *function == Function::Sin { (op, partner) } else { (partner, op) })
-    }
-
-    fn bind_pair(&mut self, (sine, cosine): (Op, Op)) -> TokenStream {
-        let argument = self.receiver(self.program.operation(sine).operands()[0]);
-        let (sine, cosine) = (self.name(sine), self.name(cosine));
-        quote!(let (#sine, #cosine) = #argument.sin_cos();)
     }
 
     /// The value of `op` as an expression.

@@ -75,14 +75,15 @@ fn sweep(
         let mut equation = |half: Half, slope_weight: &dyn Fn(&Stage) -> Rational, text: &mut String| {
             for stage in &stages {
                 for &(part, weight) in &stage.parts {
-                    let (at, slope) = (point(&q, stage.l), slope_weight(stage));
-                    let weights = [weight, slope];
-                    let slopes = Slopes { q: at.clone(), part, sum: sum_of(part, false), weights };
-                    slopes.write(space, graph, (half, component), text);
+                    let mut write = |half: Half, weights: [Rational; 2], text: &mut String| {
+                        let mut space = space.renamed([point(&q, stage.l), "P".to_owned()]);
+                        let sum = (part, sum_of(part, half == Half::Displacements));
+                        write_slopes(&mut space, graph, (half, component), sum, weights, text);
+                    };
+                    let slope = slope_weight(stage);
+                    write(half, [weight, slope], text);
                     if half == Half::Coordinates {
-                        let weights = [weight, slope.negate()];
-                        let components = Slopes { q: at, part, sum: sum_of(part, true), weights };
-                        components.write(space, graph, (Half::Displacements, component), text);
+                        write(Half::Displacements, [weight, slope.negate()], text);
                     }
                 }
             }
@@ -119,44 +120,40 @@ fn point(q: &str, l: Rational) -> String {
     }
 }
 
-/// The slopes of one part at the point `q`, weighted.
-struct Slopes {
-    q: String,
-    part: Part,
-    sum: Sum,
+/// The slopes of one part, weighted, line by line.
+fn write_slopes(
+    space: &mut Space,
+    graph: &mut Graph,
+    (half, component): (Half, i128),
+    (part, sum): (Part, Sum),
     weights: [Rational; 2],
-}
-
-impl Slopes {
-    /// Line by line.
-    fn write(self, space: &Space, graph: &mut Graph, (half, component): (Half, i128), text: &mut String) {
-        if self.sum.is_empty() || self.weights.iter().any(|weight| weight.is_zero()) {
-            return;
-        }
-        let mut space = space.renamed([self.q, "P".to_owned()]);
-        let Some(slopes) = space.slopes(graph, &self.sum, half, component) else {
-            say!(text, "    slopes whose indices exceed 128 bits");
-            return;
+    text: &mut String,
+) {
+    if sum.is_empty() || weights.iter().any(|weight| weight.is_zero()) {
+        return;
+    }
+    let Some(slopes) = space.slopes(graph, &sum, half, component) else {
+        say!(text, "    slopes whose indices exceed 128 bits");
+        return;
+    };
+    for Slope { part: mut weighted, at, is_by_point } in slopes {
+        let mut factors: Vec<Expr> = vec![weighted.element.value];
+        let names: Vec<String> = match part {
+            Part::Drift | Part::Force => vec!["h".to_owned()],
+            _ => weighted
+                .increments
+                .iter()
+                .map(|k| format!("ΔW[{}]", space.index(&weighted.element.loops, k)))
+                .collect(),
         };
-        for Slope { part: mut weighted, at, is_by_point } in slopes {
-            let mut factors: Vec<Expr> = vec![weighted.element.value];
-            let names: Vec<String> = match self.part {
-                Part::Drift | Part::Force => vec!["h".to_owned()],
-                _ => weighted
-                    .increments
-                    .iter()
-                    .map(|k| format!("ΔW[{}]", space.index(&weighted.element.loops, k)))
-                    .collect(),
-            };
-            for name in names {
-                let symbol = graph.new_symbol(name);
-                factors.push(graph.symbol(symbol));
-            }
-            let product = graph.product(&factors);
-            weighted.element.value =
-                self.weights.iter().fold(product, |product, &weight| graph.scale(product, weight));
-            let slope = Slope { part: weighted, at, is_by_point };
-            say!(text, "    {}", space.display_slope(graph, &slope));
+        for name in names {
+            let symbol = graph.new_symbol(name);
+            factors.push(graph.symbol(symbol));
         }
+        let product = graph.product(&factors);
+        weighted.element.value =
+            weights.iter().fold(product, |product, &weight| graph.scale(product, weight));
+        let slope = Slope { part: weighted, at, is_by_point };
+        say!(text, "    {}", space.display_slope(graph, &slope));
     }
 }

@@ -124,6 +124,7 @@ impl Space {
         increments: Increments,
         groups: &mut Groups,
     ) -> Option<()> {
+        let numbers = joined(&one.increments, &two.increments, increments);
         let mut equations = vec![equation];
         if increments == Increments::Diagonal {
             for (a, b) in one.increments.iter().zip(&two.increments) {
@@ -134,7 +135,6 @@ impl Space {
             && two.element.loops.is_empty()
             && equations.iter().all(|e| e.difference == Index::default())
         {
-            let numbers = joined(&one.increments, &two.increments, increments);
             let product = graph.multiply(slope, speed);
             groups.add(Vec::new(), numbers, product, Rational::ONE);
             return Some(());
@@ -145,7 +145,6 @@ impl Space {
         };
         // All indices of both, to be moved together.
         let mut placed = Placed { loops: placement.loops.clone(), by: Vec::new() };
-        let numbers = joined(&one.increments, &two.increments, increments);
         let numbers = numbers.iter().map(|index| placement.image(self, index)).collect::<Option<Vec<_>>>()?;
         let read = self.images(&placement, &[one, two])?;
         placed.settle(self, &read)?;
