@@ -158,7 +158,7 @@ where
     ) -> Result<Option<Vec<State<H::Vector>>>, Error> {
         // Of a thermostat, one for each degree of freedom.
         let degrees = plan.start.q.components().len();
-        let mut drawn = self.methods.iter().map(|method| method.increments(self.system, degrees));
+        let mut drawn = self.methods.iter().map(|method| (method.increments)(self.system, degrees));
         let of_bath = if drawn.any(|drawn| drawn > self.system.noises()) { degrees } else { 0 };
         let (start, processes) = (&plan.start, self.system.noises() + of_bath);
         let mut wiener = self.wiener(0);
@@ -182,7 +182,7 @@ where
                 let run =
                     Paths { start, h: *h, steps: plan.reference_steps as u64, stride: 0, number, noise };
                 let see = |path, state: &State<H::Vector>| seen.see(path, state, None);
-                match method.run(self.system, run, &see)? {
+                match (method.run)(self.system, run, &see)? {
                     None => return Ok(None),
                     Some(Some(failure)) => return Err(failure),
                     Some(None) => {}
@@ -220,7 +220,7 @@ where
         });
         let (errors, span) = (found.each(|path| path.error), plan.end - plan.start.t);
         Ok(Some(Cell {
-            scheme: method.name(),
+            scheme: method.name.clone(),
             h: run.h,
             steps: run.steps,
             paths: found.good.len(),
@@ -246,7 +246,7 @@ where
         &self,
         plan: &Settings<H::Vector>,
         run: &Run,
-        method: &dyn Method<H>,
+        method: &Method<H>,
         references: &[State<H::Vector>],
         paths: Range<u64>,
     ) -> Result<Option<Found>, Error> {
@@ -267,7 +267,7 @@ where
         let noise = self.shifted((self.driver)(self.wiener(0)), paths.start, start);
         let stride = steps.div_ceil(LOOKS);
         let end = start.t + steps as f64 * run.h;
-        let outcome = method.run(system, Paths { start, h: run.h, steps, stride, number, noise }, &see);
+        let outcome = (method.run)(system, Paths { start, h: run.h, steps, stride, number, noise }, &see);
         found.failure = match outcome {
             Ok(None) => return Ok(None),
             Ok(Some(failure)) => failure.map(|error| error.to_string()),

@@ -1,7 +1,7 @@
 //! Error against run time: the builder.
 
 use super::Overlay;
-use super::method::{Embedded, Method};
+use super::method::Method;
 use crate::algebra::state::State;
 use crate::ground::names::short_name;
 use crate::noise::{Driver, Paths, Wiener};
@@ -18,7 +18,7 @@ type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver + 'a> + Send + Sync + '
 pub(super) enum Reference<'a, H: Hamiltonian> {
     Exact(Exact<'a, H::Vector>),
     OnPath(ExactOnPath<'a, H::Vector>),
-    Finer(Box<dyn Method<H> + 'a>, f64),
+    Finer(Method<H>, f64),
     Value(State<H::Vector>),
 }
 
@@ -52,7 +52,7 @@ pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) driver: DriverOf<'a>,
     pub(super) reference: Option<Reference<'a, H>>,
     pub(super) observables: Vec<Observable<'a, H::Vector>>,
-    pub(super) methods: Vec<Box<dyn Method<H> + 'a>>,
+    pub(super) methods: Vec<Method<H>>,
     pub(super) overlay: Vec<Overlay>,
     pub(super) failed: Option<Error>,
 }
@@ -144,7 +144,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     where
         H: Discretized<E> + Sync,
     {
-        self.reference = Some(Reference::Finer(Box::new(Embedded::<E>::new()), h));
+        self.reference = Some(Reference::Finer(Method::of::<E>(), h));
         self
     }
 
@@ -181,7 +181,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     where
         H: Discretized<E> + Sync,
     {
-        self.methods.push(Box::new(Embedded::<E>::new()));
+        self.methods.push(Method::of::<E>());
         self
     }
 

@@ -1,7 +1,6 @@
 //! Embeddings as values, so that a list can hold several types.
 
 use std::hint::black_box;
-use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 use super::noise::Shifted;
@@ -32,36 +31,39 @@ pub(super) struct Paths<'a, 'n, V> {
     pub(super) noise: Shifted<'n>,
 }
 
+/// Runs paths and passes their recorded nodes to the last argument; returns the error of the first path that failed. `None` if Ctrl-C stopped the run.
+/// Its own errors are not those of a step.
+type RunPaths<H, V> = fn(&H, Paths<'_, '_, V>, See<'_, V>) -> Result<Option<Option<Error>>, Error>;
+
+/// How long several paths take, one after the other, so many times over, and the Newton iterations of one pass; nothing but steps is inside.
+type TimePaths<H, V> = fn(&H, &[Given<'_, V>], u32) -> Result<(Duration, Iterations), Error>;
+
 /// One embedding of a system.
-pub(super) trait Method<H: Hamiltonian>: Send + Sync {
+pub(super) struct Method<H: Hamiltonian> {
     /// The embedding as it is written, `Corrected<DeltaPlus>`.
-    fn name(&self) -> String;
-
+    pub(super) name: String,
     /// What the compiler derived.
-    fn plan(&self) -> Plan;
+    pub(super) plan: Plan,
+    /// How many numbers drive a step of so many degrees of freedom.
+    pub(super) increments: fn(&H, usize) -> usize,
+    pub(super) run: RunPaths<H, H::Vector>,
+    pub(super) time: TimePaths<H, H::Vector>,
+}
 
-    /// How many numbers drive a step.
-    fn increments(&self, system: &H, degrees: usize) -> usize;
-
-    /// Runs paths and passes their recorded nodes to `see`; returns the error of the first path that failed. `None` if Ctrl-C stopped the run.
-    ///
-    /// # Errors
-    /// Errors that are not errors of a step.
-    fn run(
-        &self,
-        system: &H,
-        paths: Paths<'_, '_, H::Vector>,
-        see: See<'_, H::Vector>,
-    ) -> Result<Option<Option<Error>>, Error>;
-
-    /// How long several paths take, one after the other, `passes` times over, and the Newton iterations of one pass; nothing but steps is
-    /// inside.
-    fn time(
-        &self,
-        system: &H,
-        paths: &[Given<'_, H::Vector>],
-        passes: u32,
-    ) -> Result<(Duration, Iterations), Error>;
+impl<H: Hamiltonian> Method<H> {
+    /// The embedding `E`.
+    pub(super) fn of<E>() -> Self
+    where
+        H: Discretized<E> + Sync,
+    {
+        Self {
+            name: short_name::<E>(),
+            plan: H::PLAN,
+            increments: H::increments,
+            run: run::<H, E>,
+            time: time::<H, E>,
+        }
+    }
 }
 
 /// A path to take: where from, in which steps.
@@ -110,73 +112,44 @@ impl Account for Iterations {
     }
 }
 
-/// The embedding `E`.
-pub(super) struct Embedded<E>(PhantomData<fn() -> E>);
-
-impl<E> Embedded<E> {
-    pub(super) fn new() -> Self {
-        Self(PhantomData)
+/// One path without noise as a single run, which adds with care; paths with noise as an ensemble.
+fn run<H: Discretized<E> + Sync, E>(
+    system: &H,
+    paths: Paths<'_, '_, H::Vector>,
+    see: See<'_, H::Vector>,
+) -> Result<Option<Option<Error>>, Error> {
+    let Paths { start, h, steps, stride, number, noise } = paths;
+    if system.increments(start.q.components().len()) == 0 {
+        let run = Simulation::<H, E>::new(system, h).start(start.clone()).steps(steps);
+        let run = run.record_every(if stride == 0 { steps.max(1) } else { stride });
+        let run = run.inspect(|state: &State<H::Vector>, _: &Node<'_>| see(0, state));
+        let (_, failure) = run.run_partial()?;
+        return Ok(Some(failure));
+    }
+    let run = Ensemble::<H, E>::new(system, h).start(start.clone()).paths(number).noise(noise).steps(steps);
+    let run = run.record_every(stride).allow_losses(1.0).covariances(false).threads(1).quiet();
+    match run.observe("t", |state| state.t).inspect(see).run() {
+        Ok(statistics) if statistics.is_partial() => Ok(None),
+        Ok(statistics) => {
+            let first = statistics.failures().first();
+            Ok(Some(first.map(|failure| failure.error.into())))
+        }
+        Err(error @ Error::Step(_)) => Ok(Some(Some(error))),
+        Err(error) => Err(error),
     }
 }
 
-impl<H, E> Method<H> for Embedded<E>
-where
-    H: Discretized<E> + Sync,
-{
-    fn name(&self) -> String {
-        short_name::<E>()
-    }
-
-    fn plan(&self) -> Plan {
-        H::PLAN
-    }
-
-    fn increments(&self, system: &H, degrees: usize) -> usize {
-        system.increments(degrees)
-    }
-
-    /// One path without noise as a single run, with compensated summation; paths with noise as an ensemble.
-    fn run(
-        &self,
-        system: &H,
-        paths: Paths<'_, '_, H::Vector>,
-        see: See<'_, H::Vector>,
-    ) -> Result<Option<Option<Error>>, Error> {
-        let Paths { start, h, steps, stride, number, noise } = paths;
-        if system.increments(start.q.components().len()) == 0 {
-            let run = Simulation::<H, E>::new(system, h).start(start.clone()).steps(steps);
-            let run = run.record_every(if stride == 0 { steps.max(1) } else { stride });
-            let run = run.inspect(|state: &State<H::Vector>, _: &Node<'_>| see(0, state));
-            let (_, failure) = run.run_partial()?;
-            return Ok(Some(failure));
-        }
-        let run =
-            Ensemble::<H, E>::new(system, h).start(start.clone()).paths(number).noise(noise).steps(steps);
-        let run = run.record_every(stride).allow_losses(1.0).covariances(false).threads(1).quiet();
-        match run.observe("t", |state| state.t).inspect(see).run() {
-            Ok(statistics) if statistics.is_partial() => Ok(None),
-            Ok(statistics) => {
-                let first = statistics.failures().first();
-                Ok(Some(first.map(|failure| failure.error.into())))
-            }
-            Err(error @ Error::Step(_)) => Ok(Some(Some(error))),
-            Err(error) => Err(error),
-        }
-    }
-
-    fn time(
-        &self,
-        system: &H,
-        paths: &[Given<'_, H::Vector>],
-        passes: u32,
-    ) -> Result<(Duration, Iterations), Error> {
-        // As they are run for their errors.
-        let processes = paths.first().map_or(0, |path| system.increments(path.start.q.components().len()));
-        if processes == 0 {
-            timed(paths, (0, passes), |h| Stepper::<H, E>::new(system, h))
-        } else {
-            timed(paths, (processes, passes), |h| Ok(Stepper::<H, E>::new(system, h)?.plain()))
-        }
+fn time<H: Discretized<E>, E>(
+    system: &H,
+    paths: &[Given<'_, H::Vector>],
+    passes: u32,
+) -> Result<(Duration, Iterations), Error> {
+    // As they are run for their errors.
+    let processes = paths.first().map_or(0, |path| system.increments(path.start.q.components().len()));
+    if processes == 0 {
+        timed(paths, (0, passes), |h| Stepper::<H, E>::new(system, h))
+    } else {
+        timed(paths, (processes, passes), |h| Ok(Stepper::<H, E>::new(system, h)?.plain()))
     }
 }
 

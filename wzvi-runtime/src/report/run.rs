@@ -58,7 +58,7 @@ where
         self.times(&plan, &mut cells, &mut work, stopped)?;
         drop(work);
 
-        let order = |cell: &Cell| self.methods.iter().position(|method| method.name() == cell.scheme);
+        let order = |cell: &Cell| self.methods.iter().position(|method| method.name == cell.scheme);
         let interrupted = stopped() && !plan.complete(&cells, self.repetitions);
         cells.sort_by(|a, b| order(a).cmp(&order(b)).then(b.h.total_cmp(&a.h)));
         Ok(Report {
@@ -71,7 +71,7 @@ where
             conserves_energy: self
                 .methods
                 .first()
-                .map_or_else(String::new, |method| format!("{:?}", method.plan().conserves_energy)),
+                .map_or_else(String::new, |method| format!("{:?}", method.plan.conserves_energy)),
             interrupted,
             cells,
             overlay: std::mem::take(&mut self.overlay),
@@ -84,7 +84,7 @@ where
                 "exact solution on the same Wiener path".into()
             }
             Some(Reference::Finer(method, h)) => {
-                format!("{} with h = {} on the same Wiener path", method.name(), number(*h))
+                format!("{} with h = {} on the same Wiener path", method.name, number(*h))
             }
             Some(Reference::Value(_)) => "given state".into(),
             None => "none".into(),
@@ -123,7 +123,7 @@ where
             usize::try_from(steps).map_err(|_| ConfigError::End { start: start.t, end, h })
         };
         let degrees = start.q.components().len();
-        let mut processes = self.methods.iter().map(|method| method.increments(self.system, degrees));
+        let mut processes = self.methods.iter().map(|method| (method.increments)(self.system, degrees));
         let paths = if processes.all(|processes| processes == 0) { 1 } else { self.paths };
         let mut sizes = self.steps.clone();
         sizes.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
@@ -201,15 +201,15 @@ where
         Ok(())
     }
 
-    pub(super) fn method_of(&self, run: &Run) -> Result<&(dyn Method<H> + 'a), InternalError> {
+    pub(super) fn method_of(&self, run: &Run) -> Result<&Method<H>, InternalError> {
         let none =
             || InternalError::new("a run has a scheme", format!("{} of {}", run.method, self.methods.len()));
-        Ok(self.methods.get(run.method).ok_or_else(none)?.as_ref())
+        self.methods.get(run.method).ok_or_else(none)
     }
 
     fn is(&self, run: &Run, cell: &Cell) -> bool {
-        let name = self.methods.get(run.method).map(|method| method.name());
-        run.h == cell.h && name.as_ref() == Some(&cell.scheme)
+        let name = self.methods.get(run.method).map(|method| &method.name);
+        run.h == cell.h && name == Some(&cell.scheme)
     }
 
     /// One timing: first the noise of the batch into a buffer, then the steps alone.
@@ -222,12 +222,12 @@ where
     ) -> Result<(Duration, Iterations, Duration), Error> {
         let method = self.method_of(run)?;
         let degrees = plan.start.q.components().len();
-        let (processes, start) = (method.increments(self.system, degrees), plan.start.t);
+        let (processes, start) = ((method.increments)(self.system, degrees), plan.start.t);
         let row = run.steps * processes;
         let mut increments = vec![0.0; row * numbers.len()];
         let mut noise = self.shifted((self.driver)(self.wiener(0)), 0, &plan.start);
         if processes > 0 {
-            noise.prepare(&method.plan(), run.h, processes, start)?;
+            noise.prepare(&method.plan, run.h, processes, start)?;
         }
         let begin = Instant::now();
         if row > 0 {
@@ -246,7 +246,7 @@ where
             increments: increments.get(path * row..(path + 1) * row).unwrap_or(&[]),
         };
         let paths: Vec<_> = (0..numbers.len()).map(given).collect();
-        let (steps, iterations) = method.time(self.system, &paths, passes)?;
+        let (steps, iterations) = (method.time)(self.system, &paths, passes)?;
         Ok((steps, iterations, drawing))
     }
 }
