@@ -33,18 +33,15 @@ pub struct Krylov<S> {
     image: Vec<S>,
 }
 
-/// A matrix and its preconditioner.
-pub trait Operator<S> {
+/// A matrix and its preconditioner, by what they do with vectors.
+#[derive(Debug)]
+pub struct Operator<A, P> {
     /// `y = A x`
-    fn product(&mut self, x: &[S], y: &mut [S]);
-
-    /// Applies the preconditioner: `x` becomes an approximation of `A⁻¹ x`.
-    fn precondition(&mut self, x: &mut [S]);
-
+    pub product: A,
+    /// `x` becomes an approximation of `A⁻¹ x`.
+    pub precondition: P,
     /// The largest number of restarts.
-    fn most_cycles(&self) -> u32 {
-        MOST_CYCLES
-    }
+    pub most_cycles: u32,
 }
 
 impl<S: Scalar> Krylov<S> {
@@ -78,7 +75,7 @@ impl<S: Scalar> Krylov<S> {
         &mut self,
         b: &mut [S],
         tolerance: f64,
-        operator: &mut impl Operator<S>,
+        operator: &mut Operator<impl FnMut(&[S], &mut [S]), impl FnMut(&mut [S])>,
     ) -> Result<u32, StepFailure> {
         self.solution.fill(S::from_f64(0.0));
         let largest = b.iter().fold(0.0, |most, b| larger(most, b.magnitude()));
@@ -98,25 +95,25 @@ impl<S: Scalar> Krylov<S> {
         &mut self,
         b: &mut [S],
         tolerance: f64,
-        operator: &mut impl Operator<S>,
+        operator: &mut Operator<impl FnMut(&[S], &mut [S]), impl FnMut(&mut [S])>,
     ) -> Result<u32, StepFailure> {
         let size = norm(b);
         let enough = tolerance * size.magnitude();
         let (mut residual, mut products) = (size, 0);
         self.basis[..self.n].copy_from_slice(b);
-        for _ in 0..operator.most_cycles() {
+        for _ in 0..operator.most_cycles {
             if !residual.magnitude().is_finite() {
                 return Err(StepFailure::NonFinite);
             }
             let dimension = self.cycle(residual, enough, operator);
             products += dimension as u32;
-            self.combine(dimension, operator);
+            self.combine(dimension, &mut operator.precondition);
             // The residual of the recurrence is the true one but for rounding: where it is small enough, so is that.
             if self.projection_residual(dimension) <= enough {
                 b.copy_from_slice(&self.solution);
                 return Ok(products);
             }
-            operator.product(&self.solution, &mut self.image);
+            (operator.product)(&self.solution, &mut self.image);
             products += 1;
             for ((r, &b), &image) in self.basis[..self.n].iter_mut().zip(&*b).zip(&self.image) {
                 *r = b - image;
@@ -136,7 +133,12 @@ impl<S: Scalar> Krylov<S> {
     }
 
     /// The basis from the residual in its first vector; its dimension at the end.
-    fn cycle(&mut self, residual: S, enough: f64, operator: &mut impl Operator<S>) -> usize {
+    fn cycle(
+        &mut self,
+        residual: S,
+        enough: f64,
+        operator: &mut Operator<impl FnMut(&[S], &mut [S]), impl FnMut(&mut [S])>,
+    ) -> usize {
         let n = self.n;
         let zero = S::from_f64(0.0);
         self.projection.fill(zero);
@@ -148,8 +150,8 @@ impl<S: Scalar> Krylov<S> {
             let next = &mut next[..n];
             let last = &known[k * n..];
             self.conditioned.copy_from_slice(last);
-            operator.precondition(&mut self.conditioned);
-            operator.product(&self.conditioned, next);
+            (operator.precondition)(&mut self.conditioned);
+            (operator.product)(&self.conditioned, next);
             let column = &mut self.columns[k];
             for (v, entry) in known.chunks_exact(n).zip(column.iter_mut()) {
                 *entry = dot(v, next);
@@ -188,7 +190,7 @@ impl<S: Scalar> Krylov<S> {
     }
 
     /// Adds the best combination of the first `dimension` vectors to the solution.
-    fn combine(&mut self, dimension: usize, operator: &mut impl Operator<S>) {
+    fn combine(&mut self, dimension: usize, precondition: &mut impl FnMut(&mut [S])) {
         let mut coefficients = self.projection;
         for i in (0..dimension).rev() {
             let mut value = coefficients[i];
@@ -203,7 +205,7 @@ impl<S: Scalar> Krylov<S> {
                 *sum = *sum + coefficient * v;
             }
         }
-        operator.precondition(&mut self.conditioned);
+        precondition(&mut self.conditioned);
         for (x, &step) in self.solution.iter_mut().zip(&self.conditioned) {
             *x = *x + step;
         }
@@ -241,16 +243,13 @@ mod tests {
         }
     }
 
-    /// A product, and the diagonal of its matrix.
-    struct ByDiagonal<F>(F, f64);
-
-    impl<F: Fn(&[f64], &mut [f64])> Operator<f64> for ByDiagonal<F> {
-        fn product(&mut self, x: &[f64], y: &mut [f64]) {
-            (self.0)(x, y);
-        }
-        fn precondition(&mut self, x: &mut [f64]) {
-            x.iter_mut().for_each(|x| *x /= self.1);
-        }
+    /// A product, with the diagonal of its matrix.
+    fn by_diagonal<F: Fn(&[f64], &mut [f64])>(
+        product: F,
+        diagonal: f64,
+    ) -> Operator<F, impl FnMut(&mut [f64])> {
+        let precondition = move |x: &mut [f64]| x.iter_mut().for_each(|x| *x /= diagonal);
+        Operator { product, precondition, most_cycles: MOST_CYCLES }
     }
 
     #[test]
@@ -261,7 +260,7 @@ mod tests {
             let b: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin()).collect();
             let mut x = b.clone();
             let mut krylov = Krylov::new(side * side);
-            krylov.solve(&mut x, tolerance, &mut ByDiagonal(&product, 4.0 * c + 1.0)).unwrap();
+            krylov.solve(&mut x, tolerance, &mut by_diagonal(&product, 4.0 * c + 1.0)).unwrap();
             let mut image = vec![0.0; side * side];
             product(&x, &mut image);
             let rest: Vec<f64> = image.iter().zip(&b).map(|(a, b)| a - b).collect();
@@ -276,7 +275,7 @@ mod tests {
         let (side, c) = (12, 3.0);
         let solve = |scale: f64| {
             let mut x: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin() * scale).collect();
-            let operator = &mut ByDiagonal(torus(side, c, 0.2), 4.0 * c + 1.0);
+            let operator = &mut by_diagonal(torus(side, c, 0.2), 4.0 * c + 1.0);
             Krylov::new(side * side).solve(&mut x, 1e-10, operator).unwrap();
             x
         };
@@ -293,11 +292,11 @@ mod tests {
         let mut krylov = Krylov::new(2);
         let projection = |x: &[f64], y: &mut [f64]| (y[0], y[1]) = (x[0], 0.0);
         let mut b = [1.0, 1.0];
-        let outcome = krylov.solve(&mut b, 1e-10, &mut ByDiagonal(projection, 1.0));
+        let outcome = krylov.solve(&mut b, 1e-10, &mut by_diagonal(projection, 1.0));
         assert!(matches!(outcome, Err(StepFailure::NotConverged { .. })), "{outcome:?}");
         assert_eq!(b, [1.0, 1.0]);
         let outcome =
-            krylov.solve(&mut b, 1e-10, &mut ByDiagonal(|_: &_, y: &mut [_]| y.fill(f64::NAN), 1.0));
+            krylov.solve(&mut b, 1e-10, &mut by_diagonal(|_: &[f64], y: &mut [f64]| y.fill(f64::NAN), 1.0));
         assert_eq!(outcome, Err(StepFailure::NonFinite));
     }
 }

@@ -7,49 +7,13 @@ use super::passes::largest;
 use super::step::Step;
 use super::{Curvature, Elements, Quadrature, Slopes, Stage, Unknowns};
 use crate::algebra::scalar::Scalar;
-use crate::algebra::solve::{Krylov, Operator, Sparse, power_of_two};
+use crate::algebra::solve::{Krylov, Operator, power_of_two};
 use crate::error::StepFailure;
 
 /// Adds the products of entries with `x` to `y`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
     |row, column, value| y[row] = y[row] + value * x[column]
-}
-
-/// The Jacobian at the current stages, and factors of one: of unknowns that are counted in these units, by kind, so that a norm may add up both.
-struct Conditioned<'a, 's, H, S> {
-    units: Option<[f64; 2]>,
-    room: &'a mut Vec<S>,
-    step: &'a Step<'s, H, S>,
-    lists: &'a Lists<'s, S>,
-    diagonal: &'a [S],
-    factors: &'a mut Sparse<S>,
-    most_cycles: u32,
-}
-
-impl<H: Elements, S: Scalar> Operator<S> for Conditioned<'_, '_, H, S> {
-    fn product(&mut self, x: &[S], y: &mut [S]) {
-        let Some(units) = self.units else {
-            y.copy_from_slice(x);
-            return self.step.entries(self.lists, self.diagonal, &mut product(x, y));
-        };
-        self.room.clear();
-        self.room.extend_from_slice(x);
-        multiply(self.room, units);
-        y.copy_from_slice(self.room);
-        self.step.entries(self.lists, self.diagonal, &mut product(self.room, y));
-        multiply(y, units.map(f64::recip));
-    }
-
-    fn precondition(&mut self, x: &mut [S]) {
-        self.units.into_iter().for_each(|units| multiply(x, units));
-        self.factors.solve(x);
-        self.units.into_iter().for_each(|units| multiply(x, units.map(f64::recip)));
-    }
-
-    fn most_cycles(&self) -> u32 {
-        self.most_cycles
-    }
 }
 
 /// Both kinds of unknowns, each by a power of two, which rounds nothing.
@@ -147,14 +111,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 // Those that lack entries give way to those that do not.
                 let most = Krylov::<S>::MOST_CYCLES;
                 let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
-                let lists_of_stages = &lists.lend();
-                let operator = &mut Conditioned {
-                    units,
-                    room,
-                    step: self,
-                    lists: lists_of_stages,
-                    diagonal,
-                    factors,
+                let stages = lists.lend();
+                let operator = &mut Operator {
+                    product: |x: &[S], y: &mut [S]| self.product(&stages, diagonal, units, (x, y), room),
+                    precondition: |x: &mut [S]| {
+                        units.into_iter().for_each(|units| multiply(x, units));
+                        factors.solve(x);
+                        units.into_iter().for_each(|units| multiply(x, units.map(f64::recip)));
+                    },
                     most_cycles,
                 };
                 let solved = krylov.solve(correction, tolerance, operator);
@@ -163,6 +127,27 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 solved.map(Some)
             }
         }
+    }
+
+    /// `y = J x` at the current stages, of unknowns that are counted in these units, by kind, so that a norm may add up both.
+    fn product(
+        &self,
+        lists: &Lists<'_, S>,
+        diagonal: &[S],
+        units: Option<[f64; 2]>,
+        (x, y): (&[S], &mut [S]),
+        room: &mut Vec<S>,
+    ) {
+        let Some(units) = units else {
+            y.copy_from_slice(x);
+            return self.entries(lists, diagonal, &mut product(x, y));
+        };
+        room.clear();
+        room.extend_from_slice(x);
+        multiply(room, units);
+        y.copy_from_slice(room);
+        self.entries(lists, diagonal, &mut product(room, y));
+        multiply(y, units.map(f64::recip));
     }
 
     /// `-φ'` at the current stages.
