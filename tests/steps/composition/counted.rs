@@ -3,7 +3,6 @@
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use wzvi::__private::Together;
 use wzvi::numbers::{Numbers, Tape};
 use wzvi::scalar::Scalar;
 
@@ -70,7 +69,6 @@ macro_rules! functions_of_two {
 impl Scalar for Counted {
     type Mask = bool;
     type Stages<const N: usize> = [Self; N];
-    type Solver = Together;
     type OfElements<T: wzvi::scalar::Number<f64>> = Self;
 
     fn sin(self) -> Self {

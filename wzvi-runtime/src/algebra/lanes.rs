@@ -26,7 +26,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 use elementary::{Binary, Unary};
 
 use crate::algebra::scalar::{Mask, Number, Scalar};
-use crate::algebra::solve::LaneByLane;
+use crate::algebra::solve::{Effort, Equations, lanes, together};
+use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// `L` numbers, in registers where they fit.
@@ -260,11 +261,29 @@ impl<const L: usize> Numbers for LaneMask<L> {
 impl<const L: usize> Scalar for Lanes<L> {
     type Stages<const N: usize> = [Self; N];
     type Mask = LaneMask<L>;
-    type Solver = LaneByLane;
     type OfElements<T: Number<f64>> = Self;
     const LANES: usize = L;
     const IS_BESIDE: bool = true;
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
+        x: &mut [Self; N],
+        equations: impl Equations<Self, N>,
+    ) -> Result<Effort, StepFailure> {
+        lanes::newton::<L, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn linear<const N: usize>(matrix: [[Self; N]; N], b: [Self; N]) -> Result<[Self; N], StepFailure> {
+        if L == 1 { together::linear(matrix, b) } else { Ok(lanes::general::<L, N, false>(&matrix, &b)) }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn reciprocal(pivot: Self) -> Result<Self, StepFailure> {
+        if L == 1 { together::reciprocal(pivot) } else { Ok(lanes::usable(pivot).recip()) }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn quotient(rhs: Self, pivot: Self) -> Result<Self, StepFailure> {
+        if L == 1 { together::quotient(rhs, pivot) } else { Ok(rhs / lanes::usable(pivot)) }
+    }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self([value; L])

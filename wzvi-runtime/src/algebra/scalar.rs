@@ -16,8 +16,8 @@ pub use rounded::Rounded;
 
 use super::stages::Stages;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::solve::{Solve, Together};
-use crate::error::FailedLanes;
+use crate::algebra::solve::{Effort, Equations, together};
+use crate::error::{FailedLanes, StepFailure};
 use crate::ground::numbers::Numbers;
 
 /// The truth of a comparison: `bool` for one number, a mask for several at once.
@@ -71,8 +71,6 @@ pub trait Scalar:
     type Mask: Mask;
     /// One number for each of the `N` stages of a step.
     type Stages<const N: usize>: Stages<Self, N>;
-    /// How the equations of a step are solved in numbers of this type.
-    type Solver: Solve<Self>;
     /// The number type in which elements of such vectors are evaluated: `T` for `f64`, else the type itself.
     type OfElements<T: Number<f64>>: Number<Self>;
 
@@ -117,6 +115,33 @@ pub trait Scalar:
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
+    }
+    /// How [`newton`](crate::algebra::solve::newton) solves for such numbers.
+    #[doc(hidden)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
+        x: &mut [Self; N],
+        equations: impl Equations<Self, N>,
+    ) -> Result<Effort, StepFailure> {
+        together::newton::<Self, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
+    }
+    /// How [`linear`](crate::algebra::solve::linear) solves for them.
+    #[doc(hidden)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn linear<const N: usize>(matrix: [[Self; N]; N], b: [Self; N]) -> Result<[Self; N], StepFailure> {
+        together::linear(matrix, b)
+    }
+    /// How [`reciprocal`](crate::algebra::solve::reciprocal) divides by them.
+    #[doc(hidden)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn reciprocal(pivot: Self) -> Result<Self, StepFailure> {
+        together::reciprocal(pivot)
+    }
+    /// How [`quotient`](crate::algebra::solve::quotient) divides by them.
+    #[doc(hidden)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn quotient(rhs: Self, pivot: Self) -> Result<Self, StepFailure> {
+        together::quotient(rhs, pivot)
     }
     /// Where every part of the number is zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -259,7 +284,6 @@ pub(crate) fn nearly_inverse(size: f64) -> f64 {
 impl Scalar for f64 {
     type Mask = bool;
     type Stages<const N: usize> = Lanes<N>;
-    type Solver = Together;
     type OfElements<T: Number<f64>> = T;
 
     #[cfg_attr(not(debug_assertions), inline(always))]

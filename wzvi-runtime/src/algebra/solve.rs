@@ -14,7 +14,7 @@ mod extrapolation;
 mod factors;
 mod graph;
 mod krylov;
-mod lanes;
+pub(crate) mod lanes;
 mod newton;
 mod sparse;
 
@@ -28,7 +28,6 @@ pub(crate) use graph::Apart;
 pub use graph::reverse_cuthill_mckee;
 pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};
-pub use lanes::LaneByLane;
 pub use newton::{Effort, Equations};
 pub(crate) use newton::{astray, larger};
 pub use sparse::Sparse;
@@ -36,53 +35,11 @@ pub use sparse::Sparse;
 use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
 
-/// How systems of equations in numbers of a type are solved.
-pub trait Solve<S: Scalar> {
-    /// See [`newton`].
-    ///
-    /// # Errors
-    /// Those of [`newton`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-        x: &mut [S; N],
-        equations: impl Equations<S, N>,
-    ) -> Result<Effort, StepFailure> {
-        newton::newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
-    }
-
-    /// See [`linear`].
-    ///
-    /// # Errors
-    /// Those of [`linear`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn linear<const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
-        Ok(Factor::new(matrix)?.solve(b))
-    }
-
-    /// See [`reciprocal`].
-    ///
-    /// # Errors
-    /// Those of [`reciprocal`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reciprocal(pivot: S) -> Result<S, StepFailure> {
-        dense::reciprocal(pivot)
-    }
-
-    /// See [`quotient`].
-    ///
-    /// # Errors
-    /// Those of [`quotient`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn quotient(rhs: S, pivot: S) -> Result<S, StepFailure> {
-        dense::quotient(rhs, pivot)
-    }
+/// How numbers of any type are solved for that have one verdict.
+pub(crate) mod together {
+    pub(crate) use super::dense::{linear, quotient, reciprocal};
+    pub(crate) use super::newton::newton;
 }
-
-/// One verdict for the whole number.
-#[derive(Clone, Copy, Debug)]
-pub struct Together;
-
-impl<S: Scalar> Solve<S> for Together {}
 
 /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
 /// than zero may come from past steps.
@@ -95,7 +52,7 @@ pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: boo
     x: &mut [S; N],
     equations: impl Equations<S, N>,
 ) -> Result<Effort, StepFailure> {
-    S::Solver::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
+    S::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
 }
 
 /// `A⁻¹ b` for a matrix given by rows.
@@ -104,7 +61,7 @@ pub fn newton<S: Scalar, const N: usize, const SYMMETRIC: bool, const GUESS: boo
 /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it. Lanes have NaN instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Result<[S; N], StepFailure> {
-    S::Solver::linear(matrix, b)
+    S::linear(matrix, b)
 }
 
 /// `1 / pivot`, for the matrix `1 - c` of one unknown.
@@ -114,7 +71,7 @@ pub fn linear<S: Scalar, const N: usize>(matrix: [[S; N]; N], b: [S; N]) -> Resu
 /// instead.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
-    S::Solver::reciprocal(pivot)
+    S::reciprocal(pivot)
 }
 
 /// `rhs / pivot`, for the equation `(1 - c) x = rhs` of one unknown.
@@ -123,5 +80,5 @@ pub fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
 /// [`StepFailure::Singular`] as [`reciprocal`].
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
-    S::Solver::quotient(rhs, pivot)
+    S::quotient(rhs, pivot)
 }

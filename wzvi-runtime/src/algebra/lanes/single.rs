@@ -8,7 +8,6 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::elementary::{self, Binary, Unary};
 use crate::algebra::scalar::{Mask, Number, Scalar};
-use crate::algebra::solve::Together;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// A number; unless it `STANDS_ALONE`, NaN where a function meets a rare argument.
@@ -162,7 +161,6 @@ macro_rules! exact {
 impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     type Stages<const N: usize> = [Self; N];
     type Mask = KnownTruth;
-    type Solver = Together;
     type OfElements<T: Number<f64>> = Self;
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -209,7 +209,6 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     type Stages<const M: usize> = [Self; M];
     type Mask = S::Mask;
     const LANES: usize = S::LANES;
-    type Solver = crate::algebra::solve::Together;
     type OfElements<T: Number<f64>> = Self;
 
     #[inline]

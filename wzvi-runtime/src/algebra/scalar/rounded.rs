@@ -9,7 +9,7 @@ use std::f64::consts::{LN_2, LN_10};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::dual::{functions_by_slope, one_minus_square};
-use super::{Number, Scalar, Together};
+use super::{Number, Scalar};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// Twice the largest rounding error of one operation: the bound also holds where the errors of many add up.
@@ -130,7 +130,6 @@ with_a_constant!(Add add Sub sub Mul mul Div div);
 impl Scalar for Rounded {
     type Stages<const N: usize> = [Self; N];
     type Mask = bool;
-    type Solver = Together;
     type OfElements<T: Number<f64>> = Self;
 
     functions_by_slope!(function);

@@ -18,7 +18,7 @@ pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 /// # Errors
 /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does; [`StepFailure::NonFinite`] where it is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+pub(crate) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
 }
@@ -41,9 +41,21 @@ fn unusable(pivot: f64) -> StepFailure {
 /// # Errors
 /// [`StepFailure::Singular`] as [`reciprocal`].
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
+pub(crate) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
+}
+
+/// See [`linear`](super::linear).
+///
+/// # Errors
+/// Those of [`Factor::new`].
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn linear<S: Scalar, const N: usize>(
+    matrix: [[S; N]; N],
+    b: [S; N],
+) -> Result<[S; N], StepFailure> {
+    Ok(Factor::new(matrix)?.solve(b))
 }
 
 /// A matrix that cannot be factored once for all steps is an error of the configuration, not of a step.

@@ -10,7 +10,7 @@ use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
 use super::newton::{Effort, Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
-use super::{Solve, Together};
+use super::together;
 use crate::algebra::lanes::{LaneMask, Lanes};
 use crate::algebra::scalar::{Mask, Scalar, nearly_inverse};
 use crate::error::StepFailure;
@@ -322,7 +322,7 @@ fn rarely<const L: usize, const N: usize>(
 /// [`super::Factor`], by lane: the row that a lane takes for its pivot changes place with the first one by selection. `UPRIGHT`: of a positive
 /// determinant, else NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
+pub(crate) fn general<const L: usize, const N: usize, const UPRIGHT: bool>(
     matrix: &Matrix<L, N>,
     b: &[Lanes<L>; N],
 ) -> [Lanes<L>; N] {
@@ -397,42 +397,31 @@ fn symmetric<const L: usize, const N: usize>(matrix: &Matrix<L, N>, b: &[Lanes<L
 
 /// The pivot where it is usable, else NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
+pub(crate) fn usable<const L: usize>(pivot: Lanes<L>) -> Lanes<L> {
     let size = pivot.abs();
     let is_usable = exceeds(size, Lanes::from_f64(PIVOT_ULPS)) & size.less(Lanes::from_f64(LARGEST_PIVOT));
     Lanes::select(is_usable, pivot, poison())
 }
 
 /// Every lane by itself; the careful method, and a single lane, use the code for one number.
-#[derive(Clone, Copy, Debug)]
-pub struct LaneByLane;
-
-impl<const L: usize> Solve<Lanes<L>> for LaneByLane {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
-        x: &mut [Lanes<L>; N],
-        equations: impl Equations<Lanes<L>, N>,
-    ) -> Result<Effort, StepFailure> {
-        if CAREFUL || L == 1 {
-            return Together::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, equations);
-        }
-        let (end, effort) = iterate(*x, GUESS, SYMMETRIC, equations);
-        *x = end;
-        Ok(effort)
+///
+/// # Errors
+/// Those of the careful method, and of a single lane; other lanes have NaN.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn newton<
+    const L: usize,
+    const N: usize,
+    const SYMMETRIC: bool,
+    const GUESS: bool,
+    const CAREFUL: bool,
+>(
+    x: &mut [Lanes<L>; N],
+    equations: impl Equations<Lanes<L>, N>,
+) -> Result<Effort, StepFailure> {
+    if CAREFUL || L == 1 {
+        return together::newton::<_, N, SYMMETRIC, GUESS, CAREFUL>(x, equations);
     }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn linear<const N: usize>(matrix: Matrix<L, N>, b: [Lanes<L>; N]) -> Result<[Lanes<L>; N], StepFailure> {
-        if L == 1 { Together::linear(matrix, b) } else { Ok(general::<L, N, false>(&matrix, &b)) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reciprocal(pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
-        if L == 1 { Together::reciprocal(pivot) } else { Ok(usable(pivot).recip()) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn quotient(rhs: Lanes<L>, pivot: Lanes<L>) -> Result<Lanes<L>, StepFailure> {
-        if L == 1 { Together::quotient(rhs, pivot) } else { Ok(rhs / usable(pivot)) }
-    }
+    let (end, effort) = iterate(*x, GUESS, SYMMETRIC, equations);
+    *x = end;
+    Ok(effort)
 }

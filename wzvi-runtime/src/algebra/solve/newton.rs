@@ -159,7 +159,7 @@ pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
 /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
 /// iteration whose corrections do not shrink fast.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn newton<
+pub(crate) fn newton<
     S: Scalar,
     const N: usize,
     const SYMMETRIC: bool,
@@ -382,7 +382,6 @@ fn factored_symmetric<S: Scalar, const N: usize>(
 mod tests {
     use super::*;
     use crate::algebra::lanes::Lanes;
-    use crate::algebra::solve::Solve as _;
     use crate::algebra::solve::closures::Closures;
 
     /// An equation and its slope, with the rounding of a value of the size of 1.
@@ -527,7 +526,7 @@ mod tests {
         ];
         for (c, k) in sizes.iter().flat_map(|&c| [(c, 0.0), (c, 1e-9), (c, 0.5), (c, 0.999)]) {
             let mut x = [Lanes::<2>::from_f64(0.0)];
-            let lanes = <Lanes<2> as Scalar>::Solver::newton::<1, false, false, false>(
+            let lanes = <Lanes<2> as Scalar>::newton::<1, false, false, false>(
                 &mut x,
                 parabola(Lanes::new([c, 1.0]), Lanes::new([k, 0.999])),
             );
