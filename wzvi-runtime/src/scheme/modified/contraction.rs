@@ -8,37 +8,18 @@ use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::Hamiltonian;
 
-/// A number with as many infinitesimals, `ε_1, ε_2, ...` with `ε_k² = 0`, as it has levels.
-trait Infinitesimals: Scalar {
-    /// `value + Σ_k slopes_k ε_k`
-    fn lift(value: f64, slopes: &[f64]) -> Self;
-    /// The coefficient of the product of all of them.
-    fn product(self) -> f64;
-}
-
-impl Infinitesimals for f64 {
-    fn lift(value: f64, _: &[f64]) -> f64 {
-        value
-    }
-    fn product(self) -> f64 {
-        self
-    }
-}
-
-impl<S: Infinitesimals> Infinitesimals for Dual<1, S> {
-    fn lift(value: f64, slopes: &[f64]) -> Self {
+/// How a number is made of a value and the coefficients of the infinitesimals `ε_1, ε_2, ...` with `ε_k² = 0`, `value + Σ_k slopes_k ε_k`, and how the
+/// coefficient of the product of all of them is read: with one infinitesimal more than the given.
+#[expect(clippy::type_complexity, reason = "closures have no names")]
+fn one_more<S: Scalar>(
+    (lift, product): (impl Fn(f64, &[f64]) -> S, impl Fn(S) -> f64),
+) -> (impl Fn(f64, &[f64]) -> Dual<1, S>, impl Fn(Dual<1, S>) -> f64) {
+    let lift = move |value: f64, slopes: &[f64]| {
         let (own, rest) = slopes.split_first().map_or((0.0, slopes), |(own, rest)| (*own, rest));
-        Self { value: S::lift(value, rest), derivative: [S::from_f64(own)] }
-    }
-    fn product(self) -> f64 {
-        self.derivative[0].product()
-    }
+        Dual { value: lift(value, rest), derivative: [S::from_f64(own)] }
+    };
+    (lift, move |number: Dual<1, S>| product(number.derivative[0]))
 }
-
-type Second = Dual<1, Dual<1>>;
-type Third = Dual<1, Second>;
-type Fourth = Dual<1, Third>;
-type Fifth = Dual<1, Fourth>;
 
 /// `∂_q` and `∂_p` of something.
 type Slopes = [Vec<f64>; 2];
@@ -87,29 +68,36 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         }
         let directions: Vec<(Half, Vec<f64>)> =
             tree.branches.iter().map(|branch| self.direction(branch)).collect();
+        let none = (|value: f64, _: &[f64]| value, |number: f64| number);
+        let two = one_more(one_more(none));
         let slopes = match directions.len() {
-            0 => self.along::<f64>(&directions),
-            1 => self.along::<Dual<1>>(&directions),
+            0 => self.along(&directions, none),
+            1 => self.along(&directions, one_more(none)),
             // No value: trees that are as deep do not come here.
             _ if const { DEPTH < 2 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
-            2 => self.along::<Second>(&directions),
-            3 => self.along::<Third>(&directions),
+            2 => self.along(&directions, two),
+            3 => self.along(&directions, one_more(two)),
             _ if const { DEPTH < 4 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
-            4 => self.along::<Fourth>(&directions),
-            _ => self.along::<Fifth>(&directions),
+            4 => self.along(&directions, one_more(one_more(two))),
+            _ => self.along(&directions, one_more(one_more(one_more(two)))),
         };
         self.known.insert(tree.clone(), slopes.clone());
         slopes
     }
 
-    fn along<S: Infinitesimals>(&self, directions: &[(Half, Vec<f64>)]) -> Slopes {
+    /// By numbers that these functions make and read: [`one_more`].
+    fn along<S: Scalar>(
+        &self,
+        directions: &[(Half, Vec<f64>)],
+        (of, product): (impl Fn(f64, &[f64]) -> S, impl Fn(S) -> f64),
+    ) -> Slopes {
         let lift = |half: Half, values: &[f64]| -> Vec<S> {
             let component = |(i, &value): (usize, &f64)| {
                 let slopes: Vec<f64> = directions
                     .iter()
                     .map(|(own, direction)| if *own == half { direction[i] } else { 0.0 })
                     .collect();
-                S::lift(value, &slopes)
+                of(value, &slopes)
             };
             values.iter().enumerate().map(component).collect()
         };
@@ -118,6 +106,6 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         let zero = S::from_f64(0.0);
         let (mut by_q, mut by_p) = (vec![zero; q.len()], vec![zero; p.len()]);
         self.system.differentiate(0, &q, &p, self.state.t, &mut by_q, &mut by_p);
-        [by_q, by_p].map(|slopes| slopes.into_iter().map(S::product).collect())
+        [by_q, by_p].map(|slopes| slopes.into_iter().map(&product).collect())
     }
 }
