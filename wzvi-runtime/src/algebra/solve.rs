@@ -28,7 +28,7 @@ pub(crate) use graph::Apart;
 pub use graph::reverse_cuthill_mckee;
 pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};
-pub use newton::{Effort, Equations};
+pub use newton::{Doubt, Effort, Equations};
 pub(crate) use newton::{astray, larger};
 pub use sparse::Sparse;
 

@@ -9,7 +9,6 @@ use std::marker::PhantomData;
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::few::List;
 use crate::algebra::memory::{Iteration, Method, Request, StepMemory, Threads};
-use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::scheme::continuation::Hard;
@@ -439,8 +438,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if is_hard && const { may_mislead::<H, E>() } {
             self.clock = self.clock.unguided();
         }
-        let Effort { iterations, doubtful, .. } = taken.effort;
-        Ok(StepInfo { iterations, halvings: 0, is_hard, is_doubtful: is_hard && doubtful })
+        let is_doubtful = is_hard && taken.effort.is_doubtful();
+        Ok(StepInfo { iterations: taken.effort.iterations, halvings: 0, is_hard, is_doubtful })
     }
 
     /// Whether steps use what the ones before left; otherwise nothing of them is kept.

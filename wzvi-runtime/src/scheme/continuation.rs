@@ -24,7 +24,7 @@ use std::ops::Range;
 use crate::algebra::carry::Carry;
 use crate::algebra::few::{Few, List};
 use crate::algebra::memory::{Request, StepMemory};
-use crate::algebra::solve::Effort;
+use crate::algebra::solve::{Doubt, Effort};
 use crate::algebra::state::Vector;
 use crate::error::StepFailure;
 use crate::scheme::system::{
@@ -127,7 +127,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                 Err(End { reached, is_fold: false }) => match found? {
                     found if found.effort.is_elsewhere() => Err(StepFailure::NoSolution { reached }),
                     found => {
-                        let effort = Effort { doubtful: true, ..found.effort };
+                        let effort = Effort { doubt: Doubt::Straying, ..found.effort };
                         Ok(Continued { effort, ..found }.leaving(memory))
                     }
                 },
@@ -183,7 +183,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             return Ok(None);
         }
         match self.follow() {
-            Ok(end) => Ok(if end.effort.doubtful || is_same([&end.q, &end.p]) { None } else { Some(end) }),
+            Ok(end) => {
+                Ok(if end.effort.is_doubtful() || is_same([&end.q, &end.p]) { None } else { Some(end) })
+            }
             Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
             Err(End { is_fold: false, .. }) => Ok(None),
         }
@@ -209,7 +211,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         match self.follow_parts(true) {
             Err(End { is_fold: false, .. }) => {
                 let mut end = self.follow_parts(false)?;
-                end.effort.doubtful = true;
+                end.effort.doubt = Doubt::Straying;
                 Ok(end)
             }
             outcome => outcome,
@@ -245,14 +247,14 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             let tried = tried.ok().filter(|step| !step.effort.is_elsewhere());
             iterations += tried.as_ref().map_or(0, |step| step.effort.iterations);
             let is_same = tried.as_ref().is_some_and(|step| {
-                let is_doubtful = step.effort.doubtful || are_returned && step.effort.is_one_way;
-                !is_doubtful || kink.is_passed(&at, step)
+                let allowed = if are_returned { Doubt::None } else { Doubt::OneWay };
+                step.effort.doubt <= allowed || kink.is_passed(&at, step)
             });
             match tried {
                 Some(mut step) if is_same => {
                     if fraction == 1.0 {
                         // Whoever takes it has no doubt. Parts of a step are no guide for the next, but the step itself may be.
-                        step.effort = Effort { doubtful: false, is_far: false, iterations, ..step.effort };
+                        step.effort = Effort { doubt: Doubt::None, is_far: false, iterations, ..step.effort };
                         left.tell(&Request::Hold);
                         return Ok(step.leaving(left));
                     }
@@ -268,7 +270,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     part *= 0.5;
                     if part < SHORTEST {
                         // Where corrections contract without doubt, the curve goes on, but rounding or a force that swings hides how.
-                        let contracts = tried.is_some_and(|step| !step.effort.doubtful);
+                        let contracts = tried.is_some_and(|step| !step.effort.is_doubtful());
                         let is_fold = reached >= EARLIEST_END && !contracts;
                         return Err(End { reached, is_fold });
                     }

@@ -12,7 +12,7 @@
 
 use super::convergence::{Convergence, Verdict};
 use super::dense::{Factor, is_definite};
-use super::newton::{Effort, Equations, astray, larger};
+use super::newton::{Doubt, Effort, Equations, astray, larger};
 use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
 
@@ -149,15 +149,12 @@ impl<P: Problem> Search<'_, P> {
                     let (is_reversed, is_indefinite) =
                         (self.problem.is_reversed(), self.problem.is_indefinite());
                     let iterations = convergence.iterations;
-                    let is_one_way = !self.returns(start);
-                    return Ok(Effort {
-                        iterations,
-                        doubtful,
-                        is_far,
-                        is_one_way,
-                        is_reversed,
-                        is_indefinite,
-                    });
+                    let doubt = match doubtful {
+                        true => Doubt::Straying,
+                        false if self.returns(start) => Doubt::None,
+                        false => Doubt::OneWay,
+                    };
+                    return Ok(Effort { iterations, doubt, is_far, is_reversed, is_indefinite });
                 }
                 Verdict::Straying => size.is_nan() || convergence.iterations >= most,
                 Verdict::Contracting => convergence.iterations >= MOST_HALVINGS,
@@ -373,14 +370,14 @@ mod tests {
         // atan(x - 3): from 0 Newton's method without damping runs away.
         let (x, effort) = scalar(0.0, |x| ((x - 3.0).atan(), 1.0 / (1.0 + (x - 3.0).powi(2)))).unwrap();
         assert_eq!(x, 3.0);
-        assert!(effort.doubtful && effort.iterations < 15, "{effort:?}");
+        assert!(effort.is_doubtful() && effort.iterations < 15, "{effort:?}");
     }
 
     #[test]
     fn a_step_of_ordinary_size_leaves_no_doubt() {
         let (x, effort) = scalar(0.0, |x| (x - 0.1 * (1.0 + x).sin(), 1.0 - 0.1 * (1.0 + x).cos())).unwrap();
         assert!((x - 0.1 * (1.0 + x).sin()).abs() <= f64::EPSILON * x);
-        assert!(!effort.doubtful && effort.iterations <= 5, "{effort:?}");
+        assert!(!effort.is_doubtful() && effort.iterations <= 5, "{effort:?}");
     }
 
     #[test]

@@ -39,19 +39,28 @@ pub trait Equations<S, const N: usize>: Copy {
     fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N];
 }
 
-/// The cost of a solution, and the doubts about it.
+/// Whether a careful solution belongs to its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Doubt {
+    /// It does, as far as the iteration tells.
+    #[default]
+    None,
+    /// The Jacobian at the solution does not lead back to the start.
+    OneWay,
+    /// The first corrections did not shrink as they do near a solution: there may be another one nearer to the start.
+    Straying,
+}
+
+/// The cost of a solution, and the doubts about it: eight bytes, which a step returns in one register.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Newton iterations.
     pub iterations: u32,
-    /// Whether the first corrections did not shrink as they do near a solution: there may be another one nearer to
-    /// the start. Only a careful solution reports this; the fast method gives up.
-    pub doubtful: bool,
+    /// Only a careful solution reports this; the fast method gives up.
+    pub doubt: Doubt,
     /// Whether the Jacobian at the start was not about the identity: of a careful solution. From zero there may be
     /// another solution along the step, then.
     pub is_far: bool,
-    /// Whether the Jacobian at the solution does not lead back to the start, of a careful solution.
-    pub is_one_way: bool,
     /// Whether the Jacobian at the solution has a negative determinant, if the solution was a careful one.
     pub is_reversed: bool,
     /// Whether that Jacobian is symmetric and not definite, if the solution was a careful one.
@@ -62,8 +71,7 @@ impl Effort {
     /// A solution by the short way, or (0) without iterations.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn fast(iterations: u32) -> Self {
-        let (doubtful, is_far, is_one_way, is_reversed, is_indefinite) = (false, false, false, false, false);
-        Self { iterations, doubtful, is_far, is_one_way, is_reversed, is_indefinite }
+        Self { iterations, doubt: Doubt::None, is_far: false, is_reversed: false, is_indefinite: false }
     }
 
     /// What `1 / pivot` of an unknown that was isolated in front of the iteration adds: the determinant of the whole
@@ -75,7 +83,12 @@ impl Effort {
 
     /// Whether a careful solution from zero is the one that continues the state.
     pub(crate) fn is_certain(self) -> bool {
-        !(self.doubtful || self.is_far || self.is_one_way || self.is_elsewhere())
+        self.doubt == Doubt::None && !(self.is_far || self.is_elsewhere())
+    }
+
+    /// Whether another solution may be nearer to the start.
+    pub(crate) fn is_doubtful(self) -> bool {
+        self.doubt == Doubt::Straying
     }
 
     /// Whether the Jacobian says that a careful solution is not the one that continues the state.
@@ -98,9 +111,8 @@ impl Add for Effort {
     fn add(self, other: Self) -> Self {
         Self {
             iterations: self.iterations + other.iterations,
-            doubtful: self.doubtful | other.doubtful,
+            doubt: if self.doubt < other.doubt { other.doubt } else { self.doubt },
             is_far: self.is_far | other.is_far,
-            is_one_way: self.is_one_way | other.is_one_way,
             is_reversed: self.is_reversed ^ other.is_reversed,
             is_indefinite: self.is_indefinite | other.is_indefinite,
         }

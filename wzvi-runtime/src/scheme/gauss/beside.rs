@@ -14,7 +14,7 @@ use super::sweep::{Solved, Swept};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::Iteration;
 use crate::algebra::scalar::{Constant, Mask, Over, Parameters};
-use crate::algebra::solve::Effort;
+use crate::algebra::solve::{Doubt, Effort};
 use crate::error::StepFailure;
 use crate::scheme::system::At;
 
@@ -65,7 +65,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             let is_settled = swept.are_settled.all();
             if is_settled && (!is_wild || self.unknowns() > Self::MOST_UNKNOWNS) {
                 let prefers_newton = S::Mask::from_bool(false);
-                let effort = Effort { doubtful: is_wild, is_far: is_wild, ..Effort::fast(swept.sweeps) };
+                let doubt = if is_wild { Doubt::Straying } else { Doubt::None };
+                let effort = Effort { doubt, is_far: is_wild, ..Effort::fast(swept.sweeps) };
                 return Ok(Solved { effort, prefers_newton });
             }
             if !is_settled && swept.failure == StepFailure::NonFinite

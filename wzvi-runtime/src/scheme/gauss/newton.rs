@@ -75,7 +75,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         start.resize(unknowns, S::from_f64(0.0));
         equations.read(start);
         let effort = damped(&mut equations, room, start)?;
-        if (effort.doubtful || effort.is_reversed) && !CAREFUL {
+        if (effort.is_doubtful() || effort.is_reversed) && !CAREFUL {
             let iterations = effort.iterations;
             return Err(StepFailure::NotConverged { iterations, correction: f64::INFINITY });
         }
