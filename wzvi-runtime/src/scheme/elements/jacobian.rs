@@ -1,4 +1,4 @@
-//! The Jacobian `I - φ'` of a step, entry by entry: into a band, into products with it, or as the pattern alone.
+//! The Jacobian `I - φ'` of a step, entry by entry: for factors, for products with vectors, or as a sparsity pattern.
 
 use super::kept::PATIENCE;
 use super::linear::{Linear, Wide};
@@ -10,13 +10,13 @@ use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Krylov, Operator, power_of_two};
 use crate::error::StepFailure;
 
-/// Adds the products of entries with `x` to `y`.
+/// `y += A x` from the entries of `A`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
     |row, column, value| y[row] = y[row] + value * x[column]
 }
 
-/// Both kinds of unknowns, each by a power of two, which rounds nothing.
+/// Multiplies each kind of unknown by a power of two, which is exact.
 fn multiply<S: Scalar>(list: &mut [S], [first, second]: [f64; 2]) {
     let (first, second) = (S::from_f64(first), S::from_f64(second));
     for pair in list.as_chunks_mut().0 {
@@ -25,7 +25,7 @@ fn multiply<S: Scalar>(list: &mut [S], [first, second]: [f64; 2]) {
     }
 }
 
-/// What the unknowns are counted in, where there are two kinds: about the largest of each, or of its equations where that is zero.
+/// Units of the unknowns where there are two kinds: about the largest of each kind, or its largest residual where that is zero.
 fn units<S: Scalar>(kind: Unknowns, x: &[S], residual: &[S]) -> Option<[f64; 2]> {
     let (sizes, others) = (largest(kind, x), largest(kind, residual));
     let unit = |i: usize| match [sizes[i], others[i]].into_iter().find(|&size| size > 0.0) {
@@ -48,7 +48,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors of the Jacobian at the current stages, without the rows that `are_held`; of a wide one with `all` entries where these are few.
+    /// Factors the Jacobian at the current stages, without the rows that `are_held`. Outside a band, factors are complete if `all` and few enough.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.
@@ -85,11 +85,11 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// The correction becomes `J⁻¹` of itself, up to `tolerance` where that takes products with the Jacobian; their number. On `Err` it
-    /// is what it was.
+    /// Multiplies the correction by `J⁻¹`, up to `tolerance` with Krylov's method; returns the number of its Jacobian products. On `Err` the
+    /// correction is unchanged.
     ///
     /// # Errors
-    /// [`StepFailure::NotConverged`] or [`StepFailure::NonFinite`] of an iteration.
+    /// [`StepFailure::NotConverged`] or [`StepFailure::NonFinite`] of a Krylov iteration.
     pub(super) fn correct(
         &self,
         lists: &mut Lists<'_, S>,
@@ -108,7 +108,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 let correction = std::mem::take(&mut lists.correction);
                 let units = units(self.scheme.unknowns, lists.x, correction);
                 units.into_iter().for_each(|units| multiply(correction, units.map(f64::recip)));
-                // Those that lack entries give way to those that do not.
+                // Incomplete factors get fewer cycles before complete ones replace them.
                 let most = Krylov::<S>::MOST_CYCLES;
                 let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
                 let stages = lists.lend();
@@ -129,7 +129,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// `y = J x` at the current stages, of unknowns that are counted in these units, by kind, so that a norm may add up both.
+    /// `y = J x` at the current stages, with each kind of unknown in its own unit, so that one norm covers both.
     fn product(
         &self,
         lists: &Lists<'_, S>,
@@ -168,7 +168,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
-/// Calls `visit` with every place off the diagonal that the Jacobian may fill, some more than once.
+/// Calls `visit` with every off-diagonal position where the Jacobian may have an entry, some more than once.
 pub(super) fn pattern<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -185,7 +185,7 @@ pub(super) fn pattern<H: Elements>(
     });
 }
 
-/// `∂u/∂v`, which the choice of unknowns has shown to be diagonal where it is needed.
+/// `∂u/∂v`, which is diagonal where it is needed, by the choice of unknowns.
 struct Velocities<'a, S>(&'a mut [S]);
 
 impl<S: Scalar> Curvature<S> for Velocities<'_, S> {

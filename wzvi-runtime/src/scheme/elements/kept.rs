@@ -1,11 +1,11 @@
 //! Factors that serve more than one step, and where they were made.
 //!
-//! Newton's method with the factors of an earlier step is the chord method; it contracts by how far the Jacobian has changed since. A step
-//! starts with those that are there, and makes new ones where they contract too slowly. They are given up as well when the iterations
-//! that they took more than new ones add up to what new ones cost (the rule of who rents skis and does not know for how long: at most
-//! twice as much as if that had been known). Where products with the Jacobian solve the equations, the factors are their preconditioner.
+//! Newton's method with the factors of an earlier step is the chord method; its contraction is set by the change of the Jacobian since. A
+//! step starts with the existing factors and makes new ones if they contract too slowly. It also discards old factors once their extra
+//! iterations cost as much as a refactorisation (the ski-rental rule: at most twice the cost of the best choice in hindsight). Krylov's
+//! method uses the factors as its preconditioner.
 //!
-//! A checkpoint, or a copy, does not have the factors, but where they were made: the same steps follow, to the last bit.
+//! A checkpoint or a copy stores where the factors were made instead of the factors: it takes the same steps to the last bit.
 
 use super::Elements;
 use super::linear::Linear;
@@ -17,25 +17,25 @@ use crate::algebra::solve::astray;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// Products with the Jacobian that factors which lack entries may take in vain before they get all: about as many as these cost.
+/// Excess Jacobian products with incomplete factors before complete ones replace them: about the cost of complete factors.
 pub(super) const PATIENCE: u32 = 128;
-/// Products that take about as long as a solution by factors that lack nothing.
+/// Cost of a solution with complete factors, in Jacobian products.
 const A_SOLUTION: u32 = 4;
 
-/// The step, and the unknowns in it, that factors were made of.
+/// The step and the unknowns at which factors were made.
 #[derive(Debug, Default)]
 struct Anchor<S> {
     is_known: bool,
-    /// Whether they were asked for with all of their entries.
+    /// Whether complete factors were requested.
     all: bool,
     t: f64,
     h: f64,
-    /// Coordinates, momenta, increments of the noises, unknowns.
+    /// Coordinates, momenta, noise increments, unknowns.
     lists: [Vec<S>; 4],
 }
 
 impl<S: Copy> Anchor<S> {
-    /// Keeps what is allocated.
+    /// Copies without a new allocation where the lists have the capacity.
     fn copy(&mut self, all: bool, t: f64, h: f64, lists: [&[S]; 4]) {
         (self.is_known, self.all, self.t, self.h) = (true, all, t, h);
         for (own, list) in self.lists.iter_mut().zip(lists) {
@@ -45,13 +45,13 @@ impl<S: Copy> Anchor<S> {
     }
 }
 
-/// What the factors in a memory are of.
+/// The steps that the stored factors belong to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Made {
-    /// There are none, or they are of nothing that comes again.
+    /// None: there are no factors, or no later step can use them.
     #[default]
     Unknown,
-    /// All steps of this size.
+    /// All steps of this size `h`.
     Always(f64),
     /// The anchor.
     AtAnchor,
@@ -59,27 +59,27 @@ enum Made {
     Now,
 }
 
-/// What is known of the factors in a memory.
+/// Where the stored factors were made, and what they have cost.
 #[derive(Debug, Default)]
 pub(super) struct Kept<S> {
     made: Made,
-    /// Where the factors that the next step starts with were made.
+    /// Where the factors for the next step were made.
     anchor: Anchor<S>,
-    /// Where those of this step were.
+    /// Where the factors of this step were made.
     next: Anchor<S>,
     /// Whether this step started with factors of an earlier one.
     has_started: bool,
-    /// What this step took: iterations, or products with the Jacobian where these solve the equations.
+    /// Cost of this step: iterations, or Jacobian products with Krylov's method.
     taken: u64,
-    /// The same of the step that made the factors, and what the steps since took more.
+    /// Cost of the step that made the factors; `excess` sums what later steps cost above it.
     least: u64,
     excess: u64,
-    /// Products more than solutions by factors with all of their entries would have taken.
+    /// Jacobian products beyond those of solutions with complete factors.
     vain: u64,
     pub(super) work: LinearWork,
 }
 
-/// Where they were made, not the factors.
+/// Copies where the factors were made, not the factors.
 impl<S: Scalar> Clone for Kept<S> {
     fn clone(&self) -> Self {
         let mut copy = Self::default();
@@ -118,19 +118,19 @@ impl<S: Scalar> Numbers for Kept<S> {
 }
 
 impl<S: Scalar> Kept<S> {
-    /// The next step makes factors of its own.
+    /// Makes the next step compute its own factors.
     pub(super) fn forget(&mut self) {
         (self.anchor.is_known, self.vain) = (false, 0);
         self.lose();
     }
 
-    /// The factors are not in the memory any more.
+    /// Marks the factors as missing.
     pub(super) fn lose(&mut self) {
         self.made = Made::Unknown;
         self.begin();
     }
 
-    /// A step begins. Factors of one that failed are of nothing that comes again.
+    /// Begins a step. Discards the factors of a failed one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self) {
         (self.taken, self.has_started) = (0, false);
@@ -139,7 +139,7 @@ impl<S: Scalar> Kept<S> {
         }
     }
 
-    /// Counts what a correction took: products with the Jacobian, or itself.
+    /// Counts the cost of a correction: its Jacobian products, or 1 without Krylov's method.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn count(&mut self, products: Option<u32>) {
         self.taken += products.map_or(1, u64::from);
@@ -149,16 +149,16 @@ impl<S: Scalar> Kept<S> {
         }
     }
 
-    /// Whether factors that lack entries have taken as much more as those that do not cost.
+    /// Whether the excess products of incomplete factors cost as much as complete factors.
     pub(super) fn wants_all(&self) -> bool {
         self.vain >= u64::from(PATIENCE - A_SOLUTION)
     }
 
-    /// A step by Newton's method has succeeded, with factors that cost as much as so many corrections.
+    /// Records a successful Newton step; `cost` is that of new factors, in the units of `taken`.
     pub(super) fn succeed(&mut self, cost: u64) {
         if self.made == Made::Now {
             std::mem::swap(&mut self.anchor, &mut self.next);
-            // What a step takes that started with other factors says little of its own.
+            // The cost of a step that started with other factors does not measure its own.
             self.anchor.is_known = !self.has_started;
             (self.made, self.least, self.excess) = (Made::AtAnchor, self.taken, 0);
         } else if self.has_started {
@@ -169,15 +169,15 @@ impl<S: Scalar> Kept<S> {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Whether later steps may start with factors of this one. Where increments decide, the Jacobian of one is not near that of the next,
-    /// and a pinned method has that of each iteration; preconditioners need not be near.
+    /// Whether later steps may start with the factors of this one. With noise the Jacobians of successive steps are not close, and a pinned
+    /// Newton's method factors in each iteration; a preconditioner need not be close.
     fn leaves_factors(&self, linear: &Linear<S>, pinned: Iteration) -> bool {
         let is_chord = pinned != Iteration::Newton && (self.scheme.remembers || self.scheme.is_linear);
         is_chord || matches!(linear, Linear::Krylov(_))
     }
 
-    /// Whether there are factors to start with; leaves the lists of nothing. (What it takes is lent by value: a reference to all that an iteration works
-    /// on would keep its loops from being compiled for vectors.)
+    /// Whether the step can start with earlier factors, recomputed if they are missing; the content of the lists is lost. (`scratch` is passed
+    /// by value: a reference to all data of the iteration would prevent the vectorisation of its loops.)
     #[inline(never)]
     pub(super) fn starts_with_factors(&self, mut scratch: Scratch<'_, S>, pinned: Iteration) -> bool {
         let Scratch { lists, solver: Solver { kept, linear: Some(linear), .. }, .. } = &scratch else {
@@ -201,7 +201,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         is_there
     }
 
-    /// The factors of the anchor, once more.
+    /// Recomputes the factors at the anchor.
     #[cold]
     fn restore(&self, scratch: &mut Scratch<'_, S>) -> Result<(), StepFailure> {
         let Scratch { lists, solver: Solver { diagonal, kept, linear: Some(linear), .. }, .. } = scratch
@@ -224,7 +224,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         made
     }
 
-    /// New factors.
+    /// Computes new factors.
     ///
     /// # Errors
     /// As [`Step::factor`].
@@ -241,7 +241,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let all = kept.wants_all();
         self.factor(lists, diagonal, linear, all, |_| false)?;
         if !self.scheme.is_linear && linear.is_reversed() {
-            // Beyond a fold, as far as this matrix tells: with care.
+            // A negative determinant indicates a fold: the careful solver is needed.
             return Err(astray(0, f64::INFINITY));
         }
         if self.scheme.is_linear {

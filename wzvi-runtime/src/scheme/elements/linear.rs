@@ -1,4 +1,4 @@
-//! How the linear equations of Newton's method are solved: in a band, or by iteration with what is known of the inverse.
+//! The linear equations of Newton's method, solved by elimination in a band or by a preconditioned Krylov iteration.
 
 use super::jacobian::pattern;
 use super::{Elements, Quadrature};
@@ -6,42 +6,42 @@ use crate::algebra::memory::Method;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Banded, Krylov, Sparse, reverse_cuthill_mckee};
 
-/// Numbers that a factorisation may hold: 2 GiB of `f64`.
+/// Largest number of entries of a factorisation: 2 GiB of `f64`.
 const MOST_NUMBERS: usize = 1 << 28;
 
-/// A band is taken if it is this narrow, or if it is factored by [`FEW_OPERATIONS`].
+/// Half-bandwidth up to which a band is always used; a wider one if it takes at most [`FEW_OPERATIONS`] to factor.
 const NARROW: usize = 16;
-/// Half a bandwidth up to which the order of the unknowns is kept.
+/// Half-bandwidth up to which the unknowns are not renumbered.
 const NARROW_AS_IT_IS: usize = 4;
-/// Multiplications that are about as many as some iterations on products with the matrix need.
+/// Multiplications, about as many as a few Krylov iterations take.
 const FEW_OPERATIONS: usize = 1 << 22;
-/// Entries per unknown of a pattern that is worth a renumbering.
+/// Entries per unknown up to which a renumbering pays.
 const SPARSE: usize = 64;
-/// Iterations that take about as many multiplications as factors may that have all of their entries. These serve many steps.
+/// Limit on the multiplications of complete factors, in Krylov iterations. The factors serve many steps.
 const MANY_ITERATIONS: u64 = 512;
-/// How many solutions take as long as the second derivatives of all elements, entry by entry: a choice of cost.
+/// Cost of the second derivatives of all elements, in solutions of the linear equations: a tuning parameter.
 const ASSEMBLY: u64 = 2;
 
-/// How the linear equations of Newton's method are solved.
+/// The solver of the linear equations of Newton's method.
 #[derive(Clone, Debug)]
 pub(super) enum Linear<S> {
     Band(Banded<S>),
-    /// From products with the matrix, which is not stored.
+    /// Uses products with the matrix, which is not stored.
     Krylov(Box<Wide<S>>),
 }
 
-/// An iteration, and factors of a matrix that is about its own.
+/// A Krylov iteration, and factors of a nearby matrix as its preconditioner.
 #[derive(Clone, Debug)]
 pub(super) struct Wide<S> {
     pub(super) krylov: Krylov<S>,
-    /// A vector in the units of the system, where the iteration has another for each kind of unknown.
+    /// A vector in the units of the system; the iteration scales each kind of unknown.
     pub(super) room: Vec<S>,
-    /// Allocated when they are needed for the first time, and whether all of their entries were asked for.
+    /// The factors, allocated at their first use, and whether complete ones were requested.
     pub(super) factors: Option<(Sparse<S>, bool)>,
 }
 
 impl<S: Scalar> Wide<S> {
-    /// Room for factors, with all of their entries if these are asked for and are few.
+    /// Storage for factors; complete if `all` and few enough.
     pub(super) fn room<H: Elements>(
         &mut self,
         system: &H,
@@ -55,7 +55,7 @@ impl<S: Scalar> Wide<S> {
 }
 
 impl<S: Scalar> Linear<S> {
-    /// A band if it is narrow or small, after a renumbering where that pays; else products with the matrix.
+    /// A band if it is narrow or small, after a renumbering where that pays; otherwise Krylov's method.
     pub(super) fn new<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize) -> Self {
         let unknowns = scheme.unknowns.count(degrees);
         let (mut natural, mut entries) = (0_usize, 0_usize);
@@ -81,9 +81,9 @@ impl<S: Scalar> Linear<S> {
         }
     }
 
-    /// With a matrix of this band, or without it where that costs too much.
+    /// A band of this half-width, or Krylov's method if the band costs too much.
     fn of_band(unknowns: usize, half: usize, position: Vec<usize>) -> Self {
-        // Derivatives that a number carries are not orthogonal to anything.
+        // Krylov's method cannot orthogonalise the derivatives that numbers carry.
         let is_plain = size_of::<S>() == size_of::<f64>();
         let is_cheap = half <= NARROW
             || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS
@@ -105,7 +105,7 @@ impl<S: Scalar> Linear<S> {
         }
     }
 
-    /// How many iterations of Newton's method take as long as new factors do; of those by products, how many of these.
+    /// Cost of new factors: in Newton iterations for a band, in Jacobian products for Krylov's method.
     pub(super) fn cost(&self) -> u64 {
         let factors = match self {
             Self::Band(band) => 2 * band.half_width() as u64 / 3,
@@ -114,7 +114,7 @@ impl<S: Scalar> Linear<S> {
         factors + ASSEMBLY
     }
 
-    /// Whether the determinant of the factored matrix is negative; not where it is not known.
+    /// Whether the determinant of the factored matrix is known to be negative.
     pub(super) fn is_reversed(&self) -> bool {
         match self {
             Self::Band(band) => band.is_reversed(),
@@ -125,8 +125,7 @@ impl<S: Scalar> Linear<S> {
     }
 }
 
-/// Room for factors with entries at the places of the matrix, or with all entries where these are asked for and few, or with a diagonal
-/// where the matrix has many.
+/// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and few enough; diagonal for a dense matrix.
 fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Quadrature, degrees: usize, all: bool) -> Sparse<S> {
     let unknowns = scheme.unknowns.count(degrees);
     let mut entries = 0;
@@ -135,7 +134,7 @@ fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Quadrature, degrees: usi
         return Sparse::diagonal(unknowns);
     }
     let pairs = pairs(system, scheme, degrees, entries);
-    // An iteration takes a product, and as many sums as there are vectors, twice.
+    // An iteration takes a product and two orthogonalisations against the basis.
     let iteration = (2 * pairs.len() + Krylov::<S>::BASIS * unknowns) as u64;
     let most = if all { Some(MANY_ITERATIONS * iteration) } else { None };
     factors_of(unknowns, &pairs, most)
@@ -152,7 +151,7 @@ fn is_dense(entries: usize, unknowns: usize) -> bool {
     entries > SPARSE.saturating_mul(unknowns)
 }
 
-/// The places above the diagonal that the Jacobian, or its transpose, may fill.
+/// The positions above the diagonal where the Jacobian or its transpose may have entries.
 fn pairs<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -170,7 +169,7 @@ fn sorted(mut pairs: Vec<(usize, usize)>) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// The half of the band after unknowns were rearranged, and their places then.
+/// The half-bandwidth after renumbering, and the new position of each unknown.
 fn rearranged(unknowns: usize, pairs: &[(usize, usize)]) -> (usize, Vec<usize>) {
     let position = reverse_cuthill_mckee(unknowns, pairs);
     let half = pairs.iter().map(|&(a, b)| position[a].abs_diff(position[b])).max().unwrap_or(0);

@@ -1,20 +1,21 @@
 //! Which iteration a step starts with.
 //!
-//! Whether the fixed point contracts is known for certain where it was tried: at smooth corrections it may look as if it did where rounding,
-//! which is not smooth, grows. A try in vain costs about as much as a step. So each one in a row doubles the steps until the next: all
-//! that are in vain take a small part of the time, and a fixed point that contracts again is found after as many steps as it was missed.
+//! Only a trial shows for certain whether the fixed point contracts: it may contract smooth corrections while rounding errors, which are
+//! not smooth, grow. A failed trial costs about as much as a step. Each consecutive failure doubles the number of steps until the next
+//! trial: failed trials take a small part of the run time, and a fixed point that contracts again is found within about as many steps as
+//! it failed before.
 
 use crate::ground::numbers::Tape;
 
-/// Tries in vain after which waiting grows no longer: for 64 steps.
+/// Consecutive failed trials after which the wait stays at 64 steps.
 const MOST_IN_VAIN: u8 = 6;
 
-/// What the steps before say of it.
+/// The preference learnt from the steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Preference {
-    /// Steps that start with Newton's method from here on, as long as they say that the fixed point may contract.
+    /// Number of further steps that start with Newton's method. Only steps after which the fixed point may contract count down.
     steps: u8,
-    /// Tries of the fixed point in a row that Newton's method had to end.
+    /// Consecutive trials of the fixed point that Newton's method had to finish.
     in_vain: u8,
 }
 
@@ -22,11 +23,11 @@ pub(super) struct Preference {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Solution {
     FixedPoint,
-    /// Newton's method was first; whether `J` is about the identity, where the fixed point contracts as well.
+    /// Newton's method came first; `may_contract` if `J` is close to the identity, where the fixed point contracts, too.
     Newton {
         may_contract: bool,
     },
-    /// The fixed point was first, and Newton's method ended it.
+    /// The fixed point came first, and Newton's method finished.
     GaveWay,
 }
 
@@ -36,7 +37,7 @@ impl Preference {
         self.steps > 0
     }
 
-    /// A step has succeeded.
+    /// Updates the preference after a successful step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn learn(&mut self, solution: Solution) {
         match solution {
@@ -61,7 +62,7 @@ impl Preference {
 mod tests {
     use super::*;
 
-    /// Of so many steps that do not contract, though the Jacobian says so: those that try.
+    /// Number of trials in `steps` steps that do not contract although the Jacobian suggests it.
     fn tries(steps: usize) -> usize {
         let mut preference = Preference::default();
         let mut tries = 0;
