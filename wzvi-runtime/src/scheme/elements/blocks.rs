@@ -1,4 +1,4 @@
-//! The blocks of equations that have no unknown in common, each of which has a solution of its own: of sites that nothing couples, one each.
+//! Blocks of equations without common unknowns, which are solved independently. Uncoupled sites are one block each.
 
 use std::ops::Range;
 
@@ -9,16 +9,16 @@ use crate::algebra::solve::Apart;
 /// The blocks of a system, and those that a careful step solves.
 #[derive(Debug, Default)]
 pub(super) struct Blocks {
-    /// The block of each degree of freedom; none while they are not known.
+    /// The block of each degree of freedom; empty until the blocks are found.
     of: Vec<usize>,
-    /// How many there are.
+    /// Number of blocks.
     count: usize,
-    /// All, unless it says something else.
+    /// The blocks to solve; `None` for all.
     wanted: Option<Range<usize>>,
 }
 
 impl Blocks {
-    /// Of a system that is not known yet, with the same ones wanted.
+    /// Blocks that are still to be found, with the same selection.
     pub(super) fn alike(&self) -> Self {
         Self { wanted: self.wanted.clone(), ..Self::default() }
     }
@@ -31,7 +31,7 @@ impl Blocks {
         self.wanted = Some(wanted);
     }
 
-    /// Finds them out, if they are not known.
+    /// Finds the blocks, unless they are known.
     pub(super) fn find<H: Elements>(&mut self, system: &H, scheme: &Quadrature, degrees: usize) {
         if self.of.len() == degrees {
             return;
@@ -39,14 +39,14 @@ impl Blocks {
         let per_degree = scheme.unknowns.count(1).max(1);
         let mut apart = Apart::new(degrees);
         if H::FACTS.has_pieces {
-            // Degrees of freedom whose sides a condition compares are coupled where no derivative says so.
+            // Conditions of piecewise functions couple degrees of freedom even where no derivative does.
             (1..degrees).for_each(|degree| apart.join(degree - 1, degree));
         }
         pattern(system, scheme, degrees, |row, column| apart.join(row / per_degree, column / per_degree));
         (self.count, self.of) = apart.parts();
     }
 
-    /// Whether a degree of freedom stays as it is.
+    /// Whether a degree of freedom is held fixed.
     pub(super) fn holds(&self, degree: usize) -> bool {
         self.wanted.as_ref().is_some_and(|wanted| !wanted.contains(&self.of[degree]))
     }
@@ -56,7 +56,7 @@ impl Blocks {
         self.wanted.is_some() && self.holds(number / unknowns.count(1).max(1))
     }
 
-    /// Whether an odd number of unknowns of any block reverse the sign of its determinant.
+    /// Whether any block has an odd number of unknowns that reverse the sign of its determinant.
     pub(super) fn is_any_reversed(&self, unknowns: Unknowns, reverses: impl Fn(usize) -> bool) -> bool {
         let (mut reversed, per_degree) = (vec![false; self.count], unknowns.count(1));
         for unknown in 0..self.of.len() * per_degree {

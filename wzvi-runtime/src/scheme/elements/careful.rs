@@ -1,4 +1,4 @@
-//! The equations of a sweep for the steps where the short way fails: what [`damped`] asks of them.
+//! The equations of a step in the form that [`damped`] takes, for steps where the fast iteration fails.
 
 use super::blocks::Blocks;
 use super::linear::Linear;
@@ -10,11 +10,11 @@ use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Effort, Problem, astray, damped};
 use crate::error::StepFailure;
 
-/// Residual of linear equations that are solved by iteration: below what a convergence that is nearly quadratic shows.
+/// Residual of linear equations solved by iteration: small enough for nearly quadratic convergence of Newton's method.
 const TOLERANCE: f64 = 1e-10;
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Solves for the unknowns with care, if there are any; leaves `u` and `P`.
+    /// Solves for the unknowns, if there are any, by [`damped`]; leaves `u` and `P`.
     #[inline(never)]
     pub(super) fn careful(self, memory: &mut Memory<S>) -> Result<Effort, StepFailure> {
         memory.solver.kept.lose();
@@ -25,7 +25,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         effort
     }
 
-    /// The same of some blocks.
+    /// The same for some blocks.
     fn careful_of(self, memory: &mut Memory<S>, blocks: &Blocks) -> Result<Effort, StepFailure> {
         let known = memory.known;
         let mut scratch = memory.scratch(self.scheme, self.degrees());
@@ -55,7 +55,7 @@ struct Sweep<'a, 's, H, S> {
 }
 
 impl<H: Elements, S: Scalar> Sweep<'_, '_, H, S> {
-    /// Zero for the unknowns of other blocks.
+    /// Sets the unknowns of other blocks to zero.
     fn hold(&self, numbers: &mut [S]) {
         for (unknown, number) in numbers.iter_mut().enumerate() {
             if self.blocks.holds_unknown(self.step.scheme.unknowns, unknown) {
@@ -96,7 +96,7 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
         move |k| rounding[k].is_below(1.0) || blocks.holds_unknown(unknowns, k)
     }
 
-    /// Not known where the matrix is not.
+    /// `false` if the determinant is not known.
     fn is_reversed(&self) -> bool {
         match &*self.linear {
             Linear::Band(band) => {
