@@ -16,11 +16,11 @@ use crate::scheme::system::At;
 
 /// Corrections below this fraction of the largest unknown change nothing.
 const ROUNDING: f64 = f64::EPSILON;
-/// Residual of linear equations that are solved by iteration: each Newton iteration gains three digits.
+/// Residual of linear equations solved by iteration: each Newton iteration gains three digits.
 const FORCING: f64 = 1e-3;
-/// Corrections below this fraction of the largest unknown are not worth a factorisation: a choice of cost.
+/// Corrections below this fraction of the largest unknown are not worth a factorisation: a tuning parameter.
 const NEARLY_SOLVED: f64 = 1e-9;
-/// More iterations than any step needs that converges at all.
+/// Iteration limit, above what any converging step needs.
 const MOST_ITERATIONS: u32 = 100;
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
@@ -41,7 +41,7 @@ pub(super) fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL:
     advance_fitting::<H, S, C, false>(system, scheme, at, memory, carry)
 }
 
-/// The same where a memory may be of another size, or the step takes care: rare, and compiled once for all schemes.
+/// The same for a memory of another size or for a careful step: rare, and compiled once for all schemes.
 #[cold]
 #[inline(never)]
 fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
@@ -51,10 +51,10 @@ fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: boo
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    // What the steps before left belongs to another size, and stays if this one fails.
+    // A memory of another size is replaced only if the step succeeds.
     let mut anew = None;
     if CAREFUL && memory.is_new() {
-        // Its blocks are known also if it fails.
+        // In place, so that the blocks are known even if the step fails.
         memory.fit(system, scheme, at.q.len())?;
     }
     let fitting = if memory.fits(system, at.q.len()) {
@@ -71,7 +71,7 @@ fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: boo
     Ok(effort)
 }
 
-/// The step in a memory of the size of the state.
+/// The step with a memory that fits the state.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
     system: &H,
@@ -92,7 +92,7 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
             (lists.u[degree], lists.by_p[degree]) = (S::from_f64(0.0), S::from_f64(0.0));
         }
         lists.store(q, p, carry)?;
-        // With noise, too: a part of a step that is followed starts where the one before ended.
+        // With noise, too: where a solution is followed over parts of a step, each part starts from the one before.
         memory.record(scheme, degrees);
         (effort, Solution::Newton { may_contract: false })
     } else {
@@ -120,7 +120,7 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
 }
 
 impl<S: Scalar> Scratch<'_, S> {
-    /// `3x_n - 3x_{n-1} + x_{n-2}` of the past, as far as `known`, or zero.
+    /// Extrapolates the unknowns of past steps: `3x_n - 3x_{n-1} + x_{n-2}`, to a lower order if fewer are `known`, zero if none are.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(&mut self, known: u8) {
         let x = &mut *self.lists.x;
@@ -145,7 +145,7 @@ impl<S: Scalar> Scratch<'_, S> {
 }
 
 impl<S: Scalar> Memory<S> {
-    /// Takes the unknowns of a step that succeeded.
+    /// Records the unknowns of a successful step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn record(&mut self, scheme: &Quadrature, degrees: usize) {
         let Lists { x, .. } = self.work.lists(scheme, degrees);
@@ -158,47 +158,47 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-/// What the short way took.
+/// The outcome of the fast iteration.
 struct Solved {
     iterations: u32,
     solution: Solution,
 }
 
-/// Where the short way is.
+/// The state of the fast iteration.
 struct IterationState {
     iterations: u32,
-    /// Past steps that make the start; 0 for zero.
+    /// Number of past steps from which the start is extrapolated; 0 for a start from zero.
     known: u8,
     pinned: Iteration,
-    /// Whether corrections are Newton's, and not those of the fixed point.
+    /// Whether corrections are Newton's rather than those of the fixed point.
     is_newton: bool,
-    /// Whether factors are to be made: in every iteration, or only where old ones contract too slowly.
+    /// Whether the next correction needs new factors.
     is_stale: bool,
-    /// Whether `J` of the first iteration was about the identity.
+    /// Whether `J` was close to the identity in the first iteration.
     may_contract: bool,
-    /// The correction before, relative to the largest unknown.
+    /// The previous correction relative to the largest unknown.
     last: f64,
-    /// Whether that is of unknowns beyond rounding only.
+    /// Whether `last` covers only unknowns whose equations are not at rounding.
     is_beyond: bool,
     variation: f64,
 }
 
-/// A correction that was taken.
+/// An applied correction.
 struct Taken {
     /// Relative to the largest unknown.
     relative: f64,
-    /// What it changed of what the equations are evaluated at, where that is known already: of corrections of the fixed point only.
+    /// The change of the points at which the equations are evaluated, if already known; of fixed-point corrections only.
     change: Option<Change>,
-    /// How much longer the correction of the fixed point would have been.
+    /// Ratio of the fixed-point correction to this one.
     stretch: f64,
-    /// Whether it is that of the Jacobian where it was made.
+    /// Whether it uses the Jacobian at its own iterate.
     is_fresh: bool,
-    /// Whether it comes from factors that were there.
+    /// Whether it uses factors that existed before.
     is_kept: bool,
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// Solves for the unknowns by the short way.
+    /// Solves for the unknowns by the fast iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         let (pinned, known) = (scratch.solver.iteration, scratch.known);
@@ -214,10 +214,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             first = attempt(scratch);
         }
         match first {
-            // A start that misleads is given up for zero, and what was tried for Newton's method from there.
+            // The start may have been misleading: restart from zero, by Newton's method unless another is pinned.
             Err(_) if known > 0 || pinned == Iteration::Automatic => {
                 let solved = self.iterate_again(scratch.lend());
-                // Which of two lists is which was known there.
+                // The lists of a stage may have been exchanged in the lent scratch only.
                 scratch.leave_windows();
                 self.refresh(&mut scratch.lists);
                 solved
@@ -226,14 +226,14 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Whether the equations are linear and none has an unknown of another: one correction leaves nothing but rounding.
+    /// Whether the equations are linear and uncoupled, so that one correction solves them to rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn takes_one_correction(self, scratch: &Scratch<'_, S>) -> bool {
         let is_linear = self.scheme.is_linear && scratch.solver.iteration == Iteration::Automatic;
         is_linear && scratch.inverses().is_some()
     }
 
-    /// That correction, from zero.
+    /// Solves linear uncoupled equations by one correction from zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         self.start(scratch, 0);
@@ -251,7 +251,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// From zero, by Newton's method unless another is pinned.
+    /// Solves from zero, by Newton's method unless another iteration is pinned.
     #[cold]
     #[inline(never)]
     fn iterate_again(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
@@ -265,7 +265,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         Ok(solved)
     }
 
-    /// From the guess of so many steps before; leaves `u` and `P`.
+    /// Solves from the extrapolation of `known` past steps; leaves `u` and `P`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn iterate(
         self,
@@ -320,7 +320,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Takes the correction of the fixed point, or Newton's.
+    /// Applies a correction of the fixed point or of Newton's method.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take(
         self,
@@ -338,7 +338,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
                 Some(linear) => matches!(linear, Linear::Krylov(_)),
                 None => return Err(astray(iteration.iterations, iteration.last)),
             };
-            // Products are those with the Jacobian where it is, whatever factors they go with.
+            // Krylov's method takes products with the current Jacobian, whatever its preconditioner.
             is_fresh = iteration.is_stale || is_krylov;
             is_kept = !iteration.is_stale;
             stretch = self.correct_by_newton(scratch.lend(), iteration.is_stale, iteration.pinned)?;
@@ -352,7 +352,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             swept.relative
         };
         if relative.is_nan() {
-            // A fixed point that diverges overflows in the end.
+            // A diverging fixed point eventually overflows.
             let (iterations, correction) = (iteration.iterations, iteration.last);
             let diverges =
                 iteration.pinned == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&correction);
@@ -362,8 +362,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         Ok(Taken { relative, change, stretch, is_fresh, is_kept })
     }
 
-    /// Makes the correction of the fixed point Newton's, with new factors where the old ones are stale; how much shorter
-    /// it is.
+    /// Turns a fixed-point correction into Newton's, with new factors if the old ones are stale. Returns the ratio of the
+    /// two, fixed point to Newton.
     #[inline(never)]
     fn correct_by_newton(
         self,
@@ -387,7 +387,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         while let Err(StepFailure::NotConverged { iterations, .. }) = products {
             let all = kept.wants_all();
             kept.count(Some(iterations));
-            // Neither the factors of another Jacobian are a guide to this one, nor those that lack too much.
+            // New factors help only if the present ones belong to another Jacobian or were too incomplete.
             if !is_old && all == kept.wants_all() {
                 break;
             }
@@ -398,14 +398,14 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         kept.count(products?);
         let after = largest(kind, lists.correction);
         let [first, second] = [before[0] / after[0], before[1] / after[1]];
-        // That of the kind which it changes more.
+        // The ratio of the kind of unknown that Newton's method changes more.
         Ok(if (first - 1.0).abs() >= (second - 1.0).abs() || second.is_nan() { first } else { second })
     }
 
-    /// Whether no more corrections are needed; else how the next one is to be made.
+    /// Whether the equations are solved; if not, `iteration` says how to make the next correction.
     ///
     /// # Errors
-    /// If the solution is not near.
+    /// If the iterate is not near a solution.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_solved(
         self,
@@ -420,11 +420,11 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         if self.is_resolved(scratch, taken, is_newton, predicts.then_some(ratio)) {
             return Ok(true);
         }
-        // A guess claims to be near the solution.
+        // An extrapolated start should be near the solution.
         let is_misled = is_newton && known > 0 && iterations == 1 && relative >= 1.0;
         let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
         let stagnates = is_slow && ratio > 0.5;
-        // Far from the solution a fixed point that does not contract gives way to Newton's method anyway.
+        // Far from the solution, Newton's method replaces a fixed point that does not contract.
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
         if stagnates && is_final && !is_misled {
@@ -432,30 +432,30 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             if beyond == 0.0 && !varies(scratch, iteration) {
                 return Ok(true);
             }
-            // What is rounding may have been the larger part of the correction before.
+            // Rounding may have dominated the previous correction.
             settles = beyond < 0.5 * if iteration.is_beyond { last } else { last.max(relative) };
             if settles {
                 (iteration.is_beyond, relative) = (true, beyond);
             }
         }
         if is_misled && taken.is_kept {
-            // Factors that served other steps may serve this one from zero.
+            // Try the existing factors again from zero.
             self.start(scratch, 0);
             (iteration.known, iteration.last) = (0, f64::INFINITY);
             return Ok(false);
         }
-        // Fresh factors that do not halve the correction: the solution is not near.
+        // Fresh factors did not halve the correction: the solution is not near.
         if is_misled || (taken.is_fresh && stagnates && !settles) {
             return Err(astray(iterations, relative));
         }
         if is_newton && iterations == 1 && pinned == Iteration::Automatic {
-            // Where `J` is about the identity the fixed point contracts as well.
+            // Where `J` is close to the identity, the fixed point contracts, too.
             iteration.may_contract = (taken.stretch - 1.0).abs() <= 0.5 * CONTRACTS;
         }
         iteration.last = relative;
         let is_worth = stagnates || relative > NEARLY_SOLVED;
         if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
-            // Old factors, or none, do not contract.
+            // The fixed point, or Newton's method with old factors, contracts too slowly.
             iteration.is_stale = !is_newton || !matches!(scratch.solver.linear, Some(Linear::Krylov(_)));
             if !is_newton && stagnates {
                 iteration.is_stale = !self.starts_with_factors(scratch.lend(), pinned);
@@ -467,8 +467,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         Ok(false)
     }
 
-    /// Whether what is left of the correction that was taken is rounding: from the contraction if that is known, or, of the fixed
-    /// point, from what it changed. The same at all sizes, whichever of the two costs less where.
+    /// Whether the remaining error is at rounding: by the contraction if that is known or, for the fixed point, by the change of the
+    /// points of evaluation. The result is the same at all system sizes, whichever test is cheaper.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_resolved(
         self,
@@ -487,8 +487,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     }
 }
 
-/// Whether what is left of each correction, by the contraction of all and of its own unknown, is below the rounding of
-/// the state that it changes.
+/// Whether the remainder of each correction, by the overall contraction and by that of its own unknown, is below the
+/// rounding of the state that it changes.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn resolves<S: Scalar>(unknowns: Unknowns, [q, p]: [&[S]; 2], lists: &Lists<'_, S>, ratio: f64) -> bool {
     let Lists { x, correction, previous, .. } = lists;
@@ -503,7 +503,7 @@ fn resolves<S: Scalar>(unknowns: Unknowns, [q, p]: [&[S]; 2], lists: &Lists<'_, 
     }
 }
 
-/// Whether derivatives that the unknowns carry, which converge after them, still do.
+/// Whether the derivatives that the unknowns carry still converge: they do so after the values.
 fn varies<S: Scalar>(scratch: &Scratch<'_, S>, iteration: &mut IterationState) -> bool {
     let variation = variation(scratch.lists.x, scratch.lists.correction);
     let before = std::mem::replace(&mut iteration.variation, variation);
