@@ -1,9 +1,9 @@
-//! Systems of elements: what `#[hamiltonian]` generates for a phase space whose size it does not know, and the step
-//! that is made of it.
+//! Systems of elements: the code that `#[hamiltonian]` generates for a phase space of unknown dimension, and the step
+//! that uses it.
 //!
-//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, each with the weights of `q_i` and `q_{i+1}` in its
-//! coordinates and the parts of the step Hamiltonian that are evaluated there, and the derivatives of these parts. The
-//! unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the discrete Euler-Lagrange equations
+//! The compiler gives the discrete Lagrangian as a table of [`Stage`]s, and the derivatives of the parts of the step
+//! Hamiltonian. Each stage has the weights of `q_i` and `q_{i+1}` in its coordinates and the parts that are evaluated there.
+//! The unknowns are the increments `u = q_{i+1} - q_i` and `v = P - p_i` of the discrete Euler-Lagrange equations
 //!
 //! ```text
 //! L_d = P · u - Σ_s F_s(P, Q_s, T_s),  Q_s = q_i + c_s u,  T_s = t_i + c_s h,  P = p_i + v
@@ -12,17 +12,17 @@
 //! p_{i+1} = D_2 L_d:  p_{i+1} - p_i = v - Σ_s end_s ∂F_s/∂q
 //! ```
 //!
-//! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better, which for steps that are not
-//! stiff is several times cheaper than Newton's method, and otherwise by Newton's method with the factors of an earlier
-//! iteration, or step, as long as they contract as well. Either way it ends when each correction is at the rounding
-//! of its unknown, or changes nothing but the rounding of what the equations are evaluated at, or each equation is at the rounding of
-//! its own terms, so that the choice changes the cost and no digit that counts. Where neither converges the stepper solves the step with care.
+//! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better. For steps that are not stiff this
+//! is several times cheaper than Newton's method. Otherwise the step uses Newton's method with the factors of an earlier
+//! iteration or step, as long as they contract as well. Both end when each correction is at the rounding of its unknown,
+//! or changes the points of evaluation by no more than their rounding, or each equation is at the rounding of its own
+//! terms: the choice affects the cost, but no significant digit. If neither converges, the stepper takes a careful step.
 //!
-//! The linear equations of Newton's method are solved in the band that a renumbering of the unknowns leaves where that is
-//! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), else by GMRES from
-//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Their preconditioner are factors
-//! of the Jacobian of an earlier step: first those at its own places, and where these take too many products all of them, in the order of a
-//! nested dissection, so that one product does at any stiffness.
+//! The linear equations of Newton's method are solved by elimination in a band, after a renumbering of the unknowns, if the band is
+//! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), otherwise by GMRES with
+//! products with the Jacobian, which is not stored ([`Method::Krylov`]: lattices, random graphs, all pairs). Its preconditioner is a
+//! factorisation of the Jacobian of an earlier step: first an incomplete one, with the pattern of the Jacobian; if that takes too many
+//! products, a complete one in the order of a nested dissection, with which one product is enough at any stiffness.
 
 mod bath;
 mod beside;
@@ -80,7 +80,7 @@ use crate::scheme::system::no_nan;
 /// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
 pub const CONTRACTS: f64 = 0.2;
 
-/// By what slopes are wanted: what an element does not read costs nothing.
+/// The slopes that are wanted. A variable that an element does not read costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slopes {
     /// By coordinates.
@@ -98,7 +98,7 @@ impl Slopes {
     pub const BY_MOMENTA: Self = Self { by_q: false, by_p: true };
 }
 
-/// Where elements are evaluated, and by what they are weighted.
+/// The point at which elements are evaluated, and their weights.
 #[derive(Clone, Debug)]
 pub struct Point<'a, S, V: ?Sized = [S]> {
     /// Coordinates.
@@ -111,9 +111,9 @@ pub struct Point<'a, S, V: ?Sized = [S]> {
     pub h: f64,
     /// The increments of the noises that act.
     pub dw: &'a [S],
-    /// The numbers of the noises that act: all in a step, one where it is asked for.
+    /// The numbers of the noises that act: all in a step, one for a single noise Hamiltonian.
     pub acting: Range<usize>,
-    /// `e^{γ (t - t_i)}` with the rate `γ` of friction that steps take in: momenta are so many times those of the state.
+    /// `e^{γ (t - t_i)}`, the ratio of these momenta to those of the state, with the rate `γ` of the friction that steps include.
     pub scale: f64,
 }
 
@@ -131,7 +131,7 @@ impl<S: Copy, V: Given<S> + ?Sized> Point<'_, S, V> {
     }
 }
 
-/// Second derivatives of a sum of elements, entry by entry. Pairs of different variables come once.
+/// Second derivatives of a sum of elements, entry by entry. Each pair of different variables comes once.
 pub trait Curvature<S> {
     /// `∂²/∂q_i ∂q_j`
     fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
@@ -145,11 +145,11 @@ pub trait Curvature<S> {
     fn add_force_by_p(&mut self, i: usize, j: usize, value: S);
 }
 
-/// A system whose Hamiltonians are sums of elements: what is generated of it. It is a [`Hamiltonian`](crate::scheme::system::Hamiltonian) by that.
+/// The generated code of a system whose Hamiltonians are sums of elements. Such a system is a [`Hamiltonian`](crate::scheme::system::Hamiltonian).
 ///
-/// Elements with one rule for their increments are a *part*: the drift (part 0), the noises (part 1), what a scheme adds to
-/// them (part 2), the force beside the drift (part 3), which has the slopes `-f` by coordinates and no value, and at last, for values only, the first integrals, from part [`Facts::integrals`] on. A part is weighted by
-/// `weight` and by its increments.
+/// Elements with the same rule for their increments form a *part*: the drift (part 0), the noises (part 1), the terms that a scheme adds
+/// to them (part 2), the force beside the drift (part 3; slopes `-f` by coordinates, no value) and, for values only, the first integrals,
+/// from part [`Facts::integrals`] on. A part is weighted by `weight` and by its increments.
 pub trait Elements: Sized {
     /// As `Hamiltonian::Vector`.
     type Vector: Vector;
@@ -157,14 +157,14 @@ pub trait Elements: Sized {
     /// What the compiler derived about the system.
     const FACTS: Facts;
 
-    /// What steps of `Verlet` take advantage of.
+    /// The structure that steps of `Verlet` exploit.
     type Structure: Structure<Verlet>;
 
-    /// What the elements read and the compiler has not shown to be there.
+    /// Reads of the elements that the compiler has not proven to be in range.
     #[doc(hidden)]
     const PLACES: places::Places = places::Places { components: 1, tables: &[], nests: &[] };
 
-    /// A part of the list `table` of [`Elements::PLACES`], or of the list inside of it at the indices `outer`.
+    /// A range of the list `table` of [`Elements::PLACES`], or of the list nested in it at the indices `outer`.
     #[doc(hidden)]
     fn entries(&self, table: usize, outer: &[usize], range: Range<usize>) -> places::Entries {
         let _ = (table, outer, range);
@@ -210,15 +210,15 @@ pub trait Elements: Sized {
         None
     }
 
-    /// The weighted value of a part; 0 for one that does not exist. All slices have the degrees of freedom that were
-    /// checked.
+    /// The weighted value of a part; 0 if the part does not exist. All slices have the checked number of degrees of
+    /// freedom.
     fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S;
 
-    /// What slopes are computed with where numbers are kept as `f64`: functions have the same bits on every machine, and in
+    /// The number type of slopes where numbers are stored as `f64`: functions have the same bits on every machine and in
     /// lanes.
     type Exact: Number<f64>;
 
-    /// The same in a loop over neighbours that becomes vector code: NaN where that cannot have the result of [`Elements::Exact`].
+    /// The number type of slopes in vectorised loops: NaN where vector code cannot give the result of [`Elements::Exact`].
     type Usual: Number<f64>;
 
     /// Adds the weighted slopes of a part to `by_q` and `by_p`, computed in numbers `T`.
@@ -232,7 +232,7 @@ pub trait Elements: Sized {
         by_p: &mut (impl Sums<S> + ?Sized),
     );
 
-    /// Adds the weighted second derivatives of a part, of which there are those that steps ask for. All noises act.
+    /// Adds the weighted second derivatives of a part. Only those that steps need are generated. All noises act.
     fn curvature<S: Scalar>(
         &self,
         part: usize,
@@ -269,7 +269,7 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
     slopes_as::<H, S, S::OfElements<H::Exact>>(system, part, weight, at, wanted, by_q, by_p);
 }
 
-/// The same, computed in numbers `T`, unless rows of pairs are: these take the exact ones.
+/// The same in numbers `T`; rows of pairs in vector instructions use the exact numbers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     system: &H,
@@ -291,8 +291,7 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     }
 }
 
-/// The slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, as far as they are wanted; `t` is the same in all lanes, or is
-/// not read.
+/// The wanted slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is not read.
 #[expect(clippy::too_many_arguments, reason = "as `gauss::Field::step_slopes`")]
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
@@ -329,7 +328,7 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     }
 }
 
-/// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by coordinates, which are `state`, or by momenta, which are it.
+/// Adds the slopes of a step Hamiltonian `T(p) + V(q)` by `state`, the coordinates or the momenta.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn add_slopes<H: Elements, S: Scalar>(
     system: &H,
@@ -339,7 +338,7 @@ pub(crate) fn add_slopes<H: Elements, S: Scalar>(
     into: &mut [S],
 ) {
     let (at, none) = (flow.at(state), &mut [][..]);
-    // One call for all, which is inlined.
+    // A single call, so that it is inlined.
     for (part, is_there) in flow.parts::<H>() {
         match wanted.by_q {
             _ if !is_there => {}
@@ -356,7 +355,7 @@ impl<'a, S: Copy> Flow<'a, S> {
         [(DRIFT, true), (FORCE, H::FACTS.kind.is_forced), (NOISE, !self.dw.is_empty())]
     }
 
-    /// Where elements of one half of the phase space are evaluated, which read nothing of the other.
+    /// The point of evaluation of elements that read only one half of the phase space.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<V: ?Sized>(&self, state: &'a V) -> Point<'a, S, V> {
         let Self { t, h, dw } = *self;
@@ -364,7 +363,7 @@ impl<'a, S: Copy> Flow<'a, S> {
     }
 }
 
-/// The same to any sums.
+/// [`add_slopes`] for any sums.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn add_flow<H, S, T, V, A>(system: &H, flow: Flow<'_, S>, state: &V, wanted: Slopes, into: &mut A)
 where
@@ -375,7 +374,7 @@ where
     A: Sums<S> + ?Sized,
 {
     let at = flow.at(state);
-    // One call for all, which is inlined.
+    // A single call, so that it is inlined.
     for (part, is_there) in flow.parts::<H>() {
         let none = &mut [][..];
         if !is_there {
@@ -394,17 +393,17 @@ pub(crate) fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &
     system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 })
 }
 
-/// Whether scratch for `ready` degrees of freedom is for a state of `got`, which the system was checked for then.
+/// Whether scratch for `ready` degrees of freedom fits a state of `got`; the system was checked when the scratch was made.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {
     let known = system.degrees();
     ready == got && got != 0 && (known == 0 || known == got)
 }
 
-/// Coordinates, which fit the system, and momenta, as long as what is known of it says: loops over both check nothing.
+/// Coordinates, which must fit the system, and momenta, cut to its size so that loops over both need no bounds checks.
 ///
 /// # Errors
-/// [`StepFailure::Dimension`] if there are not as many momenta.
+/// [`StepFailure::Dimension`] if the number of momenta differs.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn sized_mut<'a, H: Elements, S>(
     system: &H,
@@ -423,7 +422,7 @@ fn sized_mut<'a, H: Elements, S>(
 /// The increments of a step, one for each noise.
 ///
 /// # Errors
-/// [`StepFailure::Increments`] if there are not as many.
+/// [`StepFailure::Increments`] if their number differs.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], StepFailure> {
     let expected = system.noises();
@@ -445,10 +444,10 @@ pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
     places::check(system, got)
 }
 
-/// The check that the making of a stepper does.
+/// Checks the system of a new stepper.
 ///
 /// # Errors
-/// [`ConfigError::Parameter`] if a parameter is no number, [`ConfigError::Index`] if an index is out of range.
+/// [`ConfigError::Parameter`] if a parameter is NaN, [`ConfigError::Index`] if an index is out of range.
 pub(crate) fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
     no_nan(system)?;
     match system.degrees() {

@@ -1,4 +1,4 @@
-//! What any sum of elements is as a Hamiltonian: values and slopes of one term, by those of the part that it belongs to.
+//! Sums of elements as a Hamiltonian: values and slopes of one term from those of the part that it belongs to.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ pub(super) fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {
     q.len() == p.len() && check(system, q.len()).is_ok()
 }
 
-/// The part that Hamiltonian `term` belongs to, and the noises of it that act.
+/// The part that Hamiltonian `term` belongs to, and its acting noises.
 fn part_of(term: usize) -> (usize, Range<usize>) {
     match term.checked_sub(1) {
         None => (DRIFT, 0..0),
@@ -29,7 +29,7 @@ fn part_of(term: usize) -> (usize, Range<usize>) {
     }
 }
 
-/// What every system of elements is to people, and to schemes that ask for no more. States that do not fit give NaN.
+/// For users and for schemes that need no more than a Hamiltonian. States that do not fit give NaN.
 impl<H: Elements> Hamiltonian for H {
     type Vector = <H as Elements>::Vector;
     const KIND: Kind = H::FACTS.kind;

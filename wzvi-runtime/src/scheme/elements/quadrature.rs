@@ -1,9 +1,9 @@
-//! What the compiler derived of one scheme.
+//! The quadrature of a scheme, as the compiler derived it.
 
 use super::hamiltonian::DRIFT;
 use crate::scheme::plan::{Facts, KeptEnergy, Plan, Solver};
 
-/// Which unknowns are iterated on.
+/// The unknowns of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknowns {
     /// None: `v` and then `u` are assigned. No element reads both halves of the phase space, and those that read
@@ -16,7 +16,7 @@ pub enum Unknowns {
 }
 
 impl Unknowns {
-    /// How many there are.
+    /// Number of unknowns.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) const fn count(self, degrees: usize) -> usize {
         match self {
@@ -26,7 +26,7 @@ impl Unknowns {
         }
     }
 
-    /// Numbers of `∂u/∂v`, which is diagonal where `u` follows from `v`.
+    /// Number of entries of `∂u/∂v`, which is diagonal where `u` follows from `v`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn diagonals(self, degrees: usize) -> usize {
         match self {
@@ -45,7 +45,7 @@ pub struct Stage {
     pub start: f64,
     /// `∂Q/∂q_{i+1}`, the weight of the slopes in `D_2 L_d`.
     pub end: f64,
-    /// The parts that add up here, by number, with their weights.
+    /// The parts that are evaluated here, by number, with their weights.
     pub parts: &'static [(usize, f64)],
 }
 
@@ -59,34 +59,34 @@ impl Stage {
 /// How `p_{i+1} - p_i` follows from the solved unknowns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MomentumUpdate {
-    /// So many times `v`: where `D_2 L_d - P` is a multiple of `D_1 L_d + P`, no slopes are evaluated again.
+    /// A multiple of `v`: if `D_2 L_d - P` is a multiple of `D_1 L_d + P`, no slopes are evaluated again.
     Multiple(f64),
     /// `v` and the slopes of `D_2 L_d`.
     Slopes,
 }
 
-/// What the compiler derived of one scheme.
+/// The quadrature of a scheme, as the compiler derived it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadrature {
     /// The quadrature points of the discrete Lagrangian, at least one.
     pub stages: &'static [Stage],
     /// How the new momentum follows.
     pub update: MomentumUpdate,
-    /// What is iterated on.
+    /// The unknowns of the iteration.
     pub unknowns: Unknowns,
-    /// Whether past steps start the iteration: not where increments decide.
+    /// Whether the iteration starts from past steps: not if noise increments determine the unknowns.
     pub remembers: bool,
-    /// Whether the Jacobian reads the step size and parameters only.
+    /// Whether the Jacobian depends on the step size and parameters only.
     pub is_linear: bool,
 }
 
 impl Quadrature {
-    /// Of steps that are solved in straight lines: of momenta between two ends, if anything is.
+    /// For steps in straight-line code: only the momentum between two states, if anything, is solved with it.
     pub const fn new(stages: &'static [Stage], update: MomentumUpdate) -> Self {
         Self { stages, update, unknowns: Unknowns::Momenta, remembers: false, is_linear: false }
     }
 
-    /// How many times `v` the change of the momenta is, if it is: infinitely many where `D_1 L_d` reads no slopes, and `v` is zero.
+    /// The ratio of the change of the momenta to `v`, if it is constant; infinite if `D_1 L_d` has no slopes, so that `v` is zero.
     #[doc(hidden)]
     pub const fn factor(&self) -> Option<f64> {
         if let MomentumUpdate::Multiple(factor) = self.update {
@@ -102,7 +102,7 @@ impl Quadrature {
         Some(f64::INFINITY)
     }
 
-    /// The energy that steps of this order keep of a linear system, by where the drift is evaluated.
+    /// The energy of a linear system that steps of this order conserve, by where the drift is evaluated.
     pub(crate) const fn kept_energy(&self, order: u32) -> KeptEnergy {
         let (mut stages, mut point, mut count) = (self.stages, 0.5, 0);
         while let [stage, rest @ ..] = stages {
