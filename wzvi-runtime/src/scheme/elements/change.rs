@@ -1,18 +1,18 @@
-//! What a correction of the fixed point changes of the numbers that the equations are evaluated at, against the rounding of
-//! these numbers.
+//! The change that a fixed-point correction makes to the points at which the equations are evaluated, compared with the rounding of
+//! these points.
 //!
-//! After `x' = φ(x)` the equations leave the residual `x' - φ(x') = φ(x) - φ(x')`. The map `φ` reads its unknowns through
-//! `Q_s = q_i + c_s u` and `P = p_i + v` only, of which running error analysis ([`Rounded`](crate::algebra::scalar::Rounded)) knows the
-//! roundings `ε (|Q| + 2 |c u|)` and `ε (|P| + |v|)`, at least. Where the correction changes each by a quarter of that,
+//! After `x' = φ(x)` the residual is `x' - φ(x') = φ(x) - φ(x')`. The map `φ` depends on its unknowns only through
+//! `Q_s = q_i + c_s u` and `P = p_i + v`. Running error analysis ([`Rounded`](crate::algebra::scalar::Rounded)) gives these roundings of
+//! at least `ε (|Q| + 2 |c u|)` and `ε (|P| + |v|)`. If the correction changes each by at most a quarter of that,
 //!
 //! ```text
 //! |c Δu| ≤ ε (|Q| + 2 |c u|) / 4,   |Δv| ≤ ε (|P| + |v|) / 4,
 //! ```
 //!
-//! it moves the numbers that `φ` is evaluated at, which are rounded, by no more than their rounding (by one unit in the last place, or
-//! where `c u` is larger than `Q / 2` by `ε (5 |Q| / 4 + |c u| / 2)`), and the residual is below the rounding of its own terms by the same analysis, to
-//! first order, without a pass that follows the rounding of every term. Each number is compared with its own rounding, so that no
-//! unit and no other site counts.
+//! it moves the rounded arguments of `φ` by no more than their rounding (by one unit in the last place, or by
+//! `ε (5 |Q| / 4 + |c u| / 2)` if `c u` is larger than `Q / 2`). To first order the residual is then below the rounding of its own terms
+//! by the same analysis, and no pass has to follow the rounding of every term. Each number is compared with its own rounding, so that the
+//! result does not depend on units or on other sites.
 
 use std::ops::Range;
 
@@ -22,23 +22,23 @@ use super::step::Step;
 use super::{Elements, Stage, Unknowns};
 use crate::algebra::scalar::Scalar;
 
-/// The part of a rounding that a change may be. A fixed point contracts at least by [`CONTRACTS`](super::CONTRACTS), so that a
-/// twentieth is left.
+/// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by [`CONTRACTS`](super::CONTRACTS), so
+/// that a twentieth is left.
 const UNSEEN: f64 = 0.25;
 
-/// What a correction changed: the more, the larger.
+/// The size of a change, in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Change {
     /// No more than [`UNSEEN`] of a rounding.
     Unseen,
     /// More than that.
     Seen,
-    /// To what is not finite.
+    /// A change to a number that is not finite.
     Unknown,
 }
 
-/// By how much the changes are above [`UNSEEN`] of a rounding, at most, in lanes, so that none waits for the one before. A largest
-/// number is one instruction where a choice by a comparison may become several of each lane.
+/// The largest excess of the changes over [`UNSEEN`] of a rounding, in independent lanes. A maximum is one instruction, where a choice by
+/// comparison may take several for each lane.
 #[derive(Clone, Copy)]
 pub(super) struct Seen<const L: usize> {
     above: [f64; L],
@@ -54,7 +54,7 @@ impl<const L: usize> Seen<L> {
     /// Changes of numbers whose rounding is `ε rounded`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
-        // The difference of two numbers has the sign that it has without rounding.
+        // Rounding does not change the sign of a difference.
         let mut excess = change;
         for i in 0..N {
             excess[i] -= UNSEEN * f64::EPSILON * rounded[i];
@@ -81,16 +81,16 @@ impl<const L: usize> Seen<L> {
     }
 }
 
-/// Unknowns that are looked at before it is asked whether one of them was changed.
+/// Number of unknowns between two tests for a change.
 const AT_ONCE: usize = 4;
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Whether the last correction of the fixed point changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]; not known of
-    /// numbers of several parts.
+    /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]; `false` for numbers
+    /// of several parts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> bool {
         let mut spans = (0..self.degrees()).step_by(AT_ONCE);
-        // One of them tells mostly.
+        // The first one mostly decides.
         let first = 0..self.degrees().min(1);
         size_of::<S>() == size_of::<f64>()
             && self.change::<1>(lists, first) == Change::Unseen
@@ -114,7 +114,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             in_blocks::<L>(places.len(), &mut Moved { q, u, before, point, seen: &mut seen });
         }
         if self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
-            // Elements at the node may read momenta.
+            // Elements at the node may depend on momenta.
             let (x, correction) = (&x[places.clone()], &correction[places.clone()]);
             let momentum = &momentum[places.clone()];
             in_blocks::<L>(places.len(), &mut Kicked { x, correction, momentum, seen: &mut seen });
@@ -285,8 +285,8 @@ mod tests {
         }
     }
 
-    /// Chains of random masses, springs and states, each site of a scale of its own: the fixed point goes on until nothing is changed any
-    /// more, by this bound. By running error analysis, which follows the rounding of every term, each equation is at rounding there.
+    /// Chains with random masses, springs and states, each site with its own scale. The fixed point iterates until the change is negligible
+    /// by this bound. Running error analysis, which follows the rounding of every term, then finds each equation at rounding.
     #[test]
     fn equations_are_at_their_rounding_where_nothing_changes() {
         let mut seed = 5;

@@ -9,7 +9,7 @@ use crate::algebra::solve::larger;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
 
-/// What the discrete Lagrangian is evaluated at: a segment whose sizes were checked, and increments.
+/// The arguments of the discrete Lagrangian: a segment of checked size, and the noise increments.
 struct Evaluated<'a, V> {
     segment: &'a Segment<V>,
     dw: &'a [f64],
@@ -96,7 +96,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     gradient
 }
 
-/// `P` of the step between two states: what is solved for it is compiled where the ends do not say it.
+/// `P` of the step between two states. The solver is compiled only where the momenta of the two states do not determine `P`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step_momentum<H: Elements>(
     system: &H,
@@ -111,7 +111,7 @@ pub(crate) fn step_momentum<H: Elements>(
     }
 }
 
-/// The change of the momenta is `factor` times `v = P - p_i`. NaN if sizes do not fit.
+/// `P` if the change of the momenta is `factor` times `v = P - p_i`. NaN if sizes do not fit.
 fn momentum_between<H: Hamiltonian>(
     system: &H,
     factor: f64,
@@ -125,13 +125,13 @@ fn momentum_between<H: Hamiltonian>(
         momentum.components_mut().fill(f64::NAN);
     }
     for (p, end) in momentum.components_mut().iter_mut().zip(end) {
-        // What friction took off is put back.
+        // Undoes the friction.
         *p += ((end - *p) - decay * *p) / (1.0 + decay) / factor;
     }
     momentum
 }
 
-/// The same from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`, NaN where no solution of that leads to `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`.
+/// `P` from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`; NaN if no solution satisfies `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`.
 fn momentum_solved<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -148,8 +148,8 @@ fn momentum_solved<H: Elements>(
     momentum
 }
 
-/// `v = P - p_i`, if it is known. The equation may have several solutions: the one from zero is nearly always that of the step. Where it is not, it is solved
-/// from `P = p_{i+1}`, and then from the `P` of the step, solved for both of its unknowns as it was when it was taken.
+/// `v = P - p_i`, if it is found. The equation may have several solutions: the one from the start at zero is nearly always that of the
+/// step. If it is not, the equation is solved from `P = p_{i+1}`, and then from the `P` of the step, recomputed with both unknowns.
 fn momentum_increment<H: Elements>(
     system: &H,
     scheme: &Quadrature,
@@ -185,7 +185,7 @@ fn momentum_increment<H: Elements>(
 }
 
 impl<H: Elements> Step<'_, H, f64> {
-    /// `v` of the step itself, solved from zero.
+    /// `v` of the step itself, solved for `u` and `v` from zero.
     fn momenta(self) -> Option<Vec<f64>> {
         let (mut memory, scheme) =
             (Memory::default(), &Quadrature { unknowns: Unknowns::Both, ..*self.scheme });
@@ -196,12 +196,13 @@ impl<H: Elements> Step<'_, H, f64> {
     }
 }
 
-/// Passes that bound the error of a momentum: each adds a term of the geometric series in `M = Σ a_s |F_qp|`. Where so many terms do not shrink, nothing is known of it.
+/// Passes that bound the error of a momentum: each adds a term of the geometric series in `M = Σ a_s |F_qp|`. If the terms have not shrunk
+/// after that many, there is no bound.
 const PASSES: u32 = 8;
-/// A series whose terms halve is worth no other pass: all that it leaves is no more than its last term.
+/// Ratio of successive terms at which the passes end: the rest of the series is then at most its last term.
 const HALVES: f64 = 0.5;
 
-/// Both ends of a step, standing for all states that round to them.
+/// Both ends of a step, as intervals of all states that round to them.
 struct Ends<'a, H> {
     step: Step<'a, H, f64>,
     q: Vec<Rounded>,
@@ -221,10 +222,11 @@ impl<'a, H: Elements> Ends<'a, H> {
         Self { step: *step, q, u, p, end_p, dw: lift(step.dw, Rounded::exact) }
     }
 
-    /// Whether `P = p_i + v` solves the equations of both momenta, as far as the rounding of the ends and of each term tells.
+    /// Whether `P = p_i + v` solves the equations of both momenta within the rounding of the ends and of each term.
     ///
-    /// With `d` what `P = p_i - Σ a_s F_q` misses and rounds to, the error of `P` is at most `e = d + M e`, the sum of `δ_0 = d`, `δ_k = M δ_{k-1}`. As `M` has no negative
-    /// entry, `δ_k <= θ δ_{k-1}` in each component implies the same for all terms that follow, which then add up to `θ/(1 - θ) δ_k` at most.
+    /// Let `d` be the residual and the rounding of `P = p_i - Σ a_s F_q`. The error of `P` is at most `e = d + M e`, the sum of `δ_0 = d`,
+    /// `δ_k = M δ_{k-1}`. As `M` has no negative entry, `δ_k <= θ δ_{k-1}` in each component implies the same for all later terms, which then
+    /// sum to at most `θ/(1 - θ) δ_k`.
     fn are_joined_by(&self, v: &[f64]) -> bool {
         let mut momentum: Vec<Rounded> =
             self.step.p.iter().zip(v).map(|(p, v)| Rounded { value: p + v, error: 0.0 }).collect();

@@ -3,7 +3,7 @@
 use super::Unknowns;
 use crate::algebra::scalar::{Mask, Scalar};
 
-/// `x -= correction`, and the largest correction against the largest unknown of its kind; NaN if any part is.
+/// `x -= correction`; returns the largest correction relative to the largest unknown of its kind, NaN if a correction is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> f64 {
     let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
@@ -13,11 +13,11 @@ pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S])
         let (old, c) = (*x, *c);
         let new = std::array::from_fn(|lane| old[lane] - c[lane]);
         *x = new;
-        // What is not finite here comes from the correction, or shows in the new state.
+        // A number that is not finite comes from the correction, or is found in the new state.
         size.take_finite(&new);
         change.take(&c);
     }
-    // Pairs stay pairs: of both kinds there is an even number.
+    // With both kinds of unknowns the rest is even, so that pairs stay together.
     let (pairs, single) = rest.as_chunks_mut::<2>();
     let (other, last) = other.as_chunks::<2>();
     for (x, c) in pairs.iter_mut().zip(other) {
@@ -40,7 +40,7 @@ fn relate<S: Scalar>(x: &[S], correction: &[S], sizes: [f64; 2], changes: [f64; 
     }
     let mut relative = changes[0].relative_to(sizes[0]).max(changes[1].relative_to(sizes[1]));
     if size_of::<S>() != size_of::<f64>() {
-        // Numbers that carry derivatives or lanes converge in every part.
+        // Numbers that carry derivatives or lanes must converge in every part.
         for (k, (&x, &c)) in x.iter().zip(correction).enumerate() {
             if c.magnitude() != 0.0 || !(c.relative_to(x) == 0.0) {
                 let part = c.relative_to(x.abs() + sizes[k % 2]);
@@ -51,16 +51,16 @@ fn relate<S: Scalar>(x: &[S], correction: &[S], sizes: [f64; 2], changes: [f64; 
     relative
 }
 
-/// Work on entries of lists, `N` of them beside each other.
+/// Work on `N` adjacent entries of lists.
 ///
-/// It reads all that it needs, then does one operation on all entries after the other, and stores last: so the compiler keeps lists of
-/// entries in vector registers, where it would take several operations of an entry apart.
+/// It first reads all its input, then applies each operation to all entries, and stores last, so that the compiler keeps the entries in
+/// vector registers. Several operations on one entry after the other would be split into scalars.
 pub(super) trait Block {
-    /// The work on those from `first` on.
+    /// The work on the entries from `first` on.
     fn take<const N: usize>(&mut self, first: usize);
 }
 
-/// Does the work on all of `length` entries: on `L` at a time, and one by one on what is left.
+/// Does the work on all `length` entries: `L` at a time, and the rest one by one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
     for number in 0..length / L {
@@ -71,7 +71,7 @@ pub(super) fn in_blocks<const L: usize>(length: usize, block: &mut impl Block) {
     }
 }
 
-/// Entries of a list beside each other.
+/// Reads adjacent entries of a list.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn load<S: Copy, const N: usize>(list: &[S], first: usize) -> [S; N] {
     let list = &list[first..first + N];
@@ -80,7 +80,7 @@ pub(super) fn load<S: Copy, const N: usize>(list: &[S], first: usize) -> [S; N] 
     entries
 }
 
-/// Writes entries of a list beside each other.
+/// Writes adjacent entries of a list.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn store<S: Copy, const N: usize>(list: &mut [S], first: usize, entries: [S; N]) {
     list[first..first + N].copy_from_slice(&entries);
@@ -92,19 +92,19 @@ pub(super) fn widened<const N: usize, const L: usize>(numbers: [f64; N]) -> [f64
     std::array::from_fn(|i| if i < N { numbers[i] } else { 0.0 })
 }
 
-/// Zero for a finite magnitude. Bits, as the compiler would else do these sums and others beside them in turns, and part the lanes of both.
+/// Zero for a finite magnitude. As bits, because the compiler would otherwise interleave these sums with others and split the lanes of both.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn poisoned(magnitude: f64) -> u64 {
     (magnitude * 0.0).to_bits()
 }
 
-/// Numbers that are looked at side by side: few enough for the registers of x86-64.
+/// Number of lanes, few enough for the registers of x86-64.
 const LANES: usize = 4;
 
-/// The largest magnitude, in lanes, so that the search does not wait for itself.
+/// The largest magnitude, in independent lanes.
 pub(super) struct Largest<const L: usize> {
     most: [f64; L],
-    /// Of numbers that are not finite, which a maximum may swallow.
+    /// Non-zero after a number that is not finite, which a maximum may lose.
     poison: [u64; L],
 }
 
@@ -126,7 +126,7 @@ impl<const L: usize> Largest<L> {
         self.poison = poison;
     }
 
-    /// The same of numbers that need no check.
+    /// [`Largest::take`] without the check for finite numbers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn take_finite<S: Scalar, const N: usize>(&mut self, numbers: &[S; N]) {
         let (sizes, mut most): ([f64; L], _) = (widened(numbers.map(S::magnitude)), self.most);
@@ -142,7 +142,8 @@ impl<const L: usize> Largest<L> {
         self.by_kind(Unknowns::Momenta)[0]
     }
 
-    /// Of coordinates and of momenta, which have units of their own, where a list has both in turn; else twice the same. NaN if any was NaN or infinite.
+    /// The maxima over coordinates and over momenta, which have different units, if the list alternates between them; otherwise twice the
+    /// overall maximum. NaN if any number was NaN or infinite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_kind(self, kind: Unknowns) -> [f64; 2] {
         let larger = |a: f64, b: f64| if a > b { a } else { b };
@@ -167,7 +168,7 @@ pub(super) fn largest<S: Scalar>(kind: Unknowns, x: &[S]) -> [f64; 2] {
     largest.by_kind(kind)
 }
 
-/// Whether numbers have several parts, which are beside each other already: their arrays would be copied in memory.
+/// Whether numbers have several parts, which already are adjacent: arrays of such numbers would be copied in memory.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn has_parts<S>() -> bool {
     size_of::<S>() != size_of::<f64>()
@@ -213,14 +214,14 @@ pub(crate) fn are_finite<S: Scalar>(numbers: &[S]) -> bool {
     are_zero(zeros, rest)
 }
 
-/// Whether sums of products with zero are zero, and the rest finite: what is not finite times zero is NaN.
+/// Whether the sums of products with zero are zero and the rest is finite: infinity or NaN times zero is NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn are_zero<S: Scalar>([a, b, c, d]: [S; LANES], rest: &[S]) -> bool {
     let zero = rest.iter().fold((a + b) + (c + d), |zero, &number| zero + number * 0.0);
     zero.is_finite().all()
 }
 
-/// Unknowns, their corrections, the corrections before, and what the unknowns are increments of.
+/// Unknowns, their corrections, and the previous corrections.
 pub(super) struct Corrected<'a, S, const N: usize> {
     pub(super) x: &'a [[S; N]],
     pub(super) correction: &'a [[S; N]],
@@ -228,7 +229,7 @@ pub(super) struct Corrected<'a, S, const N: usize> {
 }
 
 impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
-    /// In groups of `N`, and the rest of them.
+    /// Groups of `N` entries, and the rest of the lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of(x: &'a [S], correction: &'a [S], previous: &'a [S]) -> (Self, [&'a [S]; 3]) {
         let ((x, a), (correction, b), (previous, c)) =
@@ -236,8 +237,8 @@ impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
         (Self { x, correction, previous }, [a, b, c])
     }
 
-    /// Whether what is left of each correction is below the rounding of what it changes, if the next is smaller by the
-    /// factor `ratio`, or by the one that its own unknown has, whichever is larger.
+    /// Whether the remainder of each correction is below the rounding of the state, if the next correction is smaller by
+    /// the factor `ratio` or by that of its own unknown, whichever is larger.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn are_small(&self, state: impl Iterator<Item = [S; N]>, ratio: f64) -> bool {
         let mut excess = [f64::NEG_INFINITY; N];

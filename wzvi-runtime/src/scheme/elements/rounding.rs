@@ -1,7 +1,7 @@
-//! The residual of a step on numbers that know their rounding: whether what is left of an equation is more than that.
+//! The residual of a step in numbers that track their rounding error: whether a residual exceeds its rounding.
 //!
-//! Judged for each unknown by the terms of its own equation, so that no site counts for another. It takes a pass that costs
-//! several times as much as one of the iteration, and is done only where that does not get any further.
+//! Each unknown is judged by the terms of its own equation, independently of other sites. The pass costs several times as much
+//! as an iteration, and is made only when the iteration makes no further progress.
 
 use super::Elements;
 use super::memory::{Lists, Work};
@@ -10,7 +10,7 @@ use super::step::Step;
 use crate::algebra::scalar::{Rounded, Scalar};
 use crate::algebra::solve::larger;
 
-/// The state and the scratch of the step; allocated when it is needed for the first time.
+/// The state and the scratch of the step; allocated at the first use.
 #[derive(Debug, Default)]
 pub(super) struct Rounding {
     q: Vec<Rounded>,
@@ -26,7 +26,7 @@ fn lift<S: Scalar>(from: &[S], into: &mut Vec<Rounded>, as_what: fn(f64) -> Roun
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// The equations at all numbers that round to `x`.
+    /// The residuals at all numbers that round to `x`, with error bounds.
     #[cold]
     #[inline(never)]
     pub(super) fn round<'r>(self, x: &[S], rounding: &'r mut Option<Box<Rounding>>) -> &'r [Rounded] {
@@ -50,8 +50,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         lists.correction
     }
 
-    /// The largest correction, relative to the largest unknown of its kind, of those unknowns whose equations are not at rounding after
-    /// it; 0 if all are. An equation that had none and is on another side of a condition now counts by what it leaves.
+    /// The largest correction, relative to the largest unknown of its kind, of the unknowns whose equations are still not at rounding; 0 if
+    /// all are. An equation that had no correction but has crossed a condition counts with its residual.
     #[cold]
     #[inline(never)]
     pub(super) fn beyond_rounding(self, lists: Lists<'_, S>, rounding: &mut Option<Box<Rounding>>) -> f64 {
