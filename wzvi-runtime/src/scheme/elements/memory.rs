@@ -1,4 +1,4 @@
-//! What a stepper of a system of elements allocates, once.
+//! The memory of a stepper of a system of elements, allocated once.
 
 use super::blocks::Blocks;
 use super::kept::Kept;
@@ -18,18 +18,18 @@ use crate::ground::numbers::{Numbers, Tape};
 #[derive(Default)]
 pub struct Memory<S> {
     pub(super) degrees: usize,
-    /// How many unknowns are remembered of each step.
+    /// Number of unknowns that are remembered of each step.
     remembered: usize,
     pub(super) work: Work<S>,
     pub(super) known: u8,
     pub(super) solver: Solver<S>,
-    /// What a careful step solves.
+    /// The blocks that a careful step solves.
     pub(super) blocks: Blocks,
-    /// How a large system is stepped that solves nothing.
+    /// The windows of explicit steps of a large system.
     pub(super) plan: WindowPlan,
 }
 
-/// What the iteration of a step keeps.
+/// The data of the iteration that outlast a step.
 #[derive(Default)]
 pub(super) struct Solver<S> {
     pub(super) iteration: Iteration,
@@ -41,25 +41,25 @@ pub(super) struct Solver<S> {
     pub(super) linear: Option<Linear<S>>,
     pub(super) kept: Kept<S>,
     pub(super) rounding: Option<Box<Rounding>>,
-    /// How the fixed point of a large system goes.
+    /// The windows of the fixed point of a large system.
     pub(super) sweeps: Option<Box<Sweeps>>,
-    /// Where a step with care starts, and what it computes with.
+    /// The start of a careful step, and its scratch.
     pub(super) care: (Vec<S>, Room<Vec<S>>),
 }
 
-/// Scratch for the equations of one step: one list, because only of parts of one can be seen that they do not overlap.
+/// Scratch for the equations of one step: a single list, because the compiler knows only of parts of one list that they do not overlap.
 #[derive(Debug, Default)]
 pub(super) struct Work<S>(Vec<S>);
 
-/// The parts of a [`Work`], as long as what is known of the system says: loops over several of them check nothing.
+/// The parts of a [`Work`], with lengths that follow from the system, so that loops over several of them need no bounds checks.
 pub(super) struct Lists<'a, S> {
     pub(super) x: &'a mut [S],
     pub(super) correction: &'a mut [S],
-    /// The correction before.
+    /// The previous correction.
     pub(super) previous: &'a mut [S],
     pub(super) u: &'a mut [S],
     pub(super) momentum: &'a mut [S],
-    /// Slopes by momenta; where `u` follows from `v`, that from before the correction.
+    /// Slopes by momenta; where `u` follows from `v`, the `u` before the correction.
     pub(super) by_p: &'a mut [S],
     pub(super) stages: Stages<'a, S>,
 }
@@ -68,18 +68,18 @@ pub(super) struct Lists<'a, S> {
 pub(super) struct Stages<'a, S> {
     numbers: &'a mut [S],
     degrees: usize,
-    /// Whether the two of a stage have changed places.
+    /// Whether the two lists of each stage are exchanged.
     is_turned: bool,
 }
 
-/// Numbers between two lists of a large system: what is read and written at one time is at different places of pages, which
-/// processors tell apart by their last bits first.
+/// Padding between two lists of a large system, in numbers: simultaneous reads and writes then have different offsets within a page,
+/// the last bits of an address, which processors compare first.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn apart(degrees: usize) -> usize {
     if degrees < LEAST_IN_WINDOWS { 0 } else { 40 }
 }
 
-/// The first `length` numbers, and what is behind those after them.
+/// The first `length` numbers, and those after a padding of `apart`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], &mut [S]) {
     let (list, rest) = numbers.split_at_mut(length + apart);
@@ -87,7 +87,7 @@ fn split_apart<S>(numbers: &mut [S], length: usize, apart: usize) -> (&mut [S], 
 }
 
 impl<S: Scalar> Work<S> {
-    /// Scratch for a system of so many degrees of freedom.
+    /// Scratch for a system with this number of degrees of freedom.
     pub(super) fn new(scheme: &Quadrature, degrees: usize) -> Self {
         debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
         Self(vec![S::from_f64(0.0); Self::length(scheme, degrees)])
@@ -148,7 +148,7 @@ impl<S: Scalar> Lists<'_, S> {
 }
 
 impl<S> Lists<'_, S> {
-    /// The same for a function of its own: what it is given the address of does not stay in registers.
+    /// A copy of the references for a separate function: values whose address is passed do not stay in registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Lists<'_, S> {
         let Self { x, correction, previous, u, momentum, by_p, stages } = self;
@@ -158,7 +158,7 @@ impl<S> Lists<'_, S> {
 }
 
 impl<S> Stages<'_, S> {
-    /// Where the coordinates of a stage are, and the slopes by them.
+    /// The start of a stage, and the distance from its coordinates to the slopes by them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(&self, stage: usize) -> (usize, usize) {
         let stride = self.degrees + apart(self.degrees);
@@ -183,26 +183,26 @@ impl<S> Stages<'_, S> {
         if self.is_turned { (second, first) } else { (first, second) }
     }
 
-    /// Exchanges the two of each stage.
+    /// Exchanges the two lists of each stage.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn turn(&mut self) {
         self.is_turned = !self.is_turned;
     }
 }
 
-/// What the solution of a step reads and writes of its [`Memory`].
+/// The parts of a [`Memory`] that the solution of a step reads and writes.
 pub(super) struct Scratch<'a, S> {
     pub(super) lists: Lists<'a, S>,
     pub(super) solver: &'a mut Solver<S>,
     pub(super) known: u8,
-    /// On how many windows go.
+    /// The threads that share the windows.
     pub(super) threads: Threads,
-    /// Whether nothing is to be done in vector instructions.
+    /// Whether vector instructions are ruled out.
     pub(super) is_exact: bool,
 }
 
 impl<S: Scalar> Memory<S> {
-    /// For the scheme and the degrees of freedom that it was made for; with past steps where they start the iteration.
+    /// Scratch for the scheme and the degrees of freedom of this memory; with past steps where the iteration starts from them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn scratch(&mut self, scheme: &Quadrature, degrees: usize) -> Scratch<'_, S> {
         let Self { work, solver, plan, known, .. } = self;
@@ -233,7 +233,7 @@ impl<S> Scratch<'_, S> {
     }
 }
 
-/// What the steps before left: scratch says nothing to anyone but the step that fills it.
+/// Shows the data of earlier steps; scratch is meaningless outside its step.
 impl<S: Scalar> std::fmt::Debug for Memory<S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { degrees, known, solver: Solver { iteration, past, preference, .. }, .. } = self;
@@ -248,7 +248,7 @@ impl<S: Scalar> std::fmt::Debug for Memory<S> {
     }
 }
 
-/// What the steps before left; scratch is allocated anew where the copy is used.
+/// Copies the data of earlier steps; the copy allocates its own scratch at its first use.
 impl<S: Scalar> Clone for Memory<S> {
     fn clone(&self) -> Self {
         let mut copy = Self { plan: self.plan.alike(), blocks: self.blocks.alike(), ..Self::default() };
@@ -256,7 +256,7 @@ impl<S: Scalar> Clone for Memory<S> {
         copy
     }
 
-    /// Takes what the steps before left, and keeps the room that it has.
+    /// Copies the data of earlier steps and keeps its own allocations.
     fn clone_from(&mut self, other: &Self) {
         if other.known > 0 {
             self.solver.past.clone_from(&other.solver.past);
@@ -345,13 +345,13 @@ impl<S: Scalar> Memory<S> {
         self.degrees == 0 && self.known == 0
     }
 
-    /// Whether there is room for a state of so many degrees of freedom, which was checked then.
+    /// Whether the memory is allocated for a state with this number of degrees of freedom, and thus checked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn fits<H: Elements>(&self, system: &H, degrees: usize) -> bool {
         super::is_sized(system, self.degrees, degrees)
     }
 
-    /// Makes room for `degrees`, after checking that the indices of the system fit.
+    /// Allocates for `degrees`, after checking that the indices of the system are in range.
     #[cold]
     #[inline(never)]
     pub(super) fn fit<H: Elements>(
@@ -365,7 +365,7 @@ impl<S: Scalar> Memory<S> {
         Ok(())
     }
 
-    /// Makes room for a step that does not go window by window.
+    /// Allocates for a step that does not go window by window.
     pub(super) fn make_room(&mut self, scheme: &Quadrature, degrees: usize) {
         if !self.work.fits(scheme, degrees) {
             self.work = Work::new(scheme, degrees);
@@ -383,7 +383,7 @@ impl<S: Scalar> Memory<S> {
         let is_implicit = scheme.unknowns != Unknowns::None;
         let remembered = if scheme.remembers { unknowns } else { 0 };
         self.remembered = remembered;
-        // A copy comes with its past.
+        // A copy already has its past.
         if self.known == 0 || self.solver.past[0].len() != unknowns {
             let past = || vec![S::from_f64(0.0); remembered];
             self.solver.past = [past(), past(), past()];
@@ -395,7 +395,7 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-/// [`Compensation`] of a size that is known at run time; empty until the first step.
+/// [`Compensation`] with a size known only at run time; empty until the first step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompensationVec<S> {
     coordinates: Vec<S>,

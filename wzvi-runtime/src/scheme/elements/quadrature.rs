@@ -74,7 +74,7 @@ pub struct Quadrature {
     pub update: MomentumUpdate,
     /// The unknowns of the iteration.
     pub unknowns: Unknowns,
-    /// Whether the iteration starts from past steps: not if noise increments determine the unknowns.
+    /// Whether the iteration starts from past steps; not in systems with noise.
     pub remembers: bool,
     /// Whether the Jacobian depends on the step size and parameters only.
     pub is_linear: bool,

@@ -1,8 +1,8 @@
 //! The discrete Euler-Lagrange equations of one step, `D_1 L_d`, `D_2 L_d` and `∂L_d/∂P` at trial values of the unknowns.
 //!
-//! All of it is inlined into the step of one system by one scheme, where the table of the scheme, and often the number of
-//! degrees of freedom, are constants: no loop over stages or parts, and no check of a length, is left. Where neither speed nor
-//! allocation counts it is compiled once for all schemes.
+//! This code is inlined into the step of one system by one scheme, where the table of the scheme and often the number of
+//! degrees of freedom are constants: loops over stages or parts and checks of lengths disappear. Where neither speed nor
+//! allocation matters, it is compiled once for all schemes.
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
@@ -12,7 +12,7 @@ use crate::algebra::scalar::{Number, Scalar};
 use crate::error::StepFailure;
 use crate::scheme::system::Hamiltonian;
 
-/// The givens of one step.
+/// The input of one step.
 pub(super) struct Step<'a, H, S> {
     pub(super) system: &'a H,
     pub(super) scheme: &'a Quadrature,
@@ -25,7 +25,7 @@ pub(super) struct Step<'a, H, S> {
     pub(super) increment: Option<&'a [S]>,
 }
 
-/// `e^{γ τ}` with the rate of friction that steps take in, `τ` after the start of the step.
+/// `e^{γ τ}` with the friction rate `γ` that steps include, at the time `τ` after the start of the step.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
     if H::KIND.is_conformal { (system.friction_rate() * tau).exp() } else { 1.0 }
@@ -36,7 +36,7 @@ pub(super) fn decay<H: Hamiltonian>(system: &H, h: f64) -> f64 {
     (-system.friction_rate() * h).exp_m1()
 }
 
-/// What a sum starts with: adding to `-0.0` is nothing, where compilers see it, and not so for `0.0`.
+/// The start of a sum, `-0.0`: compilers may omit an addition to it, but not to `0.0`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn nothing<S: Scalar>() -> S {
     S::from_f64(-0.0)
@@ -87,8 +87,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// `φ` at `x`, for the scheme's unknowns, as the correction `x - φ(x)`, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the
-    /// second of them; leaves `u`, `P`, the stages and slopes.
+    /// The correction `x - φ(x)` of the scheme's unknowns, which is `(∂L_d/∂P, -D_1 L_d - p_i)` or the second component
+    /// alone; leaves `u`, `P`, the stages and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
         self.refresh(lists);
@@ -137,7 +137,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// `Q = q_i + c u`, and room for the slopes there.
+    /// `Q = q_i + c u`; clears the slopes there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place(&self, stage: &Stage, q: &mut [S], by_q: &mut [S], u: &[S]) {
         for ((point, slope), (&q, &u)) in q.iter_mut().zip(by_q).zip(self.q.iter().zip(u)) {
@@ -146,8 +146,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Adds to `u` what follows from `P`, where that does not read `u` itself: elements that read coordinates and momenta
-    /// are at the node `q_i` then, by the choice of unknowns. What else these add goes to `by_q`.
+    /// Adds `Σ ∂F/∂p` at `P` to `u`, where the sum does not depend on `u`: elements that read coordinates and momenta are
+    /// then at the node `q_i`, by the choice of unknowns. Their slopes by coordinates go to `by_q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
         self.velocities_as::<S::OfElements<H::Exact>>(momentum, by_q, u);
@@ -241,7 +241,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     }
                     let (q, by_q) = stages.at_mut(s);
                     self.place(stage, q, by_q, u);
-                    // Slopes with respect to momenta go where nobody looks.
+                    // Slopes by momenta go to `correction`, which is no longer read.
                     self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
                     dp.iter_mut().zip(&*by_q).for_each(|(dp, &force)| *dp = *dp - force * stage.end);
                 }
@@ -254,8 +254,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
-/// [`Elements::slopes`] as a function of its own: that its lists do not overlap, which numbers of several parts take to be
-/// fast, is lost where it is inlined.
+/// [`Elements::slopes`] as a separate function: inlining loses the information that its lists do not overlap, which numbers
+/// of several parts need for speed.
 #[inline(never)]
 fn slopes_apart<H: Elements, S: Scalar>(
     system: &H,
@@ -270,7 +270,7 @@ fn slopes_apart<H: Elements, S: Scalar>(
 }
 
 impl<S: Scalar> Lists<'_, S> {
-    /// Adds the increments of a step, `u` and `by_p`, to the state. Sums are made before anything is stored.
+    /// Adds the increments of a step, `u` and `by_p`, to the state. All sums are computed before any is stored.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if a sum is not finite.
@@ -284,7 +284,7 @@ impl<S: Scalar> Lists<'_, S> {
         let Lists { u, by_p: dp, stages, .. } = self;
         let degrees = u.len();
         let (q, p) = (&mut q[..degrees], &mut p[..degrees]);
-        // What the sums lose takes the place of slopes and stages.
+        // The rounding errors of the sums overwrite the slopes and coordinates of a stage.
         let (lost_q, lost_p) = stages.at_mut(0);
         let is_finite = if C::CARRIES {
             for (i, (u, (&q, lost))) in u.iter_mut().zip(q.iter().zip(&mut *lost_q)).enumerate() {
