@@ -1,11 +1,11 @@
-//! Where the elements of a system read, and whether there is something to read: interval arithmetic over their loops.
+//! The places that the elements of a system read, and a check that they exist, by interval arithmetic over the loops.
 //!
-//! A loop over `i` is the interval of its variable, an index the interval of what it may be. If that is in range, so is
-//! every placement. If not, the outermost interval is halved: what is left at last is one placement that is out of range,
-//! with its numbers, or a proof that there is none. Indices that are linear in independent loops are proven, or refuted,
-//! in a few evaluations, however far the loops go. Loops themselves are never run.
+//! A loop over `i` becomes the interval of its variable, and an index the interval of its values. If the interval is in
+//! range, so is every placement. If not, the outermost interval is halved, until one placement is found to be out of range,
+//! with its numbers, or all are proven to be in range. Indices that are linear in independent loops are proven or refuted
+//! in a few evaluations, whatever the length of the loops. The loops themselves never run.
 //!
-//! All integers on the way are looked at, too: the steps compute them as `isize`, which must not overflow.
+//! Intermediate integers are checked, too: the steps compute them as `isize`, which must not overflow.
 
 mod survey;
 
@@ -19,9 +19,9 @@ pub(super) use survey::{check, index_error};
 pub struct Index {
     /// Atoms with their coefficients, in the order in which steps add them.
     pub terms: &'static [(Atom, i128)],
-    /// What is added last.
+    /// The constant, which is added last.
     pub constant: i128,
-    /// As it is displayed.
+    /// The text for messages.
     pub name: Name,
 }
 
@@ -32,7 +32,7 @@ impl Index {
     }
 }
 
-/// What an [`Index`] is made of.
+/// A term of an [`Index`].
 #[derive(Debug)]
 pub enum Atom {
     /// The variable of the loop at this depth, outermost first.
@@ -78,7 +78,7 @@ pub struct Loop(pub Index, pub Index);
 pub enum Slot {
     /// A component of the coordinates or momenta.
     State(Index),
-    /// The same, of which the compiler has shown that it is not negative.
+    /// The same with an index that the compiler has proven not to be negative.
     Natural(Index),
     /// An entry of a list of real numbers.
     Entry(usize, &'static [Position]),
@@ -86,12 +86,12 @@ pub enum Slot {
     Number(Index),
 }
 
-/// What the elements in the same loops read, as far as the compiler has not proven it to be there.
+/// Reads of the elements in the same loops that the compiler has not proven to be in range.
 #[derive(Debug)]
 pub struct Nest {
     /// Outermost first.
     pub loops: &'static [Loop],
-    /// What is read.
+    /// The reads.
     pub slots: &'static [Slot],
 }
 
@@ -102,14 +102,14 @@ impl Nest {
     }
 }
 
-/// Everything that a system reads and the compiler has not proven to be there.
+/// All reads of a system that the compiler has not proven to be in range.
 #[derive(Debug)]
 pub struct Places {
     /// Components of a point.
     pub components: usize,
     /// Tables by their numbers.
     pub tables: &'static [Name],
-    /// What is read, by loops.
+    /// The reads, grouped by loops.
     pub nests: &'static [Nest],
 }
 
@@ -120,7 +120,7 @@ pub struct Span {
     high: i128,
 }
 
-/// A part of a list: how long the whole is, and between which integers its entries are.
+/// A range of a list: the length of the whole list, and the interval of the integers in the range.
 #[derive(Clone, Copy, Debug)]
 pub struct Entries {
     length: usize,
@@ -138,7 +138,7 @@ impl Entries {
         Self { length: 1, span: Some(Span { low: value, high: value }) }
     }
 
-    /// What `read` takes from the entries of `list` in `range`, as far as that is inside.
+    /// The entries of `list` in `range`, as far as that is inside the list, read by `read`.
     pub fn of_list<T, I: Copy + Ord>(
         list: &[T],
         range: Range<usize>,
@@ -168,7 +168,7 @@ impl Span {
         Self { low, high }
     }
 
-    /// Of the images of the corners.
+    /// The interval of the images of the corners.
     fn corners(self, other: Self, f: impl Fn(i128, i128) -> i128) -> Self {
         let (a, b) = (self, other);
         Self::of([f(a.low, b.low), f(a.low, b.high), f(a.high, b.low), f(a.high, b.high)])

@@ -1,17 +1,17 @@
-//! Whether everything that a system reads is there, found out by intervals before any loop runs.
+//! Checks by intervals, before any loop runs, that everything that a system reads exists.
 
 use super::{Atom, Index, Loop, Name, Nest, Position, Slot, Span};
 use crate::error::{IndexError, IndexLimit, StepFailure};
 use crate::scheme::elements::Elements;
 
-/// An index out of range, or one of which that is not yet known.
+/// An index that is out of range, or may be.
 struct Fault {
     error: IndexError,
     /// Whether a state with more degrees of freedom would help.
     needs_degrees: bool,
 }
 
-/// An interval for each loop from the innermost one that has one outwards.
+/// The intervals of nested loops, from the innermost fixed one outwards.
 #[derive(Clone, Copy)]
 struct Bounds<'b> {
     span: Span,
@@ -19,13 +19,13 @@ struct Bounds<'b> {
     outer: Option<&'b Self>,
 }
 
-/// One look at a system.
+/// The check of one system with one state size.
 struct Survey<'s, H> {
     system: &'s H,
     degrees: usize,
 }
 
-/// Whether everything that the elements of `system` read is there for a state with `degrees`.
+/// Checks that everything that the elements of `system` read exists for a state with `degrees`.
 ///
 /// # Errors
 /// [`StepFailure::Dimension`] where loops go beyond the end of the state, [`StepFailure::Index`] where an integer of the
@@ -60,7 +60,7 @@ impl<H: Elements> Survey<'_, H> {
         H::PLACES.nests.iter().find_map(|nest| self.prove(nest, None).err())
     }
 
-    /// Whether all is in range in the loops of `nest` inside of `fixed`.
+    /// Proves that all reads in the loops of `nest` inside `fixed` are in range.
     fn prove(&self, nest: &'static Nest, fixed: Option<&Bounds<'_>>) -> Result<(), Fault> {
         let Err(fault) = self.slots(nest, fixed) else { return Ok(()) };
         if let Some(last) = fixed.filter(|last| !last.span.is_single()) {
@@ -73,7 +73,7 @@ impl<H: Elements> Survey<'_, H> {
         match self.next(nest, fixed)? {
             Next::Inside(inner) => self.prove(nest, Some(&inner)),
             Next::Nothing => Ok(()),
-            // One placement, and not in range.
+            // A single placement, out of range.
             Next::Body => Err(fault),
         }
     }
@@ -109,8 +109,8 @@ impl<H: Elements> Survey<'_, H> {
         }
     }
 
-    /// Why `index`, which may be `value`, is no place in the state: the integer of the system in it that is no point, or
-    /// all of it.
+    /// The reason why `index`, with the possible value `value`, is not a place in the state: an integer of the system in it
+    /// that is not a point, or the index as a whole.
     fn outside(&self, index: &'static Index, value: i128, at: Option<&Bounds<'_>>) -> Fault {
         let components = H::PLACES.components;
         let points = self.degrees / components;
@@ -138,7 +138,7 @@ impl<H: Elements> Survey<'_, H> {
         IndexError::new(name, value, limit)
     }
 
-    /// The values of an index, each of them an `isize` like all sums on the way.
+    /// The interval of an index. All its values and partial sums must be in the range of `isize`.
     fn span(&self, index: &'static Index, at: Option<&Bounds<'_>>) -> Result<Span, Fault> {
         let mut sum = Span::at(0);
         let parts =
@@ -203,7 +203,7 @@ impl<H: Elements> Survey<'_, H> {
         integers(value, whole)
     }
 
-    /// The integers at some places of a list; none if they are real.
+    /// The interval of the integers at some positions of a list; `None` for real numbers.
     fn given(
         &self,
         table: usize,
@@ -255,7 +255,7 @@ impl<H: Elements> Survey<'_, H> {
         Ok(all)
     }
 
-    /// The degrees of freedom that the loops ask for.
+    /// The degrees of freedom that the loops require.
     #[cold]
     fn required(&self) -> Result<usize, Fault> {
         let mut most = -1;
@@ -272,7 +272,7 @@ impl<H: Elements> Survey<'_, H> {
         Ok(degrees.checked_next_multiple_of(H::PLACES.components).unwrap_or(degrees))
     }
 
-    /// Raises `most` to the largest value of `index`: halves of intervals that cannot beat it are left out.
+    /// Raises `most` to the largest value of `index`, by branch and bound over halved intervals.
     fn largest(
         &self,
         nest: &'static Nest,
@@ -299,7 +299,7 @@ impl<H: Elements> Survey<'_, H> {
         Ok(())
     }
 
-    /// What `index` is not above inside of `fixed`, -1 at least.
+    /// An upper bound of `index` inside `fixed`, at least -1.
     fn bound(
         &self,
         nest: &'static Nest,
@@ -314,12 +314,12 @@ impl<H: Elements> Survey<'_, H> {
     }
 }
 
-/// What is inside of some loops.
+/// The next level inside some loops.
 enum Next<'b> {
     Inside(Bounds<'b>),
     /// No loop.
     Body,
-    /// A loop without a value.
+    /// An empty loop.
     Nothing,
 }
 
@@ -337,7 +337,7 @@ impl Bounds<'_> {
 }
 
 impl Index {
-    /// Whether any integer in it is the entry of a list.
+    /// Whether the index reads an entry of a list.
     fn reads_lists(&self) -> bool {
         self.terms.iter().any(|(atom, _)| match atom {
             Atom::Loop(_) | Atom::Size => false,
@@ -351,7 +351,7 @@ impl Index {
     }
 }
 
-/// The value of `span` that is no `isize`, if there may be one.
+/// An end of `span` outside the range of `isize`, if there is one.
 fn outlier(span: Span) -> Option<i128> {
     [span.high, span.low].into_iter().find(|&value| isize::try_from(value).is_err())
 }
