@@ -1,7 +1,7 @@
-//! Placements of an element beside each other, wherever they read and add: at the ends of bonds from a table, at places that are far apart.
+//! Placements of an element that are evaluated together but read and add at scattered places, such as the ends of bonds from a table.
 //!
-//! Numbers that the slopes depend on are gathered one by one, a list for each, the slopes are computed in vector registers, and added to
-//! their places one by one, in the order of the placements:
+//! The arguments of the slopes are gathered one by one into lists, the slopes are computed in vector registers, and then added to their
+//! places one by one, in the order of the placements:
 //!
 //! ```text
 //! x_k[l] = q[i_k(b + l)]        for l = 0..B, k = 1..M
@@ -9,38 +9,38 @@
 //! (∂V/∂q)[i_j(b + l)] += s_j[l]       for l = 0..B, j = 1..F
 //! ```
 //!
-//! Two placements of one block may have a place in common: as sums are not made in vector registers they need not be told apart, and have
-//! the bits of one placement after the other, whatever the table and the registers are.
+//! Two placements of one block may share a place: as the sums are not formed in vector registers, no conflict arises, and the bits are
+//! those of one placement after the other, for any table and registers.
 
 use std::marker::PhantomData;
 
 use super::pairs::{Block, Pair};
 use crate::algebra::scalar::{Number, Scalar};
 
-/// Placements whose slopes are computed in one loop: registers of the widest kind twice, so that one does not wait for the other.
+/// Number of placements whose slopes are computed in one loop: two of the widest registers, which do not wait for each other.
 const AT_ONCE: usize = 16;
 
-/// Placements of a loop from which it pays.
+/// Number of placements of a loop from which this pays.
 pub(super) const LEAST_BESIDE: isize = 4;
 
-/// Where there are no more, no more are computed.
+/// For at most this many placements, only this many are computed.
 const HALF: usize = AT_ONCE / 2;
 
-/// Less than so many are computed one by one.
+/// Fewer placements are computed one by one.
 const FEW: usize = 3;
 
 /// Some placements of an element, which read `M` numbers and have `F` slopes each.
 pub trait Placements<T: Scalar, const M: usize, const F: usize> {
-    /// None.
+    /// Storage without placements.
     fn new() -> Self;
 
-    /// How many of those that are left are taken beside each other.
+    /// How many of the `left` placements are evaluated together.
     fn few(&self, left: usize) -> usize;
 
-    /// The numbers that one of them reads.
+    /// Takes the numbers that one placement reads.
     fn read(&mut self, lane: usize, numbers: [T; M]);
 
-    /// The slopes of the first `few`, from numbers that are the same for all and constants.
+    /// Computes the slopes of the first `few` placements; `own` and `constants` are the same for all.
     fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
         &mut self,
         few: usize,
@@ -48,7 +48,7 @@ pub trait Placements<T: Scalar, const M: usize, const F: usize> {
         constants: [f64; P],
     );
 
-    /// The slopes of one of them.
+    /// The slopes of one placement.
     fn slopes(&self, lane: usize) -> [T; F];
 }
 
@@ -87,11 +87,11 @@ impl<T: Scalar, const M: usize, const F: usize> Placements<T, M, F> for OneByOne
     }
 }
 
-/// Numbers of a block, at the beginning of a line of the cache.
+/// Numbers of a block, aligned to a cache line.
 #[repr(align(64))]
 struct Numbers<const M: usize>([[f64; AT_ONCE]; M]);
 
-/// A block of them, in numbers `U`, and in numbers `T` where these do not know the result.
+/// A block of placements, in numbers `U`, and in numbers `T` if a result in `U` is not finite.
 pub(super) struct InBlocks<T, U, const M: usize, const F: usize> {
     numbers: Numbers<M>,
     block: Block<AT_ONCE, 0, F>,
@@ -194,10 +194,10 @@ mod tests {
     #[test]
     fn all_instruction_sets_have_the_bits_of_one_placement_after_the_other() {
         for (count, far) in (0..70).flat_map(|count| [(count, 0.5), (count, 1e9)]) {
-            // Sites meet again in the next placements, and some bonds have both ends at one.
+            // Sites recur in the next placements, and some bonds have both ends at the same site.
             let bonds: Vec<[usize; 2]> = (0..count).map(|b| [b * b % 7, b % 5]).collect();
             let mut q = [0.2, -1.4, 3.3, 0.0, 2.1, -0.7, 9.1];
-            // Beyond what the reduction by π/2 in lanes takes, or not.
+            // Inside or outside the range of the reduction by π/2 in lanes.
             q[4] = far;
             let mut reference = [0.1; 7];
             let placements = OneByOne::new();

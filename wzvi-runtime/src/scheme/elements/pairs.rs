@@ -1,17 +1,17 @@
 //! Sums over pairs of bodies, in vector instructions.
 //!
-//! The pairs of one body are a [`Row`]: its partners are points next to each other in the state. The slopes of [`LANES`] of them are
-//! computed beside each other. Those by the partners go back where these are, those by the body itself into as many sums, one for each
-//! lane, which are added in the order of a fixed tree; what is left of a row is added after that, partner by partner:
+//! The pairs of one body form a [`Row`]: its partners are adjacent points of the state. The slopes of [`LANES`] pairs are computed
+//! together. Slopes by the partners go to the sums of the partners. Slopes by the body go to one sum for each lane; these sums are added
+//! in the order of a fixed tree, followed by the rest of the row, partner by partner:
 //!
 //! ```text
 //! ∂V/∂q_i = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7)) + rest,   s_l = Σ_c ∂V(q_i, q_{8c+l})/∂q_i
 //! ```
 //!
-//! That is the order of every number type and instruction set, so that bits depend on neither. Rows of less than [`LANES`] partners are
-//! added one by one.
+//! This order is the same for every number type and instruction set, so that the bits depend on neither. Rows of fewer than [`LANES`]
+//! partners are added one by one.
 //!
-//! The components of points are taken apart into columns first, which costs a pass over the state where the pairs take its square.
+//! The components of points are first copied into columns, which takes `O(N)` operations where the pairs take `O(N²)`.
 
 #![expect(clippy::needless_range_loop, reason = "plain loops over arrays are what becomes vector code")]
 
@@ -25,13 +25,13 @@ use crate::algebra::scalar::{Number, Scalar};
 pub(super) use block::Block;
 pub(super) use columns::{may_take_vectors, slopes, takes_vectors};
 
-/// Partners whose slopes are computed beside each other, on every machine.
+/// Number of partners whose slopes are computed together, on every machine.
 pub(super) const LANES: usize = 8;
 
-/// The slopes of an element by two points: by `F` degrees of freedom of a body that is the same in a row, and by the `D` components of a
-/// partner. Where an element has no partners in a row, but placements [beside each other](super::Placements), all that it reads are entries.
+/// The slopes of an element by two points: by `F` degrees of freedom of a body, the same for a whole row, and by the `D` components of a
+/// partner. For placements that are [evaluated together](super::Placements), without partners, all numbers that are read are entries.
 pub trait Pair<const O: usize, const P: usize, const D: usize, const M: usize, const F: usize> {
-    /// From numbers of the body, constants, the partner, and entries of tables beside it.
+    /// The slopes from numbers of the body, constants, the partner, and its entries of tables.
     fn slopes<T: Scalar>(
         own: [T; O],
         constants: [f64; P],
@@ -45,26 +45,26 @@ pub trait Pair<const O: usize, const P: usize, const D: usize, const M: usize, c
 pub struct Row<'a, T, const O: usize, const P: usize, const M: usize, const F: usize> {
     /// The place of the first component of the first partner.
     pub first: usize,
-    /// How many partners there are.
+    /// Number of partners.
     pub len: usize,
     /// Numbers of the body.
     pub own: [T; O],
     /// Constants.
     pub constants: [f64; P],
-    /// Entries of tables, from that of the first partner on.
+    /// Entries of tables, starting with those of the first partner.
     pub entries: [&'a [f64]; M],
     /// The places of the slopes by the body.
     pub places: [usize; F],
 }
 
-/// The sum of the sums of all lanes.
+/// The sum over all lanes.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn total<T: Scalar>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 impl<T: Scalar, const O: usize, const P: usize, const M: usize, const F: usize> Row<'_, T, O, P, M, F> {
-    /// Adds the slopes by the partner at `place` of the row, and gives those by the body.
+    /// Adds the slopes by the partner at `place` of the row, and returns those by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet<S: Copy, K: Pair<O, P, D, M, F>, const D: usize>(
         &self,
@@ -98,7 +98,7 @@ fn gather<T: Scalar, const F: usize>(sums: &mut [T; F], slopes: [T; F]) {
     }
 }
 
-/// A row in whatever numbers and sums: [`Sums::row`].
+/// [`Sums::row`] for any numbers and sums.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_row<
     S: Scalar,

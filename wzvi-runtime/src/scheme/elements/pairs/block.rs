@@ -5,13 +5,13 @@ use std::any::TypeId;
 use super::{LANES, Pair};
 use crate::algebra::scalar::Number;
 
-/// Partners whose slopes are computed in one loop, which the compiler takes for one over neighbours: half as many it would write out.
+/// Number of partners whose slopes are computed in one loop. The compiler vectorises this loop; it would unroll one half as long.
 pub(super) const BLOCK: usize = 2 * LANES;
 
-/// The same where a row has as many: sums wait for the loop before.
+/// The same for rows that have as many partners: the sums wait for the loop before.
 pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 
-/// Slopes of a body and the first `few` of a block of partners in columns.
+/// Slopes by a body and by the first `few` of a block of partners in columns.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn fill<
     T: Number<f64>,
@@ -49,7 +49,7 @@ fn fill<
     }
 }
 
-/// The slopes by a body, and those by partners in columns: at the beginning of a line of the cache, which the widest registers fill.
+/// The slopes by a body and by partners in columns, aligned to a cache line, which is as wide as the widest registers.
 #[repr(align(64))]
 pub(in crate::scheme::elements) struct Block<const B: usize, const D: usize, const F: usize> {
     pub(in crate::scheme::elements) by_own: [[f64; B]; F],
@@ -57,8 +57,8 @@ pub(in crate::scheme::elements) struct Block<const B: usize, const D: usize, con
 }
 
 impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
-    /// Those of the first `most` of a block of partners, of which the first `few` are of interest, computed in numbers `U`; in numbers `T` where these do not
-    /// know the result.
+    /// Computes the slopes of the first `most` of a block of partners, of which the first `few` are needed, in numbers `U`, and again in numbers
+    /// `T` if a result in `U` is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
         &mut self,
@@ -104,7 +104,7 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
         fill::<T, K, O, P, D, M, F, B>(few, own, constants, points, entries, by_own, by_partner);
     }
 
-    /// Whether the first `few` of all slopes are finite. By bits without signs: no sum waits for another one.
+    /// Whether the first `few` of all slopes are finite, by bits without signs, so that there is no chain of sums.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(&self, few: usize) -> bool {
         let mut poison = 0;
@@ -127,7 +127,7 @@ pub(super) fn add<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N]) {
     *sums = new;
 }
 
-/// The same of the first `few`.
+/// The same for the first `few`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_few<const N: usize>(sums: &mut [f64; N], slopes: &[f64; N], few: usize) {
     let mut slopes = *slopes;

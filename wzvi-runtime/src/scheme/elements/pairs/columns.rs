@@ -1,4 +1,4 @@
-//! Rows of a large system: the components of its points in columns, in the best vector instructions of the machine.
+//! Rows of a large system, with the components of points in columns, in the best vector instructions of the machine.
 
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -13,14 +13,14 @@ use crate::scheme::elements::beside::{InBlocks, LEAST_BESIDE};
 use crate::scheme::elements::sums::{Given, Places, Points, Sums};
 use crate::scheme::elements::{Elements, Point, Slopes};
 
-/// Degrees of freedom from which columns are worth their pass.
+/// Degrees of freedom from which the copy into columns pays.
 const LEAST_IN_COLUMNS: usize = 64;
 
-/// Sums of which those that rows add to are in columns while rows are added, one for each component of points. Slopes are computed in
-/// numbers `U`, and in others where these do not know the result.
+/// Sums that are in columns, one for each component of points, while rows are added. Slopes are computed in numbers `U`, and in exact
+/// numbers where `U` has no finite result.
 struct Columns<'a, U> {
     sums: &'a mut [f64],
-    /// Columns of coordinates, and those of sums, each with a block behind it.
+    /// Columns of coordinates and of sums, each followed by a block of padding.
     room: &'a mut Vec<f64>,
     number: PhantomData<U>,
 }
@@ -28,13 +28,13 @@ struct Columns<'a, U> {
 /// Numbers in a line of the cache.
 const LINE: usize = 8;
 
-/// Numbers from one column to the next: those of the points, and a block, to the end of a line.
+/// Distance of two columns in numbers: the points and a block, rounded up to a cache line.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn stride<const D: usize>(degrees: usize) -> usize {
     (degrees / D + BLOCK).next_multiple_of(LINE)
 }
 
-/// The room from the beginning of a line on.
+/// The part of `room` from the first cache-line boundary on.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn on_lines(room: &mut [f64]) -> &mut [f64] {
     let first = room.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
@@ -132,13 +132,13 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     }
 }
 
-/// Whether slopes of any system of this kind are taken in vector instructions.
+/// Whether slopes of this system may be computed in vector instructions.
 pub(in crate::scheme::elements) const fn may_take_vectors<H: Elements>() -> bool {
     H::FACTS.has_pairs || H::FACTS.gathers.by_q || H::FACTS.gathers.by_p
 }
 
-/// Whether slopes of so many degrees of freedom are taken in vector instructions: [rows](crate::scheme::plan::Facts::has_pairs) in columns, and what
-/// [gathers](crate::scheme::plan::Facts::gathers) in blocks.
+/// Whether slopes of a system of this size are computed in vector instructions: [rows](crate::scheme::plan::Facts::has_pairs) in columns, and
+/// [gathered placements](crate::scheme::plan::Facts::gathers) in blocks.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Slopes, degrees: usize) -> bool {
     let by_q = wanted.by_q && (H::FACTS.has_pairs || H::FACTS.gathers.by_q);
@@ -167,7 +167,7 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
 }
 
 thread_local! {
-    /// Room for columns: allocated by the first step of a thread.
+    /// Storage for columns, allocated by the first step of a thread.
     static ROOM: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
@@ -182,7 +182,7 @@ pub(in crate::scheme::elements) fn slopes<H: Elements>(
     by_q: &mut [f64],
     by_p: &mut [f64],
 ) {
-    // A thread that ends has no room any more.
+    // The storage of a terminating thread may already be destroyed.
     let mut room = ROOM.try_with(Cell::take).unwrap_or_default();
     let by_q = Columns { sums: by_q, room: &mut room, number: PhantomData };
     // No rows add to these.

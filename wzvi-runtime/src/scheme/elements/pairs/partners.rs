@@ -6,17 +6,17 @@ use super::block::{BLOCK, Block, LARGE_BLOCK, add, add_few};
 use super::{LANES, Pair, Row, total};
 use crate::algebra::scalar::Number;
 
-/// The partners of a row in columns, with a block behind each: coordinates, the sums of all components, entries of tables.
+/// The partners of a row in columns, each followed by a block of padding: coordinates, the sums of all components, entries of tables.
 pub(super) struct Partners<'r, const D: usize, const M: usize> {
     pub(super) points: [&'r [f64]; D],
     pub(super) sums: &'r mut [f64],
-    /// Where the sums by the first component of the first partner are, and how far those by the next component.
+    /// The position of the sum by the first component of the first partner; `stride` is the distance to the next component.
     pub(super) first: usize,
     pub(super) stride: usize,
     pub(super) entries: [&'r [f64]; M],
 }
 
-/// The first numbers of lists, of which each has as many.
+/// `B` numbers of each list from `first` on.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn heads<'a, const B: usize, const N: usize>(lists: &[&'a [f64]; N], first: usize) -> [&'a [f64; B]; N] {
     let mut heads = [&[0.0; B]; N];
@@ -26,7 +26,7 @@ fn heads<'a, const B: usize, const N: usize>(lists: &[&'a [f64]; N], first: usiz
     heads
 }
 
-/// The same of lists that may have less: the last number again.
+/// The same for lists that may be shorter, padded with their last number.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn filled<const B: usize, const N: usize>(lists: &[&[f64]; N], first: usize) -> [[f64; B]; N] {
     let mut filled = [[0.0; B]; N];
@@ -46,8 +46,8 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         &mut self.sums[self.first + k * self.stride + first..].as_chunks_mut().0[0]
     }
 
-    /// Adds the slopes by a block of partners, or the first `few` of them, to their sums, and those by the body to the sums of lanes as far as
-    /// lanes are full; all of these slopes.
+    /// Adds the slopes by the first `few` partners of a block to their sums, and those by the body to the sums of the lanes, in full groups of
+    /// [`LANES`]. Returns all slopes by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet_block<T, U, K, const O: usize, const P: usize, const F: usize, const B: usize>(
         &mut self,
@@ -75,7 +75,7 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
             let entries = filled(&self.entries, first);
             block.fill::<T, U, K, O, P, M>(B, few, row.own, row.constants, points, entries.each_ref());
         }
-        // As lists in memory: taken from the registers that they were computed in they would be added one by one.
+        // Read from memory: from registers, the compiler would add these one by one.
         let by_own = black_box(&block.by_own);
         for k in 0..D {
             let sums = self.sums(k, first);
@@ -89,7 +89,7 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
         *by_own
     }
 
-    /// Adds the slopes by all partners to their sums; the sums of those by the body.
+    /// Adds the slopes by all partners to their sums; returns the sums of those by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn meet<T, U, K, const O: usize, const P: usize, const F: usize>(
         mut self,
