@@ -3,7 +3,7 @@
 use super::{Curvature, Elements, Point, Slopes, slopes};
 use crate::algebra::scalar::Scalar;
 
-/// The rates of friction: part number `part`, whose slopes are those of a covector.
+/// The friction rates, from the slopes of part number `part`, a covector.
 pub(crate) fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
     if into.len() != q.len() {
         return into.fill(S::from_f64(f64::NAN));
@@ -11,7 +11,7 @@ pub(crate) fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], in
     along(system, part, [q, q], into);
 }
 
-/// `Γ` by rows: part number `part` is a covector that is linear in the momenta, with this matrix.
+/// `Γ` by rows, the matrix of part number `part`, a covector that is linear in the momenta.
 pub(crate) fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
     let degrees = q.len();
     if into.len() != degrees * degrees {

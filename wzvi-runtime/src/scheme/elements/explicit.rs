@@ -1,4 +1,4 @@
-//! One step of a scheme that solves nothing: `v` and then `u` are assigned.
+//! One step of an explicit scheme: `v` and then `u` are assigned.
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
@@ -15,9 +15,9 @@ use crate::scheme::system::At;
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
-/// Inlined into the step of one system by one scheme, where the table of the scheme, and often the number of degrees of
-/// freedom, are constants: no loop over stages or parts, and no check of a length, is left. Numbers of several parts go a way
-/// of their own: their registers do not hold more than one element.
+/// Inlined into the step of one system by one scheme, where the table of the scheme and often the number of degrees of
+/// freedom are constants: loops over stages or parts and checks of lengths disappear. Numbers of several parts take a
+/// separate path: the registers hold only one element of them.
 ///
 /// # Errors
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
@@ -37,7 +37,7 @@ pub(super) fn advance_explicit<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     }
 }
 
-/// What a step depends on besides the state.
+/// The input of a step other than the state.
 struct Givens<'a, H, S> {
     system: &'a H,
     scheme: &'a Quadrature,
@@ -103,7 +103,7 @@ impl<H: Elements + Sync, S: Scalar> Givens<'_, H, S> {
     }
 }
 
-/// [`advance_explicit`] of vectors that may be exchanged for others.
+/// [`advance_explicit`] for vectors that may be exchanged for others.
 ///
 /// # Errors
 /// Those of [`advance_explicit`].
@@ -150,7 +150,7 @@ impl<H: Elements + Sync> Givens<'_, H, f64> {
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// `P` from the slopes that `D_1 L_d` has, all of them at `q_i`, then `u`.
+    /// `P` from the slopes in `D_1 L_d`, all at `q_i`, then `u`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn assign(&self, lists: &mut Lists<'_, S>) {
         self.kick(lists);
@@ -181,7 +181,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         self.velocities(momentum, by_p, u);
     }
 
-    /// `P` and, in the place of `u`, the new coordinates; whether both are finite.
+    /// `P` and, in place of `u`, the new coordinates; returns whether both are finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn go_on(&self, lists: &mut Lists<'_, S>) -> bool {
         self.kick(lists);
@@ -196,7 +196,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         add(u, self.q) && are_finite(momentum)
     }
 
-    /// Adds the velocities at once to the coordinates.
+    /// Adds the velocities directly to the coordinates.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift_onto(&self, momentum: &[S], mut coordinates: Onto<'_, S>) {
         for stage in self.scheme.stages {

@@ -1,7 +1,7 @@
-//! What the slopes of elements are added to.
+//! The sums that the slopes of elements are added to.
 //!
-//! The loops of a system say where a run of placements adds, place by place, and what. Whether that goes to a vector, to the part of
-//! it that is in a window, or at once to the new state, is decided here.
+//! The loops of a system give the places and the values that a run of placements adds. The types here decide whether these go to a
+//! vector, to the part of a vector in a window, or directly to the new state.
 
 use std::ops::{Index, Range};
 
@@ -9,7 +9,7 @@ use super::beside::{OneByOne, Placements};
 use super::pairs::{Pair, Row, add_row};
 use crate::algebra::scalar::{Number, Scalar};
 
-/// Numbers by degree of freedom, which elements read: all of them, or those of a stretch.
+/// Input numbers of elements by degree of freedom: all of them, or those of a stretch.
 pub trait Given<S>: Index<usize, Output = S> + Index<Range<usize>, Output = [S]> {
     /// The degrees of freedom of the system.
     fn degrees(&self) -> usize;
@@ -34,22 +34,22 @@ pub trait Sums<S> {
     type Points<'r, const D: usize>: Run<S>
     where
         Self: 'r;
-    /// Placements of an element that are taken beside each other, where they are not in a run.
+    /// Placements of an element that are not in a run but evaluated together.
     type Beside<T: Number<S>, const M: usize, const F: usize>: Placements<T, M, F>;
 
-    /// Those `values` of an outermost loop, by its number, whose placements add to any of the sums.
+    /// The `values` of the outermost loop number `variable` whose placements add to any of the sums.
     fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
 
-    /// Of `len` placements, of which each adds to points of `D` after those of the one before, from the places `first` on: how many
-    /// to leave out, and how many to take then.
+    /// How many of `len` placements to skip, and how many to take then. The placements add to consecutive points of `D` components from
+    /// the places `first` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn clip<const D: usize, const N: usize>(&self, len: usize, first: [usize; N]) -> (usize, usize) {
         let _ = first;
         (0, len)
     }
 
-    /// The first of the placements `low..end` of a loop that are taken, and how many: those of [`Sums::clip`], where the first one adds to the
-    /// places `first`.
+    /// The first and the number of the placements `low..end` of a loop that are taken, by [`Sums::clip`]; placement `low` adds to the places
+    /// `first`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn stretch<const D: usize, const N: usize>(
         &self,
@@ -77,23 +77,23 @@ pub trait Sums<S> {
         self.run(place, 1).add(0, value);
     }
 
-    /// Whether the placements of a loop from `low` to `end` are taken beside each other.
+    /// Whether the placements of a loop from `low` to `end` are evaluated together.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gathers(&self, _low: isize, _end: isize) -> bool {
         false
     }
 
-    /// Room for placements beside each other.
+    /// Storage for placements that are evaluated together.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn beside<T: Number<S>, const M: usize, const F: usize>(&self) -> Self::Beside<T, M, F> {
         Placements::new()
     }
 
-    /// Before the rows of an element, whose partners are points of `D` in the coordinates `q`.
+    /// Called before the rows of an element whose partners are points of `D` components in the coordinates `q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_rows<const D: usize>(&mut self, _q: &[S]) {}
 
-    /// Adds the slopes of a body and its partners, see [`Pair`].
+    /// Adds the slopes by a body and its partners, see [`Pair`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<
         T: Number<S>,
@@ -115,7 +115,7 @@ pub trait Sums<S> {
         add_row::<S, T, K, V, Self, O, P, D, M, F>(self, q, row);
     }
 
-    /// After the rows of an element.
+    /// Called after the rows of an element.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn end_rows<const D: usize>(&mut self) {}
 }
@@ -143,8 +143,8 @@ pub fn stretch(low: isize, end: isize) -> (isize, usize) {
     (low, if low < end { (end - low) as usize } else { 0 })
 }
 
-/// Of `len` placements whose slopes are all added to the places from `first` on, and only then to those from `second` on: how
-/// many may be taken at once, so that every place still gets its slopes in the order of the placements.
+/// How many of `len` placements may be taken together if their slopes are first added to the places from `first` on and then to
+/// those from `second` on, such that each place gets its slopes in the order of the placements.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn apart(len: usize, first: usize, second: usize) -> usize {
     if second > first { len.min(second - first) } else { len }
@@ -175,7 +175,7 @@ impl<S: Scalar> Sums<S> for [S] {
     }
 }
 
-/// Sums of one term each and a number that is known before, of all of a vector: `next[i] = base[i] + term`.
+/// Sums of a known number and one term, for a whole vector: `next[i] = base[i] + term`.
 pub(super) struct Onto<'a, S> {
     pub(super) base: &'a [S],
     pub(super) next: &'a mut [S],
@@ -215,7 +215,7 @@ pub(super) struct OntoRun<'r, S, const D: usize> {
 }
 
 impl<'r, S, const D: usize> OntoRun<'r, S, D> {
-    /// Of two lists of one length.
+    /// From two lists of the same length.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new(base: &'r [S], next: &'r mut [S]) -> Self {
         let (base, next) = (base.as_chunks().0, next.as_chunks_mut().0);
