@@ -1,16 +1,16 @@
-//! One iteration of the fixed point, `x ← φ(x)`: of a large system window by window, in the best vector instructions of the machine.
+//! One fixed-point iteration `x ← φ(x)`; for large systems window by window, in the best vector instructions of the machine.
 //!
-//! A window of the vectors stays in the first cache while its forces are taken, the new unknowns, the velocities that follow from
-//! them, and the coordinates at which the forces of the next iteration are taken:
+//! A window of the vectors stays in the first-level cache while its forces are computed, then the new unknowns, the velocities that
+//! follow from them, and the coordinates for the forces of the next iteration:
 //!
 //! ```text
 //! v' = v - (v + start Σ ∂V/∂q (Q)),   P' = p + v',   u' = Σ ∂T/∂p (P'),   Q' = q + c u'
 //! ```
 //!
-//! Where the Jacobian `I - φ'` is diagonal an iteration of Newton's method is the same with each correction divided by its entry.
+//! If the Jacobian `I - φ'` is diagonal, a Newton iteration is the same with each correction divided by its diagonal entry.
 //!
-//! Every loop is over neighbours and without branches, so that it becomes vector code. Each number is computed as in one pass over
-//! all placements ([`Step::residual`]), no operation is fused and no sum is parted, so that bits depend neither on windows nor on
+//! Every loop runs over adjacent entries without branches, so that it is vectorised. Each number is computed as in one pass over all
+//! placements ([`Step::residual`]), no operation is fused and no sum is split, so that the bits depend neither on windows nor on
 //! instructions.
 
 mod blocks;
@@ -36,35 +36,35 @@ use crate::scheme::elements::sums::Given;
 use crate::scheme::elements::{Elements, MomentumUpdate, Quadrature, Slopes, Unknowns};
 use crate::scheme::system::Hamiltonian as _;
 
-/// Places of a window. Ten stretches of it are used at one time.
+/// Number of places of a window. Ten stretches of this length are in use at a time.
 const SIZE: usize = 256;
 
-/// Degrees of freedom that are worth a thread of their own in each pass: the three or more of a step of so many take some 500 µs
+/// Degrees of freedom for each thread in each pass: the three or more passes of a step of this size take some 500 µs
 /// (`cargo bench --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 16;
 
-/// A correction that was taken.
+/// An applied correction.
 pub(in crate::scheme::elements) struct Swept {
-    /// The largest correction against the largest unknown; NaN if any is not finite.
+    /// The largest correction relative to the largest unknown; NaN if any is not finite.
     pub(in crate::scheme::elements) relative: f64,
-    /// What it changed of what the equations are evaluated at, where that is known for less than another iteration costs.
+    /// The change of the points at which the equations are evaluated, if it costs less than another iteration.
     pub(in crate::scheme::elements) change: Option<Change>,
 }
 
-/// Windows of a system, and who takes them.
+/// The windows of a system, and the portions that threads take.
 #[derive(Debug)]
 pub(in crate::scheme::elements) struct Sweeps {
     windows: Windows,
     portions: Vec<Portion>,
     instructions: InstructionSet,
-    /// Whether the coordinates at the unknowns are where the next iteration takes them from.
+    /// Whether the coordinates at the current unknowns are stored for the next iteration.
     is_ready: bool,
     /// Whether the state after the step is known to be finite.
     is_finite: bool,
 }
 
 impl Sweeps {
-    /// Takes down where the elements of a system add what.
+    /// Records the places that the elements of a system add to.
     #[cold]
     #[inline(never)]
     fn new<H: Elements + Sync>(step: &Step<'_, H, f64>, threads: Threads) -> Self {
@@ -80,7 +80,7 @@ impl Sweeps {
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// The guess of so many steps before, with its `u` and `P`.
+    /// The start extrapolated from `known` past steps, with its `u` and `P`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn start(&self, scratch: &mut Scratch<'_, S>, known: u8) {
         if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
@@ -93,7 +93,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         self.refresh(&mut scratch.lists);
     }
 
-    /// `x ← φ(x)`, or Newton's iteration with a diagonal Jacobian that was factored, with the new `u` and `P` from those of before.
+    /// `x ← φ(x)`, or a Newton iteration with the factors of a diagonal Jacobian; updates `u` and `P`, which must be those at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Swept {
         if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
@@ -125,7 +125,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             && !scratch.is_exact
     }
 
-    /// Whether an iteration may have failed for arguments of functions that loops over neighbours do not know.
+    /// Whether an iteration may have failed because of arguments that vectorised functions do not cover.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn may_have_been_unusual(&self, scratch: &Scratch<'_, S>) -> bool {
         TypeId::of::<H::Usual>() != TypeId::of::<H::Exact>() && self.takes_vectors(scratch)
@@ -139,7 +139,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         Some(Step { system, scheme, t, h, q, p, dw, increment })
     }
 
-    /// [`Step::start`]; whether that was done.
+    /// [`Step::start`] in vector instructions; returns whether that was possible.
     #[inline(never)]
     fn start_in_vectors(&self, scratch: &mut Scratch<'_, S>, known: u8) -> bool {
         let Some(step) = self.plain() else { return false };
@@ -157,7 +157,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         true
     }
 
-    /// [`Step::sweep`]; `None` if it is not for these.
+    /// [`Step::sweep`] in vector instructions; `None` if that is not possible.
     #[inline(never)]
     fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Option<Swept> {
         let (step, sweeps) = (self.plain()?, scratch.solver.sweeps.as_deref_mut()?);
@@ -187,7 +187,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 }
 
 impl<H: Elements + Sync> Step<'_, H, f64> {
-    /// The sums of a window, of slopes at coordinates or momenta.
+    /// The sums of slopes of a window, at coordinates or momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn window<'w, T: Number<f64>, V: Given<f64> + ?Sized>(
         &self,
@@ -209,7 +209,7 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
 }
 
 impl Lists<'_, f64> {
-    /// What an iteration writes; the coordinates at which it takes forces; `u` of the one before.
+    /// The lists that an iteration writes, the coordinates for its forces, and the previous `u`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parted(&mut self) -> ([&mut [f64]; 5], &[f64], &[f64]) {
         let Self { x, correction, u, by_p: before, momentum, stages, .. } = self;
@@ -219,7 +219,7 @@ impl Lists<'_, f64> {
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// Whether the last iteration went in windows and leads to a state that is finite: then [`Scratch::store_windows`] ends the step.
+    /// Whether the last iteration used windows and leads to a finite state. [`Scratch::store_windows`] then ends the step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn is_in_windows(&self, scratch: &mut Scratch<'_, S>) -> bool {
         let is_a_multiple = matches!(self.scheme.update, MomentumUpdate::Multiple(_));
@@ -233,7 +233,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 }
 
 impl<S: Scalar> Scratch<'_, S> {
-    /// The unknowns change in another way than in windows.
+    /// Notes that the unknowns change outside of windows.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn leave_windows(&mut self) {
         if let Some(sweeps) = self.solver.sweeps.as_deref_mut() {
@@ -241,7 +241,7 @@ impl<S: Scalar> Scratch<'_, S> {
         }
     }
 
-    /// Adds the increments of a step to the state, and keeps its unknowns for the next if that is to be.
+    /// Adds the increments of a step to the state, and keeps its unknowns if later steps start from them.
     #[inline(never)]
     pub(in crate::scheme::elements) fn store_windows(
         &mut self,
@@ -268,7 +268,7 @@ impl<S: Scalar> Scratch<'_, S> {
     }
 }
 
-/// [`Step::start`], of a portion.
+/// [`Step::start`] of a portion.
 struct Start<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
@@ -310,17 +310,17 @@ impl<H: Elements + Sync> Kernel for Start<'_, '_, H> {
     }
 }
 
-/// [`Step::sweep`], of a portion.
+/// [`Step::sweep`] of a portion.
 struct Sweep<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
     portion: &'a mut Portion,
     part: Part<'a, 5>,
-    /// Coordinates at which forces are taken, of all places.
+    /// Coordinates of all places for the forces.
     now: &'a [f64],
-    /// `u` of the iteration before.
+    /// `u` of the previous iteration.
     before: &'a [f64],
-    /// The inverse of a diagonal Jacobian, of all places; none for the fixed point.
+    /// The inverse of a diagonal Jacobian, for all places; empty for the fixed point.
     inverses: &'a [f64],
 }
 

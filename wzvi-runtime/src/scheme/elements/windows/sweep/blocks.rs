@@ -1,4 +1,4 @@
-//! What an iteration of the fixed point does with the numbers of a window, one by one.
+//! The operations of a fixed-point iteration on the numbers of a window, one by one.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::scheme::elements::change::{Moved, Seen};
 use crate::scheme::elements::passes::{Block, Largest, in_blocks, load, store, widened};
 use crate::scheme::elements::step::Step;
 
-/// `q += u`, `p += factor v`, and a copy of `v` if there is room for one.
+/// `q += u`, `p += factor v`, and a copy of `v` into `past` unless that is empty.
 pub(super) struct Store<'a> {
     pub(super) q: &'a mut [f64],
     pub(super) p: &'a mut [f64],
@@ -52,7 +52,7 @@ fn move_on<const N: usize>([q, p]: [&mut [f64; N]; 2], u: &[f64; N], v: &[f64; N
     }
 }
 
-/// The start from the steps before, and `P` there.
+/// The start extrapolated from past steps, and `P` there.
 pub(super) struct Guess<'a> {
     pub(super) past: [&'a [f64]; 3],
     pub(super) known: u8,
@@ -91,7 +91,7 @@ impl Block for Guess<'_> {
     }
 }
 
-/// `v ← v - J⁻¹ (v + start F)` and `P`, with a diagonal `J`, or none.
+/// `v ← v - J⁻¹ (v + start F)` and `P`, with a diagonal `J`, or without `J`.
 pub(super) struct Kick<'a, const L: usize> {
     pub(super) forces: &'a [f64],
     pub(super) weight: f64,
@@ -168,7 +168,7 @@ impl Block for Follow<'_> {
     }
 }
 
-/// [`Follow`], and what that changes.
+/// [`Follow`], and the change that it makes.
 pub(super) struct Compared<'a, const L: usize> {
     pub(super) follow: Follow<'a>,
     pub(super) before: &'a [f64],

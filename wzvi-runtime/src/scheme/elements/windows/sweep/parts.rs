@@ -1,5 +1,5 @@
-//! Windows next to each other that one thread takes. Every number is that of one thread: what is found of all of them does not depend on
-//! the order of its terms.
+//! Portions of adjacent windows, one for each thread. Every number is the same as on one thread: the combined result does not depend on
+//! the order of the portions.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +10,7 @@ use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
 use crate::scheme::elements::step::nothing;
 
-/// Windows of a thread, where they end, and room for the sums of one of them.
+/// The windows of a thread, their end, and scratch for the sums of one of them.
 #[derive(Debug)]
 pub(super) struct Portion {
     pub(super) windows: Range<usize>,
@@ -19,7 +19,7 @@ pub(super) struct Portion {
 }
 
 impl Portion {
-    /// All windows, for so many threads at most.
+    /// All windows, in at most `threads` portions.
     pub(super) fn all(windows: &Windows, threads: usize) -> Vec<Self> {
         let portion = |own: Range<usize>| {
             let end = own.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
@@ -29,14 +29,14 @@ impl Portion {
     }
 }
 
-/// What a portion has of lists, from the place `first` on.
+/// The part of lists that belongs to a portion, from the place `first` on.
 pub(super) struct Part<'a, const N: usize> {
     pub(super) first: usize,
     pub(super) lists: [&'a mut [f64]; N],
 }
 
 impl<const N: usize> Part<'_, N> {
-    /// What is before a place, and what is from it on.
+    /// Splits the lists at a place.
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { first, lists } = self;
         let [before, behind] = halves(lists, place - first);
@@ -44,19 +44,19 @@ impl<const N: usize> Part<'_, N> {
     }
 }
 
-/// What an iteration found in its windows.
+/// The result of an iteration in some windows.
 #[derive(Clone, Copy)]
 pub(super) struct Found {
     /// The largest unknown, and the largest correction: NaN if any is not finite.
     pub(super) size: f64,
     pub(super) corrected: f64,
     pub(super) change: Change,
-    /// Whether the state after the step is.
+    /// Whether the state after the step is finite.
     pub(super) is_finite: bool,
 }
 
 impl Found {
-    /// In no window.
+    /// The result in no window.
     pub(super) const NOTHING: Self =
         Self { size: 0.0, corrected: 0.0, change: Change::Unseen, is_finite: true };
 
@@ -71,7 +71,7 @@ impl Found {
     }
 }
 
-/// Does the work on the part of each portion, on a thread each if there are several; what all found.
+/// Does the work on the part of each portion, on one thread each if there are several; returns the combined result.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn on_threads<const N: usize>(
     portions: &mut [Portion],
