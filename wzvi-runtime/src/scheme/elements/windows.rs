@@ -1,16 +1,16 @@
-//! Steps that solve nothing, of large systems: window by window, in the best vector instructions of the machine.
+//! Explicit steps of large systems, window by window, in the best vector instructions of the machine.
 //!
-//! A window of the vectors stays in the first cache while its slopes are taken, added to the momenta, and the velocities that
-//! follow to the coordinates:
+//! A window of the vectors stays in the first-level cache while its forces are added to the momenta and the resulting velocities
+//! to the coordinates:
 //!
 //! ```text
 //! P[i] = p[i] - (Σ ∂V/∂q)[i],   q'[i] = q[i] + (Σ ∂T/∂p)(P)[i]
 //! ```
 //!
-//! A step is a few such [rounds](order) in turn: one of `DeltaPlus`, two of `Verlet`. The new state goes beside the old one, which
-//! neighbours still read, and replaces it when all of it is known to be finite. Every loop is over neighbours and without branches,
-//! so that it becomes vector code. Each sum gets its terms in the order of one pass over all placements, no operation is fused and
-//! no sum is parted, so that bits depend neither on windows nor on instructions.
+//! A step is a sequence of such [rounds](order): one for `DeltaPlus`, two for `Verlet`. The new state is written to separate vectors,
+//! as neighbours still read the old one, and replaces it once all of it is known to be finite. Every loop runs over adjacent entries
+//! without branches, so that it is vectorised. Each sum gets its terms in the order of one pass over all placements, no operation is
+//! fused and no sum is split, so that the bits depend neither on windows nor on instructions.
 
 mod check;
 mod explicit;
@@ -38,27 +38,27 @@ use crate::algebra::state::Vector;
 use crate::algebra::threads::Threads;
 use crate::error::StepFailure;
 
-/// Degrees of freedom from which windows are taken: those of smaller systems are one anyway.
+/// Degrees of freedom from which steps go window by window; a smaller system is a single window anyway.
 pub const LEAST_IN_WINDOWS: usize = 96;
 
-/// Places of a window. Five stretches of it are used at one time: forces, and both halves of the state before and after.
+/// Number of places of a window. Five stretches of this length are in use at a time: forces, and both halves of the state before and after.
 const SIZE: usize = 512;
 
-/// Windows begin at multiples of it.
+/// Windows begin at multiples of this.
 pub(crate) const BLOCK: usize = 64;
 
-/// Numbers in a line of the cache: sums start with one.
+/// Numbers in a cache line; sums are aligned to one.
 const LINE: usize = 8;
 
-/// Degrees of freedom up to which the last force is kept for the next step. Of more, it would go through the memory of the machine
-/// with the coordinates that it belongs to, which takes longer than its evaluation.
+/// Degrees of freedom up to which the last force is kept for the next step. In larger systems the force and its coordinates would go
+/// through main memory, which takes longer than a new evaluation.
 const MOST_KEPT: usize = 1 << 15;
 
-/// Degrees of freedom that are worth a thread of their own: a step of so many takes some 200 µs, and to begin a thread and to wait for it
-/// some 50 µs, up to 100 where the machine does something else besides (`cargo bench --bench elements -- memory`).
+/// Degrees of freedom for each thread: a step of this size takes some 200 µs, and starting and joining a thread some 50 µs, up to 100 µs on
+/// a busy machine (`cargo bench --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 17;
 
-/// The windows of a system from the first step on, and on how many threads they are to be taken.
+/// The windows of a system, made by the first step, and the threads that share them.
 #[derive(Debug, Default)]
 pub struct WindowPlan {
     threads: Threads,
@@ -66,17 +66,17 @@ pub struct WindowPlan {
 }
 
 impl WindowPlan {
-    /// One for as many threads, of a system that is not known yet.
+    /// A plan for as many threads, without windows yet.
     pub(crate) fn alike(&self) -> Self {
         Self { threads: self.threads, plan: None }
     }
 
-    /// What [`StepMemory::share`](crate::algebra::memory::StepMemory::share) says.
+    /// As [`StepMemory::share`](crate::algebra::memory::StepMemory::share).
     pub(crate) fn share(&mut self, threads: Threads) {
         *self = Self { threads, plan: None };
     }
 
-    /// On how many threads windows are to be taken.
+    /// The threads that share the windows.
     pub(crate) fn threads(&self) -> Threads {
         self.threads
     }
@@ -87,15 +87,15 @@ impl WindowPlan {
     }
 }
 
-/// Windows of a system, what is needed for one of them at a time, and the new state.
+/// The windows of a system, scratch for one window at a time, and the new state.
 #[derive(Debug)]
 struct Plan {
     windows: Windows,
     /// The moves of each round.
     rounds: Vec<Range<usize>>,
-    /// Windows that a thread each takes, as far as it can; none if there is one thread.
+    /// The turns that each thread takes independently of the others; empty for a single thread.
     shares: Vec<Share>,
-    /// The turns that come then.
+    /// The remaining turns.
     rest: Share,
     instructions: InstructionSet,
     /// Coordinates after the rounds with even and with odd numbers.
@@ -104,7 +104,7 @@ struct Plan {
     kept: Kept,
 }
 
-/// The turns of a thread, and room for the sums of a window.
+/// The turns of a thread, and scratch for the sums of a window.
 #[derive(Debug)]
 struct Share {
     /// Where its windows end.
@@ -113,11 +113,11 @@ struct Share {
     sums: Vec<f64>,
 }
 
-/// The force that the last step ended with, and where it acted.
+/// The force at the end of the last step, and where it acted.
 #[derive(Debug, Default)]
 struct Kept {
     origin: Option<Origin>,
-    /// Empty where nothing is kept.
+    /// Empty if no force is kept.
     q: Vec<f64>,
     force: Vec<f64>,
 }
@@ -156,7 +156,7 @@ fn rounds(word: &impl Word) -> Vec<Range<usize>> {
 }
 
 impl Plan {
-    /// Takes down where the elements of a system add what, each of them once.
+    /// Records the places that the elements of a system add to, each element once.
     #[cold]
     #[inline(never)]
     fn new<H: Elements + Sync>(system: &H, word: &impl Word, [q, p]: [&[f64]; 2], threads: Threads) -> Self {
@@ -190,7 +190,7 @@ impl Plan {
         }
     }
 
-    /// The turns of each thread, and those that come then.
+    /// The turns of each thread, and the remaining ones.
     fn shares(windows: &Windows, rounds: usize, threads: usize) -> (Vec<Share>, Share) {
         let all = windows.neighbours().len();
         let parts = if threads.min(all) < 2 { Vec::new() } else { windows.portions(threads).collect() };
@@ -208,12 +208,12 @@ impl Plan {
         self.momenta.len()
     }
 
-    /// Whether it is one for such parts of so many degrees of freedom.
+    /// Whether the plan is for the parts of `word` and this number of degrees of freedom.
     fn fits(&self, word: &impl Word, degrees: usize) -> bool {
         self.degrees() == degrees && self.rounds.last().is_some_and(|last| last.end == word.moves().count())
     }
 
-    /// The coordinates that the step has led to: no round but the last is without a drift.
+    /// The index of the list with the new coordinates: only the last round may be without a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn last(&self, word: &impl Word) -> usize {
         let drifts = |number| !matches!(word.kind(number), Move::Kick(_) | Move::Momenta);
@@ -229,7 +229,7 @@ impl Plan {
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
     }
 
-    /// What all turns of a step from `q` and `p` need: of all threads, of each, of those that come then, and where they write.
+    /// The data of a step from `q` and `p`: common to all turns, of each thread, of the remaining turns, and the output lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<'a>(
         &'a mut self,
@@ -241,7 +241,7 @@ impl Plan {
         (Taking { windows, rounds, q, p, reuses }, shares, rest, room)
     }
 
-    /// All turns of a step; whether the new state is finite.
+    /// Takes all turns of a step; returns whether the new state is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<H: Elements + Sync, W: Word>(
         &mut self,
@@ -258,7 +258,7 @@ impl Plan {
             && Job::<_, _, H::Usual, true>::new(step, system, word.share(), rest, room).run_in(instructions)
     }
 
-    /// The same on one thread where a function has an argument that is not usual, or to no avail.
+    /// The same on one thread in exact numbers, for arguments that vectorised functions do not cover. Fails if the state is not finite.
     #[cold]
     #[inline(never)]
     fn take_exactly<H: Elements + Sync, W: Word>(
@@ -274,7 +274,7 @@ impl Plan {
     }
 }
 
-/// A step whose numbers are in its plan.
+/// The new state of a step, stored in its plan.
 #[derive(Debug)]
 pub struct Taken<'p> {
     q: &'p mut Vec<f64>,
@@ -295,7 +295,7 @@ impl Taken<'_> {
     }
 }
 
-/// All parts of a step from `q` and `p`.
+/// Takes all parts of a step from `q` and `p`.
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.

@@ -1,6 +1,6 @@
-//! Sums that are stored, and whether all of them are finite.
+//! Stores sums, and checks whether all of them are finite.
 
-/// Numbers that are checked side by side.
+/// Number of lanes of the check.
 const BESIDE: usize = 16;
 
 /// Whether all numbers are finite: zero times any of them is zero.
@@ -57,7 +57,7 @@ impl Check {
         let (into, into_rest) = into.as_chunks_mut::<BESIDE>();
         let ((base, base_rest), (terms, terms_rest)) =
             (base.as_chunks::<BESIDE>(), terms.as_chunks::<BESIDE>());
-        // A list of its own, which stays in registers.
+        // A local copy, which stays in registers.
         let mut zeros = self.0;
         for (k, (into, terms)) in into.iter_mut().zip(terms).enumerate() {
             let base = if IN_PLACE { *into } else { base[k] };

@@ -6,9 +6,9 @@ use crate::error::StepFailure;
 use crate::scheme::elements::step::Step;
 use crate::scheme::elements::{Elements, Given, MomentumUpdate, Quadrature, Slopes, Stage, Sums, Unknowns};
 
-/// Whether steps of so many degrees of freedom go window by window.
+/// Whether steps of a system of this size go window by window.
 ///
-/// Only for [`Facts::has_windows`](crate::scheme::plan::Facts::has_windows), which is asked beforehand, so that nothing is compiled for the others.
+/// The caller checks [`Facts::has_windows`](crate::scheme::plan::Facts::has_windows) first, so that nothing is compiled for other systems.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(in crate::scheme::elements) fn takes_windows(scheme: &Quadrature, degrees: usize) -> bool {
     let is_explicit = scheme.unknowns == Unknowns::None && scheme.takes_parts_once();
@@ -101,7 +101,7 @@ impl<H: Elements + Sync> Word for Step<'_, H, f64> {
     }
 }
 
-/// The system of a step is its own.
+/// Uses the system of the step, not the argument.
 impl<H: Elements + Sync> Moves for Step<'_, H, f64> {
     /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
     #[cfg_attr(not(debug_assertions), inline(always))]

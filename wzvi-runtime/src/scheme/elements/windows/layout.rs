@@ -1,9 +1,9 @@
-//! Which stretch of the vectors of slopes is written.
+//! The stretch of the slope vectors that each window writes.
 //!
-//! A step of a large system goes over it in windows that stay in the first cache: all slopes of a window, then what follows
-//! from them. Every entry gets the same terms in the same order as in one pass over all placements, so that the bits of a step do
-//! not depend on the windows. What placements at the border of a window add outside of it goes to a margin, or where it is
-//! too far for that, to a place that nobody reads.
+//! A step of a large system proceeds in windows that stay in the first-level cache: first all slopes of a window, then the numbers
+//! that follow from them. Every entry gets the same terms in the same order as in one pass over all placements, so that the bits of
+//! a step do not depend on the windows. Terms that placements at the border of a window add outside of it go to a margin or, if they
+//! are too far away, to entries that are never read.
 
 use std::cell::{Cell, RefCell};
 use std::iter::{Cloned, Flatten};
@@ -15,7 +15,7 @@ use super::super::sums::{Run, Sums};
 use super::BLOCK;
 use crate::algebra::scalar::Number;
 
-/// The places from `start` to `end`, of a plan.
+/// A window of a plan, with the places from `start` to `end`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strip<'a> {
     pub(super) start: usize,
@@ -48,20 +48,20 @@ impl<'a> Strip<'a> {
         clip(self.start / D..self.end / D, len, first.map(|place| place / D))
     }
 
-    /// Where the sums of the window are, in a list of [`Windows::room`].
+    /// The range of the sums of the window in a list of length [`Windows::room`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn own(self) -> Range<usize> {
         let margin = self.plan.margin;
         margin..margin + (self.end - self.start)
     }
 
-    /// Where sums that nobody reads begin.
+    /// The start of the sums that are never read.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn unread(self) -> usize {
         self.plan.size + 2 * self.plan.margin
     }
 
-    /// Where the sums of `len` places from `first` on are.
+    /// The position of the sums of `len` places from `first` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn position(self, first: usize, len: usize) -> usize {
         let margin = self.plan.margin;
@@ -70,10 +70,10 @@ impl<'a> Strip<'a> {
     }
 }
 
-/// As [`Sums::clip`], to what writes into `places`.
+/// As [`Sums::clip`], for placements that write into `places`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> (usize, usize) {
-    // Rows of a lattice mostly lie in a window: looking at one stretch of them is enough. Chains, with one or two stretches, do not.
+    // Rows of a lattice mostly lie in one window, so that a single stretch decides. Chains, with one or two stretches, do not.
     if N > 2 && first.iter().any(|&first| places.start <= first && first + len <= places.end) {
         return (0, len);
     }
@@ -87,7 +87,7 @@ fn clip<const N: usize>(places: Range<usize>, len: usize, first: [usize; N]) -> 
     (start.min(end), end.saturating_sub(start))
 }
 
-/// A run of placements, as [`Sums::clip`] is told of it.
+/// A run of placements, as passed to [`Sums::clip`].
 #[derive(Clone, Debug)]
 struct Placements {
     /// The outermost loop around it and the value of its variable, if there is one.
@@ -98,14 +98,14 @@ struct Placements {
     first: Vec<usize>,
 }
 
-/// Takes down the runs of a system; nothing is computed.
+/// Records the runs of a system without computing anything.
 #[derive(Debug, Default)]
 pub(super) struct Recorder {
     runs: RefCell<Vec<Placements>>,
     outer: Cell<Option<(usize, isize)>>,
 }
 
-/// The values of an outermost loop, each of which the recorder is told before its turn.
+/// The values of an outermost loop, each of which is first passed to the recorder.
 pub(super) struct Told<'a> {
     variable: usize,
     values: Range<isize>,
@@ -151,7 +151,7 @@ impl<'a> Sums<f64> for &'a Recorder {
     fn add<T: Number<f64>>(&mut self, _place: usize, _value: T) {}
 }
 
-/// Sums that nobody reads.
+/// Sums that are not stored.
 pub(super) struct Unkept;
 
 impl Run<f64> for Unkept {
@@ -169,21 +169,21 @@ struct Rows {
 #[derive(Clone, Debug)]
 pub(super) struct Windows {
     degrees: usize,
-    /// Places of a window; the last one has fewer.
+    /// Number of places of a window; the last one may have fewer.
     size: usize,
-    /// Entries before and behind those of a window.
+    /// Number of entries before, and after, those of a window.
     margin: usize,
-    /// Entries that nobody reads, behind all others.
+    /// Number of entries, after all others, that are never read.
     unread: usize,
     rows: Vec<Rows>,
-    /// By window, those whose coordinates its slopes read, itself included.
+    /// For each window, the windows whose coordinates its slopes read, itself included.
     neighbours: Vec<Vec<usize>>,
 }
 
-/// Windows are as many times as long as placements reach: that part of them is computed twice.
+/// Least length of a window in units of the reach of placements; placements across a border are computed twice.
 const REACHES: usize = 8;
 
-/// How far apart the places are that a placement writes to: the median, because what wraps around reaches far.
+/// The median distance of the places that a placement writes to; the few placements that wrap around do not affect it.
 fn reach(runs: &[Placements]) -> usize {
     let reach = |run: &Placements| {
         let (least, most) = (run.first.iter().min(), run.first.iter().max());
@@ -201,8 +201,7 @@ fn reach(runs: &[Placements]) -> usize {
 }
 
 impl Windows {
-    /// Windows of `size` places, or of more where placements write far apart, from the runs of a system of so many degrees of
-    /// freedom.
+    /// Windows of `size` places, or more if placements write far apart, from the recorded runs of a system.
     pub(super) fn new(degrees: usize, size: usize, recorder: Recorder) -> Self {
         let runs = recorder.runs.into_inner();
         let stride = runs.iter().map(|run| run.stride).max().unwrap_or(1);
@@ -273,23 +272,23 @@ impl Windows {
         (number * self.size, ((number + 1) * self.size).min(self.degrees))
     }
 
-    /// Entries that the slopes of a window need.
+    /// Number of entries for the slopes of a window.
     pub(super) fn room(&self) -> usize {
         self.size + 2 * self.margin + self.unread
     }
 
-    /// Entries before those of a window.
+    /// Number of entries before those of a window.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn margin(&self) -> usize {
         self.margin
     }
 
-    /// By window, those whose coordinates its slopes read, itself included: who reads is read.
+    /// For each window, the windows whose coordinates its slopes read, itself included. The relation is symmetric.
     pub(super) fn neighbours(&self) -> &[Vec<usize>] {
         &self.neighbours
     }
 
-    /// All windows in as many portions of neighbours, or in fewer if there are not so many.
+    /// All windows in `number` contiguous portions, or in fewer if there are fewer windows.
     pub(super) fn portions(&self, number: usize) -> impl Iterator<Item = Range<usize>> {
         let all = self.neighbours.len();
         let parts = number.clamp(1, all.max(1));

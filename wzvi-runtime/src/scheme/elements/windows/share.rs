@@ -1,8 +1,8 @@
 //! The turns of one thread.
 //!
-//! Threads have windows next to each other, and of the new state the part that belongs to them: each goes over its own as far as that
-//! can be without what others write. The rest, a few windows at the borders, is taken when all are done. Every number is that of one thread:
-//! which turns a window waits for changes no term and no order of a sum.
+//! Each thread has a range of adjacent windows and the part of the new state that belongs to them. It takes those turns that do not depend
+//! on the output of other threads. The rest, a few windows at the borders, is taken when all threads have finished. Every number is the
+//! same as on one thread: the order of the turns changes no term and no order of a sum.
 
 use std::marker::PhantomData;
 use std::mem::take;
@@ -25,7 +25,7 @@ pub(super) struct Room<'a> {
     pub(super) even: &'a mut [f64],
     pub(super) odd: &'a mut [f64],
     pub(super) momenta: &'a mut [f64],
-    /// Where the last force acts, and the force.
+    /// The coordinates at which the last force acts, and the force.
     pub(super) kept: [&'a mut [f64]; 2],
 }
 
@@ -36,7 +36,7 @@ impl<'a> Room<'a> {
         Room { first: *first, even, odd, momenta, kept: [q, force] }
     }
 
-    /// What is before a place, and what is from it on.
+    /// Splits the lists at a place.
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { first, even, odd, momenta, kept: [q, force] } = self;
         let [before, behind] = halves([even, odd, momenta, q, force], place - first);
@@ -50,13 +50,13 @@ impl<'a> Room<'a> {
     }
 }
 
-/// Lists before a place, and from it on, as far as they reach.
+/// Splits lists at a place; shorter lists stay in the first half.
 pub(super) fn halves<const N: usize>(lists: [&mut [f64]; N], place: usize) -> [[&mut [f64]; N]; 2] {
     let mut halves = lists.map(|list| list.split_at_mut(place.min(list.len())));
     [halves.each_mut().map(|half| take(&mut half.0)), halves.map(|half| half.1)]
 }
 
-/// A step as all threads see it.
+/// The data of a step that all threads share.
 #[derive(Clone, Copy)]
 pub(super) struct Taking<'a> {
     pub(super) windows: &'a Windows,
@@ -68,7 +68,7 @@ pub(super) struct Taking<'a> {
 }
 
 impl Taking<'_> {
-    /// The turns of all shares, each on a thread; whether all numbers are finite.
+    /// Takes the turns of each share on its own thread; returns whether all numbers are finite.
     pub(super) fn on_threads<H: Elements + Sync, W: Word>(
         self,
         system: &H,
@@ -95,7 +95,8 @@ impl Taking<'_> {
     }
 }
 
-/// Turns of windows, with slopes in numbers `T`. Where the room is `WHOLE` is known when it is compiled: to find places in a part of it takes time.
+/// Turns of windows, with slopes in numbers `T`. `WHOLE`, for a room that covers the whole system, is a compile-time constant because
+/// offsets into a part of it take time.
 pub(super) struct Job<'a, H, W, T, const WHOLE: bool> {
     step: Taking<'a>,
     system: &'a H,
@@ -119,7 +120,7 @@ impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a,
         Self { step, system, word, turns, sums: &mut sums[first..], room, numbers: PhantomData }
     }
 
-    /// Whether all new numbers are finite. Compiled once, and called from wherever jobs are done.
+    /// Takes the turns; returns whether all new numbers are finite. Compiled once for all callers.
     #[inline(never)]
     pub(super) fn run_in(self, instructions: InstructionSet) -> bool {
         instructions.run(self)
@@ -135,7 +136,7 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
         let mut room = self.room;
         let Self { step, system, mut word, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
-        // Where lists are is read again for each move: what follows from it would else be computed for moves that are not to come.
+        // The positions of lists are read again for each move; otherwise the compiler computes offsets for moves that never come.
         let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = &mut room;
         let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
         let keeps = W::ADDS_TERMS && !kept_q.is_empty() && last > 0;
@@ -199,26 +200,26 @@ struct OneTurn<'t, H, W, const WHOLE: bool> {
     word: &'t mut W,
     check: &'t mut Check,
     strip: Strip<'t>,
-    /// Where the room begins.
+    /// The first place of the room.
     first: usize,
-    /// Coordinates before, and after.
+    /// Coordinates before the turn (`from`) and after it (`to`).
     from: Stretch<'t>,
     to: &'t mut [f64],
     momenta: &'t mut [f64],
     sums: &'t mut [f64],
-    /// Until something is stored, momenta are those of the state.
+    /// The momenta of the state, until new ones are stored.
     base: Option<&'t [f64]>,
     has_drifted: bool,
 }
 
 impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
-    /// Where its places are in the room.
+    /// The range of its places in the room.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn own(&self) -> Range<usize> {
         self.strip.start - self.first..self.strip.end - self.first
     }
 
-    /// Momenta that no kick has stored.
+    /// Copies the momenta of the state, unless a kick has stored new ones.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store_base(&mut self) {
         if let Some(base) = self.base.take() {
@@ -227,7 +228,7 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
         }
     }
 
-    /// With the force of the step before.
+    /// Adds the kept force of the previous step to the momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick_again(&mut self, force: &[f64]) {
         let own = self.own();
@@ -235,7 +236,7 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
         self.check.store(p, self.base.take(), force, |p, force| p + force);
     }
 
-    /// Adds forces to momenta; the sums.
+    /// Adds forces to momenta; returns the sums of the window.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick<T: Number<f64>>(&mut self, number: usize, kick: Kick) -> &[f64] {
         let own = self.own();

@@ -1,4 +1,4 @@
-//! What the slopes of a window are added to.
+//! The sums that the slopes of a window are added to.
 
 use std::ops::{Index, Range};
 
@@ -13,7 +13,7 @@ use crate::algebra::scalar::Number;
 pub(super) struct Stretch<'a> {
     pub(super) numbers: &'a [f64],
     pub(super) first: usize,
-    /// Those of the system.
+    /// The degrees of freedom of the system.
     pub(super) degrees: usize,
 }
 
@@ -42,7 +42,7 @@ impl Given<f64> for Stretch<'_> {
     }
 }
 
-/// Sums of a window in a list of their own, of which those before `filled` have terms: what comes to the others is their first.
+/// Sums of a window in a separate list. Sums before `filled` have terms; the next term of any other sum is its first.
 pub(super) struct Window<'a> {
     strip: Strip<'a>,
     sums: &'a mut [f64],
@@ -66,7 +66,7 @@ impl<'a> Window<'a> {
         Self { strip, sums, filled }
     }
 
-    /// Where the sums of `len` places from `first` on are, and whether they have no term yet.
+    /// The position of the sums of `len` places from `first` on, and whether they have no term yet.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn open(&mut self, first: usize, len: usize) -> (usize, bool) {
         let position = self.strip.position(first, len);
@@ -135,7 +135,7 @@ pub(super) struct Gathered<'r> {
 }
 
 impl Run<f64> for Gathered<'_> {
-    // Written out: by the default, a step of `Verlet` on a lattice takes 10 % longer.
+    // Written out: with the default, a step of `Verlet` on a lattice takes 10 % longer.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<f64>>(&mut self, place: usize, value: T) {
         let sum = if self.is_fresh { nothing() } else { self.sums[place] };
@@ -147,7 +147,7 @@ impl Run<f64> for Gathered<'_> {
     }
 }
 
-/// Sums of one term each and a number that is known before: `next[i] = base[i] + term`.
+/// Sums of a known number and one term: `next[i] = base[i] + term`.
 pub(super) struct Moved<'a> {
     pub(super) strip: Strip<'a>,
     pub(super) base: Stretch<'a>,

@@ -1,4 +1,4 @@
-//! Kicks, drifts, and what acts on single sites, in turn.
+//! Sequences of kicks, drifts, and moves of single sites.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub struct Flow<'a, S> {
     pub dw: &'a [S],
 }
 
-/// What a force depends on besides the coordinates.
+/// The arguments of a force other than the coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
     /// The time, if the force reads it.
@@ -27,14 +27,14 @@ pub struct Origin {
     pub h: f64,
 }
 
-/// To the last bit.
+/// Compares all bits.
 impl PartialEq for Origin {
     fn eq(&self, other: &Self) -> bool {
         self.h.to_bits() == other.h.to_bits() && self.t.map(f64::to_bits) == other.t.map(f64::to_bits)
     }
 }
 
-/// How the sum of the slopes by the coordinates of a site, or its terms, come to its momentum.
+/// How the slopes by the coordinates of a site, summed or one by one, are added to its momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kick {
     /// `p - sum`
@@ -47,7 +47,7 @@ pub enum Kick {
     Terms,
 }
 
-/// What is done to every site.
+/// A move of every site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
     /// Adds forces to momenta.
@@ -60,19 +60,19 @@ pub enum Move {
     State,
 }
 
-/// What the kicks and drifts of a word add.
+/// The slopes that the kicks and drifts of a word add.
 pub trait Moves {
-    /// How many parts there are.
+    /// Number of parts.
     fn count(&self) -> usize;
 
-    /// What the force of a kick depends on besides the coordinates, if it is one at the end of a step, which the next begins with.
+    /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step, where the force may be reused.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, number: usize) -> Option<Origin> {
         let _ = number;
         None
     }
 
-    /// Adds the slopes of a kick by the coordinates, which are `state`, or those of a drift by the momenta, which are it.
+    /// Adds the slopes by `state`: the coordinates for a kick, the momenta for a drift.
     fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
     where
         H: Elements + Sync,
@@ -81,30 +81,30 @@ pub trait Moves {
         A: Sums<f64>;
 }
 
-/// The parts of a step, each of which moves the state that those before it have left.
+/// The parts of a step, which move the state one after the other.
 pub trait Word {
-    /// The same parts for the time of a step, which threads may have.
+    /// The same parts, borrowed for one step, which may be sent to threads.
     type Share<'s>: Word + Send
     where
         Self: 's;
     /// Whether slopes have the sign with which they are added.
     const ADDS_TERMS: bool = true;
-    /// Whether there are other parts than kicks and drifts, and several drifts may be between two kicks.
+    /// Whether there are parts other than kicks and drifts, and possibly several drifts between two kicks.
     const CHANGES: bool = false;
 
-    /// All places.
+    /// The parts for all places.
     fn share(&mut self) -> Self::Share<'_>;
 
-    /// Those before a place, and those from it on, each for one thread.
+    /// The parts for the places before `place`, and for those from it on, each for one thread.
     #[must_use]
     fn divide(self, place: usize) -> [Self; 2]
     where
         Self: Sized;
 
-    /// How many parts there are, and what kicks and drifts add.
+    /// The number of parts, and the slopes that kicks and drifts add.
     fn moves(&self) -> &impl Moves;
 
-    /// What a part is.
+    /// The kind of a part.
     fn kind(&self, number: usize) -> Move;
 
     /// Changes the momenta of some places one by one, and may be called again.
@@ -120,7 +120,7 @@ pub trait Word {
     }
 }
 
-/// All parts of a step from `q` and `p`, if the system [has windows](crate::scheme::plan::Facts::has_windows).
+/// Takes all parts of a step from `q` and `p`, if the system [has windows](crate::scheme::plan::Facts::has_windows).
 ///
 /// # Errors
 /// [`StepFailure::NonFinite`] if the new state is not finite.
