@@ -1,15 +1,15 @@
-//! Drifts and kicks in turn: for `T(p) + V(q, t)`.
+//! Alternating drifts and kicks, for `T(p) + V(q, t)`.
 //!
 //! With `F = h H_0 + Σ_k ΔW_k H_k = T(p) + V(q, t)` a drift of weight `a` is `q ← q + a ∂T/∂p`, a kick of weight `b` is
 //! `p ← p - b ∂V/∂q`: the flows of the parts, both exact. A kick acts at the time that the drifts before it have reached,
 //! `t + (a_1 + ... + a_j) h`, since time is a coordinate that the drift moves.
 //!
-//! What stands beside its like is one (an adjoint pair `DeltaPlus(b)`, `DeltaMinus(a)` is kick, drift, drift, kick), so that
-//! every kick evaluates the force at a node of its own, once. Where a step ends with a kick the next one starts with the same force: it is
-//! kept with the node, and taken if node, step size, and the time if the force reads it, are the same to the last bit. Reuse is not to be
-//! seen in the numbers, and checkpoints need not know of it.
+//! Adjacent flows of the same kind are merged (an adjoint pair `DeltaPlus(b)`, `DeltaMinus(a)` is kick, drift, drift, kick), so that
+//! every kick evaluates the force once, at its own node. If a step ends with a kick, the next one starts with the same force: it is
+//! kept with the node, and reused if node, step size and, if the force reads it, time are the same to the last bit. Reuse changes no
+//! number, and checkpoints do not contain the force.
 //!
-//! What a flow reads of the system is [`Field::step_slopes`].
+//! Flows evaluate the system by [`Field::step_slopes`].
 
 use std::marker::PhantomData;
 
@@ -37,7 +37,7 @@ pub trait Flows: Field {
     /// Whether `V` reads the time.
     const FORCE_READS_TIME: bool;
 
-    /// All parts of a step, window by window, where they [go so](crate::scheme::plan::Facts::has_windows).
+    /// Takes all parts of a step, window by window, if the system [has windows](crate::scheme::plan::Facts::has_windows).
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`] if the new state is not finite.
@@ -53,7 +53,7 @@ pub trait Flows: Field {
     }
 }
 
-/// The drifts and kicks `W` in turn; `SQUARES` where kicks are by potentials with the square of the force.
+/// The drifts and kicks `W` in turn; `SQUARES` if kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
@@ -224,8 +224,9 @@ impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
 }
 
 impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
-    /// Where parts lead to. A drift has the discrete Lagrangian `p · Δq - a T(p)`, a kick at `q` has `-b V(q) + c |V'(q)|²`. Both sums of weights are 1, so that
-    /// `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum up to values of `F`, less `F(q_0, p_0)`.
+    /// The end of the parts and their discrete Lagrangian. That of a drift is `p · Δq - a T(p)`, that of a kick at `q` is
+    /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum to values
+    /// of `F`, less `F(q_0, p_0)`.
     fn follow(
         self,
         stages: &[Stage<Act>],
@@ -259,7 +260,7 @@ impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
 }
 
 impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
-    /// Loops add to each place in turn, and need no room of their own.
+    /// Loops add to each place in turn, and need no separate list of slopes.
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -1,15 +1,15 @@
 //! Kicks by potentials with the square of the force, `b V - c |V'|²`, for quadratic kinetic energies.
 //!
-//! With the step Hamiltonian `F = T(p) + V(q, t)` and constant `T''` the bracket `{V, {T, V}}` is a function of the coordinates,
-//! `|V'|² = V' · T'' V'`, up to its sign, so that its flow is a kick, too, and one that goes together with that of `V`:
+//! For the step Hamiltonian `F = T(p) + V(q, t)` with constant `T''`, the bracket `{V, {T, V}}` is, up to its sign, the function
+//! `|V'|² = V' · T'' V'` of the coordinates. Its flow is a kick, too, and combines with that of `V`:
 //!
 //! ```text
 //! p ← p - b V' + 2 c V'' T'' V'
 //! ```
 //!
-//! `T'' V'` and `V'' (T'' V')` are derivatives of the generated slopes in one direction each, by dual numbers: two evaluations
-//! besides that of the force, at any size. All of them are taken of the fraction `s = -b` of `F`, where the last term is
-//! `2 c / s³` times `s³ V'' T'' V'`.
+//! `T'' V'` and `V'' (T'' V')` are directional derivatives of the generated slopes, computed with dual numbers: two evaluations in
+//! addition to the force, for any number of degrees of freedom. All evaluations are of the fraction `s = -b` of `F`, for which the last
+//! term is `2 c / s³` times `s³ V'' T'' V'`.
 
 use super::flows::{Act, Flows, FlowsOf};
 use super::stages::Stage;
@@ -33,7 +33,7 @@ impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
     }
 }
 
-/// Where and for what a force is evaluated: of the fraction of the step Hamiltonian that is the stage's share.
+/// The input of a force, which is evaluated for the fraction of the step Hamiltonian given by the share of the stage.
 pub(super) struct Kick<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
     pub(super) flows: &'a FlowsOf<'f, F, K, SQUARES>,
     pub(super) stage: &'a Stage<Act>,
@@ -42,15 +42,15 @@ pub(super) struct Kick<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
 }
 
 impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, S, SQUARES> {
-    /// `V'` into `force` and `V'' T'' V'` into `change`; gives `|V'|²`.
+    /// Writes `V'` into `force` and `V'' T'' V'` into `change`; returns `|V'|²`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn differentiate(&self, room: &mut Directional<S>, force: &mut [S], change: &mut [S]) -> S {
         let &Self { flows: &FlowsOf { system, parameters, t, h, .. }, stage, q, dw } = self;
-        // Derivatives by these are not taken along.
+        // Derivatives by these are not propagated.
         let (t, h, parameters) = (t.lane(0), h.lane(0), &F::Parameters::lane(parameters, 0));
         let (t, h) = (t + stage.node * h, stage.share * h);
         let Directional { q: dual_q, p: dual_p, slopes, dw: dual_dw } = room;
-        // The momenta do not matter to what is read: `V'`, and the constant `T''`.
+        // `V'` and the constant `T''` do not depend on the momenta.
         system.step_slopes::<f64, S, true, false>(
             parameters,
             S::from_f64(t),
@@ -104,7 +104,7 @@ impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, 
     }
 }
 
-/// Room for slopes with their derivative in one direction.
+/// Scratch for slopes with their derivative in one direction.
 #[derive(Debug, Default)]
 pub(super) struct Directional<S> {
     q: Vec<Dual<1, S>>,
@@ -114,7 +114,7 @@ pub(super) struct Directional<S> {
 }
 
 impl<S: Scalar> Directional<S> {
-    /// Makes room for so many degrees of freedom and noises, where it is not there.
+    /// Allocates for these numbers of degrees of freedom and noises, unless done before.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn fit(&mut self, degrees: usize, noises: usize) {
         if self.q.len() != degrees || self.dw.len() != noises {

@@ -1,13 +1,13 @@
 //! The flow of a quadratic Hamiltonian, by a matrix exponential.
 //!
 //! `H = x·Kx/2 + b·x` with `x = (q, p)` and constant `K`, `b` has the equations of motion `x' = J(Kx + b)`, and the flow
-//! over `s` is `x ← x + D(s) x + d(s)`, `D = e^(sJK) - 1`, `d = ∫_0^s e^(rJK) J b dr`: both are read off the matrix
-//! `M = [[JK, Jb], [0, 0]]`, which has one row more. `D` is summed for a small `s` and doubled by `D(2s) = 2 D(s) + D(s)²`, so that
+//! over `s` is `x ← x + D(s) x + d(s)`, `D = e^(sJK) - 1`, `d = ∫_0^s e^(rJK) J b dr`: both follow from the exponential of the matrix
+//! `M = [[JK, Jb], [0, 0]]`, which has one more row. `D` is summed for a small `s` and doubled by `D(2s) = 2 D(s) + D(s)²`, so that
 //! the difference to 1 keeps its digits (N. J. Higham, *Functions of Matrices*, SIAM 2008, section 10.3).
 //!
-//! The action `∫ p · q' - H` over the flow is that of a homogeneous form, `[p · q] / 2`, less `∫ b · x / 2`, which is one row more of `M`.
+//! The action `∫ p · q' - H` over the flow is that of a homogeneous form, `[p · q] / 2`, less `∫ b · x / 2`, which takes one more row of `M`.
 //!
-//! Degrees of freedom that `K` does not couple have exponentials of their own.
+//! Degrees of freedom that `K` does not couple have separate exponentials.
 
 use crate::algebra::scalar::Scalar;
 use crate::error::ConfigError;
@@ -18,16 +18,16 @@ pub(super) struct Linear {
     blocks: Vec<Block>,
 }
 
-/// The flow of the degrees of freedom that one another couples.
+/// The flow of a group of coupled degrees of freedom.
 #[derive(Clone, Debug)]
 struct Block {
     /// The degrees of freedom; `x` are their coordinates, then their momenta.
     degrees: Vec<usize>,
-    /// Row by row, `2n + 1` rows of `2n + 1` numbers: `D` and `d`, then what gives `-∫ b · x / 2`.
+    /// Row by row, `2n + 1` rows of `2n + 1` numbers: `D` and `d`, then the row for `-∫ b · x / 2`.
     rows: Vec<f64>,
 }
 
-/// Terms of the sum for `D`: with a norm of at most 1/2 the first that is left out is below rounding.
+/// Number of terms of the sum for `D`: with a norm of at most 1/2, the first omitted term is below rounding.
 const TERMS: u32 = 18;
 
 impl Linear {
@@ -113,7 +113,7 @@ impl Linear {
 }
 
 impl Block {
-    /// A row of the map, at a state of the whole system.
+    /// A row of the map, applied to a state of the whole system.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<S: Scalar>(&self, coefficients: &[f64], q: &[S], p: &[S]) -> S {
         let n = self.degrees.len();
@@ -125,7 +125,7 @@ impl Block {
     }
 }
 
-/// The indices `0..length` in groups of those that are coupled, one with another.
+/// The indices `0..length` in groups of coupled ones.
 fn groups(length: usize, is_coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut is_placed = vec![false; length];
     let mut groups = Vec::new();
@@ -189,7 +189,7 @@ fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A rotation, a shift, and a hyperbolic flow, beside each other.
+    /// A rotation, a shift, and a hyperbolic flow, which are not coupled.
     #[test]
     fn flows_are_those_of_the_closed_form() {
         // H = (q0² + p0²) ω/2 + p1²/2 + g q1 + q2 p2

@@ -1,11 +1,11 @@
-//! The flows of two parts, as the user has parted the Hamiltonian: `drift = [H_A, H_B]`.
+//! The flows of two parts into which the user has split the Hamiltonian: `drift = [H_A, H_B]`.
 //!
-//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates, a kick; a function of the momenta, a
-//! drift; or a quadratic form in both with constant coefficients, a linear map ([`Linear`]), which is made once for each weight. What a part reads of the
-//! time it reads where the flows of the other part have brought it: the time is a coordinate that `H_A` moves.
+//! Each part has one of the forms whose flow the compiler knows: a function of the coordinates (a kick), a function of the momenta (a
+//! drift), or a quadratic form in both with constant coefficients (a linear map, [`Linear`], computed once for each weight). A part reads the
+//! time that the flows of the other part have reached: time is a coordinate that `H_A` moves.
 //!
-//! A force `f(q, t)` is a part of the kick, `p' = -∂H/∂q + f`, and friction of one rate a part of the linear map, `p' = -∂H/∂q - γ p`, which then is
-//! conformally symplectic.
+//! A force `f(q, t)` is included in the kick, `p' = -∂H/∂q + f`. Friction with a single rate is included in the linear map,
+//! `p' = -∂H/∂q - γ p`, which is then conformally symplectic.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -41,12 +41,12 @@ pub enum Form {
 pub trait Parts: Elements + Sized {
     /// The forms of `H_A` and `H_B`.
     const FORMS: [Form; 2];
-    /// The number of `H_A` among the parts that elements are added up by; `H_B` has the next one.
+    /// The number of `H_A` among the parts of the elements; `H_B` has the next one.
     const FIRST: usize;
     /// Lists of one number per degree of freedom.
     type Shape: Shape;
 
-    /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as they are wanted.
+    /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that slopes depend on")]
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
@@ -72,7 +72,7 @@ pub trait Parts: Elements + Sized {
     }
 }
 
-/// The flows of the parts in turn.
+/// The flows of the two parts in turn.
 #[derive(Clone, Copy, Debug)]
 pub struct PartFlows<W>(PhantomData<W>);
 
@@ -85,7 +85,7 @@ impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
 #[derive(Clone, Debug)]
 pub struct Prepared(Stages<Act>);
 
-/// What a part does.
+/// The flow of a part.
 #[derive(Clone, Debug)]
 enum Act {
     /// `p ← p - a ∂H/∂q`
@@ -96,7 +96,7 @@ enum Act {
     Map(Arc<Linear>),
 }
 
-/// With one map for all stages with the same weight.
+/// Prepares the parts of a step, with one map for all stages of the same part and weight.
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] where a coefficient is not finite.

@@ -1,4 +1,4 @@
-//! The parts of a step that are flows, and what all kinds of flows share: room, sums, checks.
+//! The parts of a step that are flows, and the scratch, sums and checks of all kinds of flows.
 
 use super::gradient::Directional;
 use super::lagrangian::Followed;
@@ -19,14 +19,14 @@ use crate::scheme::system::{Hamiltonian, Segment, check_lengths, fits};
 #[derive(Clone, Debug)]
 pub(crate) struct Stages<A = Half>(pub(crate) Vec<Stage<A>>);
 
-/// A part of a step: the fraction `weight` of that of a whole step, at the fraction `node` of its time: as far as those of the
-/// other kind have come.
+/// A part of a step: the fraction `weight` of the flow of a whole step, at the fraction `node` of its time, which the flows of the
+/// other kind have reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stage<A = Half> {
-    /// What it does.
+    /// The action of the part.
     pub(crate) act: A,
     pub(crate) weight: f64,
-    /// Of time and increments, for the flow of `T` or of `-V`.
+    /// The fraction of time and increments: `weight` for the flow of `T`, `-weight` for that of `V`.
     pub(crate) share: f64,
     pub(crate) node: f64,
     /// Whether it is a kick that a step begins or ends with.
@@ -41,7 +41,7 @@ impl Stage {
 }
 
 impl<A> Stage<A> {
-    /// The same time and weight for something else.
+    /// The same stage with another action.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) const fn with<B>(&self, act: B) -> Stage<B> {
         let Self { weight, share, node, is_end, .. } = *self;
@@ -50,7 +50,7 @@ impl<A> Stage<A> {
 }
 
 impl Stages {
-    /// With neighbours of one kind as one.
+    /// Merges adjacent parts of the same kind.
     pub(crate) fn of(substeps: &[Substep]) -> Self {
         let mut stages: Vec<Stage> = Vec::new();
         let [mut first, mut second] = [0.0; 2];
@@ -61,14 +61,14 @@ impl Stages {
             }
             *if half == Half::First { &mut first } else { &mut second } += weight;
         }
-        // Each kind sums to 1, but for rounding.
+        // Each kind sums to 1 up to rounding.
         if let Some(last) = stages.last_mut() {
             last.node = 1.0;
         }
         Self(stages).with_ends(|half| Some(*half))
     }
 
-    /// The same with something else done in each.
+    /// The same stages with other actions.
     pub(crate) fn map<B>(self, act: impl Fn(usize, Half) -> B) -> Stages<B> {
         let stages = self.0.iter().enumerate().map(|(index, stage)| stage.with(act(index, stage.act)));
         Stages(stages.collect())
@@ -76,7 +76,7 @@ impl Stages {
 }
 
 impl<A> Stages<A> {
-    /// With the first and the last flow marked, where they are kicks.
+    /// Marks the first and the last flow if they are kicks.
     pub(crate) fn with_ends(mut self, half_of: impl Fn(&A) -> Option<Half>) -> Self {
         let flows = || (0..self.0.len()).filter(|&index| half_of(&self.0[index].act).is_some());
         for end in [flows().next(), flows().next_back()].into_iter().flatten() {
@@ -90,17 +90,17 @@ impl<A> Stages<A> {
 /// Lists of one number per degree of freedom.
 type List<S, H> = <H as Shape>::Of<S>;
 
-/// The last force and where it acted, and room for a step.
+/// The last force and where it acted, and scratch for a step.
 #[derive(Debug)]
 pub struct Memory<S: Scalar, H: Shape> {
     kept: Option<Origin>,
-    /// The same with derivatives, where numbers carry some.
+    /// `kept` with the derivatives that numbers carry.
     kept_at: [S; 2],
-    /// The coordinates that the force was evaluated at, and the increment of the momenta.
+    /// The coordinates at which the force was evaluated; `kept_force` is the increment of the momenta.
     kept_q: List<S, H>,
     pub(crate) kept_force: List<S, H>,
     rooms: Rooms<S, H>,
-    /// The increments of a part.
+    /// The noise increments of a part.
     pub(crate) dw: Vec<S>,
     /// For derivatives of slopes; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
@@ -127,7 +127,7 @@ const fn carry_derivatives<S: Scalar>() -> bool {
     !S::IS_BESIDE && size_of::<S>() != size_of::<f64>()
 }
 
-/// What a step computes: coordinates and momenta, what rounding took of them, and increments of momenta and of coordinates.
+/// The lists of a step: coordinates, momenta, their rounding errors, and the increments of momenta and of coordinates.
 #[derive(Debug)]
 pub(crate) struct Rooms<S: Scalar, H: Shape>(pub(crate) [List<S, H>; 6]);
 
@@ -144,14 +144,14 @@ impl<S: Scalar, H: Shape> Default for Memory<S, H> {
     }
 }
 
-/// The copy evaluates its first force itself, and allocates its own room.
+/// The copy evaluates its first force itself, and allocates its own scratch.
 impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
     fn clone(&self) -> Self {
         Self { windows: self.windows.alike(), ..Self::default() }
     }
 }
 
-/// A force that is evaluated again is the same.
+/// Stores nothing: a force that is evaluated again is the same.
 impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
     fn pass(&mut self, _: &mut Tape) {}
 }
@@ -181,7 +181,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
         }
     }
 
-    /// Makes room for so many degrees of freedom and noises.
+    /// Allocates for these numbers of degrees of freedom and noises.
     #[cold]
     fn fit(&mut self, length: usize, noises: usize) {
         if self.length() != length {
@@ -195,7 +195,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
         self.kept_q.as_ref().len()
     }
 
-    /// Whether the force that is kept is that of a kick like this one.
+    /// Whether the kept force is that of this kick.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn has_force<K: Constant>(&self, origin: Origin<K>, reads_time: bool, q: &[S]) -> bool
     where
@@ -233,7 +233,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
         self.kept_force.as_mut().copy_from_slice(force);
     }
 
-    /// The memory of a new stepper: with all the room that it needs, where the system knows its size.
+    /// The memory of a new stepper, allocated at once if the system knows its size.
     pub(crate) fn of_system<F: Hamiltonian>(system: &F) -> Self {
         let (mut memory, degrees) = (Self::default(), system.degrees());
         if degrees != 0 && system.check(degrees).is_ok() {
@@ -243,10 +243,10 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
     }
 }
 
-/// The check that the making of a stepper does.
+/// Checks the system of a new stepper.
 ///
 /// # Errors
-/// [`ConfigError::Parameter`] if a parameter is not a number, [`ConfigError::Index`] if an integer is out of range.
+/// [`ConfigError::Parameter`] if a parameter is NaN, [`ConfigError::Index`] if an integer is out of range.
 pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     let mut parameters = (0..).map_while(|index| system.parameter(index));
     if parameters.any(|(_, value)| value.is_nan()) {
@@ -261,10 +261,11 @@ pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
     }
 }
 
-/// All parts of a step: `take` moves the state in the rooms by one of them, with the increments of that part in the memory. On `Err`, `q`, `p` and `carry` are as they were.
+/// Takes all parts of a step: `take` moves the state in the rooms by one part, with the noise increments of that part in the memory. On
+/// `Err`, `q`, `p` and `carry` are as they were.
 ///
 /// # Errors
-/// [`StepFailure::NonFinite`], that of a part, or where sizes do not fit.
+/// [`StepFailure::NonFinite`], the failure of a part, or that of sizes that do not fit.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     system: &impl Hamiltonian,
@@ -315,8 +316,8 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     if is_good { Ok(Effort::fast(0)) } else { Err(StepFailure::NonFinite) }
 }
 
-/// Where the parts lead to from the start of a segment, and the sum of their discrete Lagrangians, of which `action` gives that
-/// of one part from the states before and after it; `None` where a part has no end.
+/// The state to which the parts lead from the start of a segment, and the sum of their discrete Lagrangians. `action_of` gives that
+/// of one part from the states before and after it. `None` if a part fails.
 pub(crate) fn follow<V: Vector, H: Shape, A>(
     mut take: impl FnMut(&Stage<A>, &mut Rooms<f64, H>, &mut Memory<f64, H>) -> Result<(), StepFailure>,
     stages: &[Stage<A>],

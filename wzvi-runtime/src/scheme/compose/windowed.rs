@@ -12,17 +12,17 @@ use crate::scheme::elements::{
 };
 use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
 
-/// Degrees of freedom from which paths of an ensemble go one after the other, window by window. A step of a word in windows takes some 150 ns
-/// besides what each site takes, and 16 paths beside each other leave the first cache (each of some ten lists has 128 bytes for a degree of
-/// freedom): measured for chains of 96 to 16 384 sites, both take the same time at 128 (`Baoab`) and 256 (`Verlet`).
+/// Degrees of freedom from which paths of an ensemble are stepped one after the other, window by window. A step in windows has an overhead
+/// of some 150 ns, and 16 paths in lanes exceed the first-level cache (each of some ten lists has 128 bytes for a degree of freedom).
+/// Measured for chains of 96 to 16 384 sites, both take the same time at 128 (`Baoab`) and 256 (`Verlet`).
 const LEAST_ALONE: usize = 256;
 
-/// From how many degrees of freedom on paths go one after the other.
+/// Degrees of freedom from which paths are stepped one after the other.
 pub(crate) const fn least_alone<F: Flows>() -> usize {
     if F::FACTS.has_windows { LEAST_ALONE } else { usize::MAX }
 }
 
-/// Whether steps of so many degrees of freedom go window by window.
+/// Whether steps of a system of this size go window by window.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn takes_windows<F: Flows>(degrees: usize) -> bool {
     F::FACTS.has_windows && degrees >= LEAST_IN_WINDOWS
@@ -35,14 +35,14 @@ pub(crate) struct Memory {
     scaled: Vec<Scaled>,
 }
 
-/// Increments, times the share of a part.
+/// Noise increments, times the share of a part.
 #[derive(Debug)]
 struct Scaled {
     share: f64,
     dw: Vec<f64>,
 }
 
-/// The givens of a step.
+/// The input of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Givens<'a> {
     pub(crate) t: f64,
@@ -53,20 +53,20 @@ pub(crate) struct Givens<'a> {
 }
 
 impl Memory {
-    /// What [`StepMemory::share`](crate::algebra::memory::StepMemory::share) says.
+    /// As [`StepMemory::share`](crate::algebra::memory::StepMemory::share).
     pub(crate) fn share(&mut self, threads: Threads) {
         self.plan.share(threads);
     }
 
-    /// One for as many threads.
+    /// A memory for as many threads, without windows yet.
     pub(crate) fn alike(&self) -> Self {
         Self { plan: self.plan.alike(), scaled: Vec::new() }
     }
 
-    /// All parts of a step; `word` makes them, with whatever is between, of the kicks and drifts. Allocates in the first step only.
+    /// Takes all parts of a step, which `word` makes from the kicks and drifts and any moves between them. Allocates in the first step only.
     ///
     /// # Errors
-    /// Where sizes do not fit, or the new state is not finite.
+    /// If sizes do not fit, or the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn advance<'m, F: Flows, W: Word, A>(
         &'m mut self,
@@ -105,7 +105,7 @@ impl Memory {
     }
 }
 
-/// The parts of a step, of which some are kicks and drifts.
+/// The parts of a step, kicks and drifts among them.
 #[derive(Debug)]
 pub(crate) struct FlowList<'a, A> {
     t: f64,
@@ -129,13 +129,13 @@ impl<'a, A> FlowList<'a, A> {
         self.stages
     }
 
-    /// How long a part takes.
+    /// The time step of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn time(&self, stage: &Stage<A>) -> f64 {
         stage.weight * self.h
     }
 
-    /// What a kick or a drift does.
+    /// The move of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn kind(&self, number: usize, half: Half) -> Move {
         match half {
