@@ -1,4 +1,4 @@
-//! What the parts of a step leave for those of the next.
+//! The memory that the parts of a step keep for the next step.
 
 use std::fmt::Debug;
 
@@ -8,19 +8,19 @@ use crate::algebra::scalar::Scalar;
 use crate::error::{FailedLanes, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 
-/// What all parts of a step remember, so that each starts from what it was in the steps before.
+/// The memories of all parts of a step, so that each part starts from its own past steps.
 #[derive(Debug, Default)]
 pub struct Memory<S, M> {
     pub(crate) parts: M,
-    /// The same before the step.
+    /// The memories before the step.
     saved: M,
-    /// The state before the step, and what was carried for it.
+    /// The state before the step, and its carried rounding errors.
     start: [Vec<S>; 4],
-    /// The increments of a part.
+    /// The noise increments of a part.
     pub(crate) dw: Vec<S>,
 }
 
-/// What the steps before left; scratch is allocated anew where the copy is used.
+/// Copies the memories of the parts; the copy allocates its own scratch at its first use.
 impl<S, M: Clone + Default> Clone for Memory<S, M> {
     fn clone(&self) -> Self {
         Self::of(self.parts.clone())
@@ -47,7 +47,7 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
     }
 }
 
-/// What is carried, as lists.
+/// The carried rounding errors, as lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn list_carried<S: Scalar, C: Carry<S>>(
     carry: &C,
@@ -67,7 +67,7 @@ impl<S, M: Default> Memory<S, M> {
 }
 
 impl<S: Scalar, M: StepMemory> Memory<S, M> {
-    /// With room for what the first step saves.
+    /// Allocates for the data that the first step saves.
     pub(crate) fn with_room(mut self, degrees: usize, noises: usize) -> Self {
         self.saved = self.parts.clone();
         self.start.iter_mut().for_each(|list| list.reserve(degrees));
@@ -75,8 +75,8 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
         self
     }
 
-    /// A copy of everything that the parts of a step will change. Allocates in the first step only, and only
-    /// where the system does not know its size.
+    /// Copies everything that the parts of a step change. Allocates in the first step only, and only if the
+    /// system does not know its size.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn save<C: Carry<S>>(&mut self, q: &[S], p: &[S], carry: &C) {
         self.saved.copy(&self.parts);
@@ -90,11 +90,10 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
         }
     }
 
-    /// The end of a step that has come to the last of its parts, with the lanes that could not take one of them: they get back what
-    /// [`Memory::save`] has seen.
+    /// Ends a step in which some lanes have failed in a part: these lanes are reset to what [`Memory::save`] stored.
     ///
     /// # Errors
-    /// Which lanes these are; something else, and then nothing has moved, if what is remembered is no matter of lanes.
+    /// The failed lanes; or another failure, with all lanes reset, if the memory cannot be restored lane by lane.
     #[cold]
     #[inline(never)]
     pub(crate) fn end_in_part<C: Carry<S>>(
@@ -104,7 +103,7 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
         p: &mut [S],
         carry: &mut C,
     ) -> StepFailure {
-        // What is carried is no list of lanes that can be put together again.
+        // Carried rounding errors cannot be restored lane by lane.
         if C::CARRIES || !failed.lanes().all(|lane| self.restore_lane(lane).is_some()) {
             self.restore(q, p, carry);
             return StepFailure::NonFinite;
@@ -117,13 +116,13 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
         StepFailure::Lanes(failed)
     }
 
-    /// What one lane remembered before the step; `None` where that differs from what the others remember in what is no matter of lanes.
+    /// Restores the memory of one lane from before the step; `None` if it differs from the others in data that all lanes share.
     fn restore_lane(&mut self, lane: usize) -> Option<()> {
         let words = Tape::split(lane, |tape| self.saved.pass(tape));
         Tape::place(lane, words, |tape| self.parts.pass(tape))
     }
 
-    /// Gives back what [`Memory::save`] has seen.
+    /// Restores what [`Memory::save`] stored.
     #[cold]
     pub(crate) fn restore<C: Carry<S>>(&mut self, q: &mut [S], p: &mut [S], carry: &mut C) {
         let [start_q, start_p, lost_q, lost_p] = &self.start;

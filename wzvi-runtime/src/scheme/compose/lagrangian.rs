@@ -1,4 +1,4 @@
-//! The discrete Lagrangian of a step that is made of others.
+//! The discrete Lagrangian of a composed step.
 
 use crate::algebra::state::Vector;
 use crate::scheme::system::Segment;
@@ -11,7 +11,7 @@ pub(crate) struct Followed<V> {
     pub(crate) action: f64,
 }
 
-/// `L_d = A + R · (q_{i+1} - Q)`; NaN where a part of the step has no solution, or sizes do not fit.
+/// `L_d = A + R · (q_{i+1} - Q)`; NaN if a part of the step has no solution, or sizes do not fit.
 pub(crate) fn value<V: Vector>(
     segment: &Segment<V>,
     dw: &[f64],

@@ -19,15 +19,15 @@ use crate::scheme::system::{
     as_they_are, fits,
 };
 
-/// Steps `W` of `A` and of `B`, which may be one.
+/// Steps `W` of the schemes `A` and `B`, which may be the same.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<A, B, W>(PhantomData<(A, B, W)>);
 
-/// What is prepared for each part of a step.
+/// The prepared parts of a step.
 #[derive(Clone, Debug)]
 pub struct Prepared<A, B> {
     parts: Vec<Part<A, B>>,
-    /// How many parts are of which kind.
+    /// Number of parts of each kind.
     counts: [usize; 2],
 }
 
@@ -45,7 +45,7 @@ enum Kind<A, B> {
     Second(B),
 }
 
-/// How many parts are of which kind.
+/// Number of parts of each kind.
 fn counts(substeps: &[Substep]) -> [usize; 2] {
     let first = substeps.iter().filter(|(half, _)| *half == Half::First).count();
     [first, substeps.len() - first]
@@ -61,17 +61,17 @@ impl<A, B> Kind<A, B> {
     }
 }
 
-/// A part of what is prepared for each lane; `None` if one has none.
+/// A part of the prepared data of each lane; `None` if a lane has none.
 fn lanes<P, T, const L: usize>(prepared: [&P; L], part: impl Fn(&P) -> Option<&T>) -> Option<[&T; L]> {
     let parts: Vec<&T> = prepared.into_iter().map(part).collect::<Option<_>>()?;
     parts.try_into().ok()
 }
 
 impl<A, B> Prepared<A, B> {
-    /// All parts of a step, by what takes one of each kind. On `Err`, everything is as it was.
+    /// Takes all parts of a step by `take_first` and `take_second`. On `Err`, everything is as it was.
     ///
     /// # Errors
-    /// That of the first part that has one.
+    /// That of the first part that fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
         &self,
@@ -107,7 +107,7 @@ impl<A, B> Prepared<A, B> {
             };
             match taken {
                 Ok(taken) => effort = effort.beside(taken),
-                // Lanes that could not take a part go on from where they are, and end where they started.
+                // Failed lanes continue from their current state, and are reset at the end.
                 Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
                 Err(failure) => {
                     memory.restore(q, p, carry);
@@ -229,7 +229,7 @@ where
     }
 }
 
-/// Moves the state by one part, and gives its discrete Lagrangian.
+/// Moves the state by one part, and returns its discrete Lagrangian.
 fn part<H: Hamiltonian, T: Scheme<H>>(
     system: &H,
     state: &mut State<H::Vector>,

@@ -1,11 +1,11 @@
-//! What a step is made of: parts of two kinds, each with its fraction of the step.
+//! The parts of a step, of two kinds, each with its fraction of the step.
 
 use std::marker::PhantomData;
 
 use super::Weights;
 use crate::scheme::plan::{KeptEnergy, Plan, Solver};
 
-/// Which of the two kinds of parts of a step: which scheme of a pair, or which flow of a splitting.
+/// The kind of a part of a step: a scheme of a pair, or a flow of a splitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half {
     /// The first scheme; the drift, which is the flow of `T(p)`.
@@ -14,7 +14,7 @@ pub enum Half {
     Second,
 }
 
-/// A part of a step: of which kind, and what fraction of the step.
+/// A part of a step: its kind, and its fraction of the step.
 pub type Substep = (Half, f64);
 
 /// The parts of steps of `E` with the weights `W`, one after the other, for the structure `K`.
@@ -36,7 +36,7 @@ pub(crate) const fn plan(of_step: Plan, order: u32) -> Plan {
     Plan { order, consistent: true, ..of_step }
 }
 
-/// The energy that a composition of this order keeps, by that of a step of order two.
+/// The energy that a composition of this order conserves, from that of a step of order two.
 pub(super) const fn kept_energy(of_step: KeptEnergy, order: u32) -> KeptEnergy {
     match of_step {
         KeptEnergy::KickDriftKick if order > 2 => KeptEnergy::Nearly,
@@ -44,7 +44,7 @@ pub(super) const fn kept_energy(of_step: KeptEnergy, order: u32) -> KeptEnergy {
     }
 }
 
-/// The plan of steps that are made of those of two plans.
+/// The plan of steps that are composed of steps with two plans.
 pub(super) const fn joint_plan(first: Plan, second: Plan) -> Plan {
     let solver = match (first.solver, second.solver) {
         (Solver::Newton, _) | (_, Solver::Newton) => Solver::Newton,
