@@ -1,4 +1,4 @@
-//! Schemes that are made of others: [`Verlet`] and [`Composed`].
+//! Compositions of schemes: [`Verlet`] and [`Composed`].
 //!
 //! A step of size `h` with increments `ΔW` approximates the flow of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, frozen over the step. A
 //! composition takes steps of `γ_1 F, γ_2 F, ...` one after the other: steps of size `γ_j h` with increments `γ_j ΔW`, at the times `t +
@@ -14,7 +14,7 @@
 //!
 //! * [`Pair`]: steps of the scheme and its adjoint, for any Hamiltonian.
 //! * [`KickDrift`]: kicks and drifts, for `T(p) + V(q, t)`.
-//! * [`PartFlows`]: the flows of two parts, for `drift = [H_A, H_B]` with the tables that are made for these.
+//! * [`PartFlows`]: the flows of two parts, for `drift = [H_A, H_B]` with the tables for two parts.
 
 mod checks;
 pub(crate) mod flows;
@@ -68,9 +68,9 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 
 /// Weights of a composition of steps of a symmetric scheme of order two.
 ///
-/// The build checks that they are a palindrome of sum 1, and that the sums of those odd powers vanish that the order needs. With `const _:
-/// () = check_weights::<Own>();` ([`check_weights`]) `cargo check` does so, too. The other conditions of the order are not checked.
-/// docs/guide/cookbook-parts.md has an example.
+/// The build checks that the weights are a palindrome with sum 1, and that the sums of their odd powers vanish as the order requires. With
+/// `const _: () = check_weights::<Own>();` ([`check_weights`]), `cargo check` does so, too. The other order conditions are not checked. See
+/// docs/guide/cookbook-parts.md for an example.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose this scheme",
     label = "not for this scheme",
@@ -79,14 +79,14 @@ pub struct Composed<E, W>(PhantomData<(E, W)>);
 pub trait Weights {
     /// The order of the composition.
     const ORDER: u32;
-    /// All weights, in their order.
+    /// All weights, in order.
     const GAMMA: &'static [f64];
 }
 
-/// Coefficients of a splitting in alternating drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`. A table of your own is named
+/// Coefficients of a splitting into alternating drifts, the flow of `T(p)`, and kicks, the flow of `V(q)`. For a table of your own, write
 /// `Composed<Verlet, `[`Table`]`<Own>>`.
 ///
-/// The build checks that they are a palindrome, and that those of drifts and those of kicks have the sum 1.
+/// The build checks that the coefficients are a palindrome, and that those of drifts and those of kicks each sum to 1.
 pub trait Partitioned {
     /// The order.
     const ORDER: u32;
@@ -100,19 +100,19 @@ pub trait Partitioned {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Table<W>(PhantomData<W>);
 
-/// Schemes whose step backwards undoes the step forwards: what [`Weights`] compose.
+/// Symmetric schemes, whose step backwards undoes the step forwards. [`Weights`] compose these.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
     note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
 )]
 pub trait Symmetric: Sized {
-    /// What steps of the scheme take advantage of.
+    /// The structure of a system that steps of the scheme exploit.
     type Structure<H: Elements>: Structure<Self>;
     /// The scheme itself, or the first half of it.
     type First;
     /// The scheme itself, or the second half of it.
     type Second;
-    /// What a step with this weight is made of.
+    /// Appends the parts of a step with this weight.
     fn substeps(weight: f64, into: &mut Vec<Substep>);
 }
 
@@ -153,16 +153,16 @@ impl Symmetric for Verlet {
     note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
 )]
 pub trait Composes<E, K: Structure<E> = General> {
-    /// The order that they give.
+    /// The order of the composition.
     const ORDER: u32;
-    /// What `EQUATIONS` say of them.
+    /// The description in `EQUATIONS`.
     const LISTING: Listing;
-    /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick, in the metric of the inverse masses; none where kicks are those of the
+    /// The factors `c` of `h³ |V'|²`, one for each drift (zero) and kick, in the metric of the inverse masses; empty if kicks are by the
     /// potential alone.
     const GRADIENT: &'static [f64] = &[];
-    /// What takes the steps.
+    /// The scheme that takes the steps.
     type Steps;
-    /// The parts of a step, in their order.
+    /// The parts of a step, in order.
     fn substeps() -> Vec<Substep>;
 }
 

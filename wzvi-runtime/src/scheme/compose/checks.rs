@@ -1,13 +1,13 @@
-//! What is checked of weights when a program is compiled.
+//! Checks of weights at compile time.
 
 use super::{Partitioned, Weights};
 
-/// Stops the compiler, with a message that says what is wrong, unless the weights make a composition.
+/// Stops the compiler with an error message unless the weights make a composition.
 ///
-/// `const _: () = check_weights::<Own>();` does it wherever the weights stand.
+/// `const _: () = check_weights::<Own>();` runs the check where the weights are defined.
 ///
 /// # Panics
-/// While constants are evaluated: unless the weights are a palindrome, sum to 1, and the sums of their odd powers below the order vanish.
+/// At compile time, unless the weights are a palindrome, sum to 1, and the sums of their odd powers below the order vanish.
 pub const fn check_weights<W: Weights>() {
     assert!(is_palindrome(W::GAMMA), "the weights of a composition must be a palindrome");
     assert!(has_sum_one(W::GAMMA), "the weights of a composition must sum to 1");
@@ -20,8 +20,7 @@ pub const fn check_weights<W: Weights>() {
 /// The same for the coefficients of a splitting.
 ///
 /// # Panics
-/// While constants are evaluated: unless the coefficients are an odd number of them, a palindrome, and those of drifts and those of
-/// kicks sum to 1.
+/// At compile time, unless the coefficients are a palindrome of odd length, and those of drifts and those of kicks each sum to 1.
 pub const fn check_table<W: Partitioned>() {
     assert!(is_palindrome(W::SEQUENCE), "the coefficients of a splitting must be a palindrome");
     assert!(W::SEQUENCE.len() % 2 == 1, "a splitting starts and ends with the same part");
@@ -58,18 +57,18 @@ const fn power_sums(list: &[f64], power: u32) -> (f64, f64) {
     (sum, size)
 }
 
-/// What rounding of `length` weights, of their powers and of their sum can make, per unit of their sizes.
+/// Bound on the rounding error of `length` weights, their powers and their sum, relative to the sum of magnitudes.
 const fn rounding(length: usize, power: u32) -> f64 {
     (length as f64 + 2.0 * power as f64) * f64::EPSILON
 }
 
-/// Whether the sum is 1 but for rounding.
+/// Whether the sum is 1 up to rounding.
 const fn has_sum_one(list: &[f64]) -> bool {
     let (sum, size) = power_sums(list, 1);
     is_one(sum, size, list.len())
 }
 
-/// Whether the sums of every other number, from the first and from the second on, are 1 but for rounding.
+/// Whether the numbers with even index, and those with odd index, each sum to 1 up to rounding.
 const fn have_sums_one(list: &[f64]) -> bool {
     let (mut sums, mut sizes) = ([0.0; 2], [0.0; 2]);
     let mut i = 0;

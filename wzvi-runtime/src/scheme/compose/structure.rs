@@ -1,4 +1,4 @@
-//! What the compiler has proven of a Hamiltonian, and what compositions are made of for it.
+//! The structures of Hamiltonians that the compiler proves, and the parts of compositions for each.
 
 use std::marker::PhantomData;
 
@@ -10,15 +10,15 @@ use super::{Composed, Composes, Symmetric, Verlet};
 use crate::scheme::elements::Elements;
 use crate::scheme::system::{Listed, Scheme};
 
-/// The structure of a system, as far as steps of `E` take advantage of it.
+/// The structure of a system, as far as steps of `E` exploit it.
 pub trait Structure<E> {
-    /// What takes the parts `W` of a step.
+    /// The scheme that takes the parts `W` of a step.
     type Steps<W>;
-    /// By what a splitting is taken, for people.
+    /// Text for users: the steps by which a splitting is taken.
     const NOTE: &'static str;
-    /// What a step of `E` with this weight is made of.
+    /// Appends the parts of a step of `E` with this weight.
     fn step(weight: f64, into: &mut Vec<Substep>);
-    /// What a sequence of drifts (the first half) and kicks (the second), which take turns, is made of.
+    /// The parts for a sequence of alternating drifts (`Half::First`) and kicks (`Half::Second`).
     fn splitting(sequence: &[Substep]) -> Vec<Substep>;
 }
 
@@ -34,7 +34,7 @@ pub struct Separable;
 #[derive(Clone, Copy, Debug)]
 pub struct Nystrom;
 
-/// `H_A + H_B` with the flows of both, as the user has parted it; the sum has the structure `K`.
+/// `H_A + H_B` with known flows of both, as split by the user; the sum has the structure `K`.
 #[derive(Clone, Copy, Debug)]
 pub struct Parted<K>(PhantomData<K>);
 
@@ -48,7 +48,7 @@ where
     const TEXT: &'static str = Equations::<H, E, W>::ALL;
 }
 
-/// What takes single steps of `E`.
+/// The scheme that takes single steps of `E`.
 pub type WholeOf<H, E> =
     <<E as Symmetric>::Structure<H> as Structure<E>>::Steps<Many<E, <E as Symmetric>::Structure<H>, Once>>;
 
@@ -60,9 +60,9 @@ impl QuadraticKinetic for Parted<Nystrom> {}
 
 /// Structures of two parts whose flows are known.
 pub trait TwoFlows: Structure<Verlet> {
-    /// What takes the flows of the parts `W`.
+    /// The scheme that takes the flows of the parts `W`.
     type Flows<W>;
-    /// What each part does, for people: the first one, then the second.
+    /// Text for users: the first part, then the second.
     const PARTS: [&'static str; 2] = DRIFT_KICK;
 }
 
@@ -82,8 +82,8 @@ impl<E: Symmetric> Structure<E> for General {
         E::substeps(weight, into);
     }
 
-    /// `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x`, without the last: steps of the adjoint pair in turn. A drift
-    /// comes first in `DeltaMinus`, a kick in `DeltaPlus`.
+    /// Alternating steps of the adjoint pair, with the weights `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x` without the
+    /// last one. A drift comes first in `DeltaMinus`, a kick in `DeltaPlus`.
     fn splitting(sequence: &[Substep]) -> Vec<Substep> {
         let mut rest = 0.0;
         let coefficients = sequence.split_last().map_or(&[][..], |(_, coefficients)| coefficients);

@@ -1,6 +1,6 @@
 //! The tables of coefficients.
 //!
-//! The decimals are those of the published tables, polished until the order conditions hold to many more digits than `f64` has, and
+//! The decimals are those of the published tables, refined until the order conditions hold to many more digits than `f64` has, and then
 //! rounded.
 
 use super::{Partitioned, Weights};
@@ -280,9 +280,9 @@ impl Partitioned for Chin4 {
 }
 
 impl Chin4 {
-    /// The factors of the squares of the force.
+    /// The factors of the square of the force, one for each drift and kick.
     pub(super) const GRADIENT: &'static [f64] = &[0.0, 0.0, 1.0 / 72.0, 0.0, 0.0];
-    /// What `EQUATIONS` say of it.
+    /// The remark in `EQUATIONS`.
     pub(super) const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
 }
 
@@ -300,8 +300,8 @@ impl Partitioned for TakahashiImada4 {
 }
 
 impl TakahashiImada4 {
-    /// The factors of the squares of the force.
+    /// The factors of the square of the force, one for each drift and kick.
     pub(super) const GRADIENT: &'static [f64] = &[0.0, 1.0 / 24.0, 0.0];
-    /// What `EQUATIONS` say of it.
+    /// The remark in `EQUATIONS`.
     pub(super) const NOTE: &'static str = " (the kick by V - h²/24 V'·M⁻¹V')";
 }

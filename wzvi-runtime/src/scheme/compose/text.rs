@@ -1,4 +1,4 @@
-//! The text of a composition: its coefficients before the text of what it composes, put together when the program is compiled.
+//! The text of a composition: its coefficients, followed by the text of the composed scheme, assembled at compile time.
 
 use std::marker::PhantomData;
 
@@ -6,35 +6,35 @@ use super::{Composes, Partitioned, Symmetric};
 use crate::scheme::elements::Elements;
 use crate::scheme::system::Listed;
 
-/// What a step of a composition is made of, for people.
+/// The parts of a step of a composition, for users.
 #[derive(Clone, Copy, Debug)]
 pub enum Listing {
     /// Steps with these weights.
     Steps(&'static [f64]),
     /// The flows of two parts in turn.
     Turns {
-        /// What the first part does, then the second.
+        /// The names of the first and of the second part.
         parts: [&'static str; 2],
-        /// How far, in units of the step.
+        /// In units of the step.
         coefficients: &'static [f64],
-        /// By what.
+        /// A remark on how the parts are taken.
         note: &'static str,
     },
 }
 
-/// What the parts of a table do.
+/// The names of the parts of a table.
 pub(super) const DRIFT_KICK: [&str; 2] = ["drift of ", "kick of "];
 
-/// The listing of a table whose first part, and whose second one, do this.
+/// The listing of a table with these names of its parts.
 pub(super) const fn turns<W: Partitioned>([first, second]: [&'static str; 2], note: &'static str) -> Listing {
     let parts = if W::STARTS_WITH_DRIFT { [first, second] } else { [second, first] };
     Listing::Turns { parts, coefficients: W::SEQUENCE, note }
 }
 
-/// Coefficients that are listed; whoever has more does not read them.
+/// Largest number of coefficients that are listed.
 const LISTED: usize = 100;
 
-/// How many bytes a text has at most.
+/// Largest length of a text in bytes.
 const ROOM: usize = 1 << 16;
 
 /// `EQUATIONS` of steps of `E` with the weights `W`, for the system `H`.
@@ -91,7 +91,7 @@ impl<const N: usize> Text<N> {
             Listing::Steps(_) => "of\n\n",
             Listing::Turns { .. } => "where the flows are those in\n\n",
         });
-        // The scheme that is composed has its own constant, whatever its length.
+        // The composed scheme has its own constant, of any length.
         text.push(if text.length + base.len() <= N { base } else { "its own EQUATIONS\n" });
         text
     }
@@ -99,12 +99,12 @@ impl<const N: usize> Text<N> {
     const fn as_str(&self) -> &str {
         match std::str::from_utf8(self.bytes.split_at(self.length).0) {
             Ok(text) => text,
-            // Whole texts were pushed.
+            // Not reached: only whole texts are pushed.
             Err(_) => "",
         }
     }
 
-    /// Nothing where there is no room for all of it.
+    /// Appends `text`, or nothing if it does not fit.
     const fn push(&mut self, text: &str) {
         let bytes = text.as_bytes();
         if self.length + bytes.len() > N {
@@ -125,7 +125,7 @@ impl<const N: usize> Text<N> {
         }
     }
 
-    /// To 16 decimals: weights are of the size of 1.
+    /// Appends a number to 16 decimals: weights are of order 1.
     const fn push_number(&mut self, number: f64) {
         const UNIT: u128 = 10_u128.pow(16);
         let size = if number < 0.0 { -number } else { number };

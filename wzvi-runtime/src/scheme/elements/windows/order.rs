@@ -13,8 +13,8 @@ pub(super) struct Turn {
     pub(super) window: usize,
 }
 
-/// The further rounds that `windows` can take without other windows after those `taken`, each after the previous round of its neighbours.
-/// A window begins when those before it have gone as far as they can.
+/// The rounds after those `taken` that `windows` can take without other windows, each after the previous round of its neighbours. A window
+/// begins when those before it have gone as far as they can.
 pub(super) fn order(
     neighbours: &[Vec<usize>],
     rounds: usize,
