@@ -286,10 +286,10 @@ impl Chin4 {
     pub(super) const NOTE: &'static str = " (the second kick by V - h²/48 V'·M⁻¹V')";
 }
 
-/// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2, and of effective order 4, that is conjugate to a
-/// scheme of order 4 by a map near the identity. Frequencies, rotation numbers, Poincaré sections and averages of long runs have errors `O(h⁴)`; states have
-/// errors `O(h²)` that do not grow. M. Takahashi and M. Imada, "Monte Carlo calculation of quantum systems. II", J. Phys. Soc. Japan 53, 1984;
-/// G. Rowlands, "A numerical algorithm for Hamiltonian systems", J. Comput. Phys. 97, 1991.
+/// One kick, by `V - h²/24 |V'|²`, for `T(p) + V(q, t)` with a quadratic `T`: of order 2 and of effective order 4, that is, conjugate to a
+/// scheme of order 4 by a map near the identity. Frequencies, rotation numbers, Poincaré sections and averages of long runs have errors
+/// `O(h⁴)`; states have errors `O(h²)` that do not grow. M. Takahashi and M. Imada, "Monte Carlo calculation of quantum systems. II",
+/// J. Phys. Soc. Japan 53, 1984; G. Rowlands, "A numerical algorithm for Hamiltonian systems", J. Comput. Phys. 97, 1991.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TakahashiImada4;
 

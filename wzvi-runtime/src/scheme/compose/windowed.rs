@@ -58,7 +58,7 @@ impl Memory {
         self.plan.share(threads);
     }
 
-    /// A memory for as many threads, without windows yet.
+    /// A memory for the same threads, without windows yet.
     pub(crate) fn alike(&self) -> Self {
         Self { plan: self.plan.alike(), scaled: Vec::new() }
     }

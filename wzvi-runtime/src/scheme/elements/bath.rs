@@ -44,6 +44,6 @@ fn along<H: Elements, S: Scalar>(system: &H, part: usize, [q, p]: [&[S]; 2], int
     let at = Point { q, p, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
     into.fill(S::from_f64(0.0));
     slopes(system, part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
-    // Slopes of a covector `f` are those of `-f`.
+    // A covector `f` has the slopes `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }

@@ -33,7 +33,7 @@ const fn is_explicit(quadrature: &Quadrature) -> bool {
     matches!(quadrature.unknowns, Unknowns::None)
 }
 
-/// A start that is no guide costs iterations, not digits: nothing is to be forgotten.
+/// A poor start costs iterations, but no digits, so that past steps need not be forgotten.
 impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
     const PLAN: Plan = H::QUADRATURE.plan(H::FACTS, H::ORDER, H::IS_CONSISTENT);
     const PROPERTIES: Properties = Properties {

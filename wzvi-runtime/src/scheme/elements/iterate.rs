@@ -468,7 +468,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     }
 
     /// Whether the remaining error is at rounding: by the contraction if that is known or, for the fixed point, by the change of the
-    /// points of evaluation. The result is the same at all system sizes, whichever test is cheaper.
+    /// points of evaluation. The criterion is the same at all system sizes, whichever test is cheaper.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_resolved(
         self,

@@ -48,7 +48,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors the Jacobian at the current stages, without the rows that `are_held`. Outside a band, factors are complete if `all` and few enough.
+    /// Factors the Jacobian at the current stages, without the rows that `are_held`. The factors for Krylov's method are complete if `all` and
+    /// cheap enough.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] or [`StepFailure::NonFinite`] of a band.

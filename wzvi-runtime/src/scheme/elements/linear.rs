@@ -41,7 +41,7 @@ pub(super) struct Wide<S> {
 }
 
 impl<S: Scalar> Wide<S> {
-    /// Storage for factors; complete if `all` and few enough.
+    /// Storage for factors; complete if `all` and cheap enough.
     pub(super) fn room<H: Elements>(
         &mut self,
         system: &H,
@@ -125,7 +125,7 @@ impl<S: Scalar> Linear<S> {
     }
 }
 
-/// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and few enough; diagonal for a dense matrix.
+/// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and cheap enough; diagonal for a dense matrix.
 fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Quadrature, degrees: usize, all: bool) -> Sparse<S> {
     let unknowns = scheme.unknowns.count(degrees);
     let mut entries = 0;
@@ -134,13 +134,13 @@ fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Quadrature, degrees: usi
         return Sparse::diagonal(unknowns);
     }
     let pairs = pairs(system, scheme, degrees, entries);
-    // An iteration takes a product and two orthogonalisations against the basis.
+    // An iteration takes a product, and a dot product and an update with each vector of the basis so far.
     let iteration = (2 * pairs.len() + Krylov::<S>::BASIS * unknowns) as u64;
     let most = if all { Some(MANY_ITERATIONS * iteration) } else { None };
     factors_of(unknowns, &pairs, most)
 }
 
-/// Complete factors if they take at most so many operations, else incomplete ones.
+/// Complete factors if they take at most `most` operations, otherwise incomplete ones.
 fn factors_of<S: Scalar>(unknowns: usize, pairs: &[(usize, usize)], most: Option<u64>) -> Sparse<S> {
     most.and_then(|most| Sparse::complete(unknowns, pairs, most))
         .or_else(|| Sparse::incomplete(unknowns, pairs))

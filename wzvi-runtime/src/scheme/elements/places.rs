@@ -26,7 +26,7 @@ pub struct Index {
 }
 
 impl Index {
-    /// Of its parts.
+    /// From its parts.
     pub const fn new(terms: &'static [(Atom, i128)], constant: i128, name: &'static str) -> Self {
         Self { terms, constant, name: Name { name, suffix: "" } }
     }
@@ -63,13 +63,13 @@ pub struct Position {
 }
 
 impl Position {
-    /// Of its parts.
+    /// From its parts.
     pub const fn new(index: Index, is_inside: bool) -> Self {
         Self { index, is_inside }
     }
 }
 
-/// A loop, by its first value and one more than the last value.
+/// A loop: its first value, and one more than its last value.
 #[derive(Debug)]
 pub struct Loop(pub Index, pub Index);
 
@@ -96,7 +96,7 @@ pub struct Nest {
 }
 
 impl Nest {
-    /// Of its parts.
+    /// From its parts.
     pub const fn new(loops: &'static [Loop], slots: &'static [Slot]) -> Self {
         Self { loops, slots }
     }

@@ -241,7 +241,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     }
                     let (q, by_q) = stages.at_mut(s);
                     self.place(stage, q, by_q, u);
-                    // Slopes by momenta go to `correction`, which is no longer read.
+                    // Slopes by momenta go to `correction`, where they are not used.
                     self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
                     dp.iter_mut().zip(&*by_q).for_each(|(dp, &force)| *dp = *dp - force * stage.end);
                 }

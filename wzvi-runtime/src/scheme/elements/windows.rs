@@ -54,8 +54,8 @@ const LINE: usize = 8;
 /// through main memory, which takes longer than a new evaluation.
 const MOST_KEPT: usize = 1 << 15;
 
-/// Degrees of freedom for each thread: a step of this size takes some 200 µs, and starting and joining a thread some 50 µs, up to 100 µs on
-/// a busy machine (`cargo bench --bench elements -- memory`).
+/// Least number of degrees of freedom for each thread: a step of this size takes some 200 µs, and starting and joining a thread some 50 µs,
+/// up to 100 µs on a busy machine (`cargo bench --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 17;
 
 /// The windows of a system, made by the first step, and the threads that share them.
@@ -66,7 +66,7 @@ pub struct WindowPlan {
 }
 
 impl WindowPlan {
-    /// A plan for as many threads, without windows yet.
+    /// A plan for the same threads, without windows yet.
     pub(crate) fn alike(&self) -> Self {
         Self { threads: self.threads, plan: None }
     }

@@ -103,7 +103,7 @@ impl<H: Elements + Sync> Word for Step<'_, H, f64> {
 
 /// Uses the system of the step, not the argument.
 impl<H: Elements + Sync> Moves for Step<'_, H, f64> {
-    /// `v`, which is zero where a scheme kicks last, and then `u` are assigned.
+    /// Kick and drift. If the scheme kicks last, the first kick adds nothing and a kick follows the drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         if kicks_first(self.scheme) { 2 } else { 3 }

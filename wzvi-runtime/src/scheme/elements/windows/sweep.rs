@@ -39,7 +39,7 @@ use crate::scheme::system::Hamiltonian as _;
 /// Number of places of a window. Ten stretches of this length are in use at a time.
 const SIZE: usize = 256;
 
-/// Degrees of freedom for each thread in each pass: the three or more passes of a step of this size take some 500 µs
+/// Least number of degrees of freedom for each thread in each pass: the three or more passes of a step of this size take some 500 µs
 /// (`cargo bench --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 16;
 
