@@ -154,7 +154,7 @@ pub trait Elements: Sized {
     /// As `Hamiltonian::Vector`.
     type Vector: Vector;
 
-    /// What the compiler derived about the system.
+    /// The facts that the compiler derived about the system.
     const FACTS: Facts;
 
     /// The structure that steps of `Verlet` exploit.

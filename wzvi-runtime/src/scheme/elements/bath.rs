@@ -23,7 +23,7 @@ pub(crate) fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], 
     system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut Rows { degrees, into });
 }
 
-/// The matrix of a covector `f` that is linear in the momenta: second derivatives are those of `-f`.
+/// The matrix of a covector `f` that is linear in the momenta; its second derivatives are those of `-f`.
 struct Rows<'a, S> {
     degrees: usize,
     into: &'a mut [S],

@@ -100,7 +100,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             })
     }
 
-    /// What the last correction changed at some places.
+    /// The change by the last correction at some places.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>) -> Change {
         let mut seen = Seen::<L>::new();
@@ -145,7 +145,7 @@ fn moved<S: Scalar>(q: S, u: S, point: f64) -> f64 {
     (q + way).magnitude() + 2.0 * way.magnitude()
 }
 
-/// Coordinates, and increments after and before.
+/// Coordinates, and increments after and before the correction.
 pub(super) struct Moved<'a, S, const L: usize> {
     pub(super) q: &'a [S],
     pub(super) u: &'a [S],

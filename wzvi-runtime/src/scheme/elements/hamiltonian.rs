@@ -9,11 +9,11 @@ use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
 use crate::scheme::system::{Gradient, Hamiltonian, Kind};
 
-/// The part that is the drift, `h H_0`.
+/// The number of the part for the drift, `h H_0`.
 pub(super) const DRIFT: usize = 0;
-/// The part that is the noises, `Σ_k ΔW_k H_k`.
+/// The number of the part for the noises, `Σ_k ΔW_k H_k`.
 pub(super) const NOISE: usize = 1;
-/// The part that is the force beside the drift, with the slopes `-h f`.
+/// The number of the part for the force beside the drift, with the slopes `-h f`.
 pub(super) const FORCE: usize = 3;
 
 /// Whether `q` and `p` are those of a state of the system.

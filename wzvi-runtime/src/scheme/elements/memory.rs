@@ -14,7 +14,7 @@ use crate::algebra::solve::Room;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// Vectors of one step, unknowns of the steps before, and the matrix.
+/// Vectors of one step, unknowns of past steps, and the matrix.
 #[derive(Default)]
 pub struct Memory<S> {
     pub(super) degrees: usize,

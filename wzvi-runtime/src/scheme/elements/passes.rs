@@ -86,7 +86,7 @@ pub(super) fn store<S: Copy, const N: usize>(list: &mut [S], first: usize, entri
     list[first..first + N].copy_from_slice(&entries);
 }
 
-/// The numbers, and zeros behind them.
+/// The numbers, padded with zeros.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn widened<const N: usize, const L: usize>(numbers: [f64; N]) -> [f64; L] {
     std::array::from_fn(|i| if i < N { numbers[i] } else { 0.0 })

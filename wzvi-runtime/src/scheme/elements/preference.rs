@@ -1,4 +1,4 @@
-//! Which iteration a step starts with.
+//! The iteration that a step starts with.
 //!
 //! Only a trial shows for certain whether the fixed point contracts: it may contract smooth corrections while rounding errors, which are
 //! not smooth, grow. A failed trial costs about as much as a step. Each consecutive failure doubles the number of steps until the next

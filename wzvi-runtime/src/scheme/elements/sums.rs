@@ -26,11 +26,11 @@ impl<S> Given<S> for [S] {
 pub trait Sums<S> {
     /// Values of the variable of a loop.
     type Outer: Iterator<Item = isize>;
-    /// Sums next to each other.
+    /// Adjacent sums.
     type Run<'r>: Run<S>
     where
         Self: 'r;
-    /// Sums next to each other, in points of `D`.
+    /// Adjacent sums, in points of `D` components.
     type Points<'r, const D: usize>: Run<S>
     where
         Self: 'r;
@@ -120,7 +120,7 @@ pub trait Sums<S> {
     fn end_rows<const D: usize>(&mut self) {}
 }
 
-/// Sums next to each other.
+/// Adjacent sums.
 pub trait Run<S> {
     /// Adds to a place.
     #[cfg_attr(not(debug_assertions), inline(always))]

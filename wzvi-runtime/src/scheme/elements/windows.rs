@@ -203,7 +203,7 @@ impl Plan {
         (shares, share(&(0..all), rest))
     }
 
-    /// The degrees of freedom of the system that it is for.
+    /// The degrees of freedom of the system of this plan.
     fn degrees(&self) -> usize {
         self.momenta.len()
     }
@@ -221,7 +221,7 @@ impl Plan {
         (self.rounds.len() + usize::from(last_drifts)) % 2
     }
 
-    /// Whether the first force is the one that is kept.
+    /// Whether the first force of the step is the kept one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reuses(&mut self, word: &impl Word, q: &[f64]) -> bool {
         let Some(known) = self.kept.origin.take() else { return false };

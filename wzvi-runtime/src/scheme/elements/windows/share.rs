@@ -63,7 +63,7 @@ pub(super) struct Taking<'a> {
     pub(super) rounds: &'a [Range<usize>],
     pub(super) q: &'a [f64],
     pub(super) p: &'a [f64],
-    /// Whether the first force is the one that is kept.
+    /// Whether the first force of the step is the kept one.
     pub(super) reuses: bool,
 }
 
