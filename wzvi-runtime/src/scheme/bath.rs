@@ -1,4 +1,4 @@
-//! Thermostats: friction and the noise that goes with it.
+//! Thermostats: friction and thermal noise.
 //!
 //! A system with the quadratic kinetic energy `p · M⁻¹ p / 2` and the symmetric, positive semidefinite friction matrix `Γ` (mass/time) obeys,
 //! at the temperature `kT` (energy units), the Langevin equation
@@ -14,8 +14,8 @@
 //! O:   p <- E p + R ξ,   E = exp(-s Γ M⁻¹),   R Rᵀ = kT (M - E M Eᵀ),   R lower triangular
 //! ```
 //!
-//! ([`Relaxation`]). Where `Γ` depends on `q`, which rests meanwhile, that holds with the `Γ` of this place. The schemes put O between parts of
-//! a step that keep the symplectic form, each letter with an equal share of the step:
+//! ([`Relaxation`]). Where `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O between
+//! symplectic parts of a step, each letter with an equal share of the step:
 //!
 //! | scheme | step | for |
 //! |---|---|---|
@@ -27,22 +27,21 @@
 //!
 //! (B. Leimkuhler, C. Matthews, *Molecular Dynamics*, Springer 2015, chapter 7; G. Bussi, M. Parrinello, "Accurate sampling using Langevin
 //! dynamics", Phys. Rev. E 75, 2007). With a harmonic force `Baoab` has the exact variance of `q`, `Obabo` that of `p`, and `Thermostat<Midpoint>`
-//! both, whatever step size and friction.
+//! both, at any step size and friction.
 //!
-//! Distributions are correct to order `h²` at any friction; the rates at which they are reached are not. A free particle diffuses with `D =
-//! kT/(m γ)` in the equation, and with all of these but `Gjf` and `GjI` with
+//! Stationary distributions are correct to order `h²` at any friction; relaxation rates are not. A free particle diffuses with
+//! `D = kT/(m γ)` in the equation, and with all of these but `Gjf` and `GjI` with
 //!
 //! ```text
 //! D = kT/(m γ) · (γh/2) coth(γh/2) = kT/(m γ) · (1 + (γh)²/12 - (γh)⁴/720 + ...)
 //! ```
 //!
-//! The cause is that the O part lasts `h` while the positions move by half-steps around it. At large friction, rates of passages over
-//! barriers have the same factor, 8 % at `γh = 1`. `Gjf` and `GjI` have both the exact diffusion and the exact variance of the positions in
-//! a harmonic well (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct Langevin simulations", Mol. Phys.
-//! 118, 2020).
+//! The cause is that the O part lasts `h` while the positions move by half-steps around it. At large friction, barrier-crossing rates have
+//! the same factor, 8 % at `γh = 1`. `Gjf` and `GjI` have both the exact diffusion and the exact variance of the positions in a harmonic
+//! well (N. Grønbech-Jensen, "Complete set of stochastic Verlet-type thermostats for correct Langevin simulations", Mol. Phys. 118, 2020).
 //!
-//! A step is driven by the increments of the listed noises, followed by `√h` times the standard normals of its O parts: for each O part, in
-//! the order of the step, one for each degree of freedom. A system without temperature has friction alone, and no normals.
+//! A step is driven by the increments of the listed noises, then `√h` times the standard normals of its O parts: one per O part (in the
+//! order of the step) and degree of freedom. A system without temperature has friction only, and no normals.
 
 mod diagonal;
 mod matrix;
@@ -75,42 +74,42 @@ pub use word::{A, B, HarmonicLaw, Letter, O, Part, Spelling, Word};
 ///
 /// The positions of a harmonic oscillator have the exact variance; that of its momenta is too small by the factor `1 - h² ω² / 4`. In
 /// general the bias of averages is of order 2, and of order 4 at large friction (B. Leimkuhler, C. Matthews, "Rational construction of
-/// stochastic numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and passages over barriers at large
-/// friction, are too fast by the factor `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`. Take [`Gjf`] if times matter and `γh` is not small.
+/// stochastic numerical methods for molecular sampling", Appl. Math. Res. Express 2013). Diffusion, and barrier crossing at large
+/// friction, are too fast by the factor `(γh/2) coth(γh/2)`, 1.08 at `γh = 1`. If rates matter and `γh` is not small, use [`Gjf`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Baoab;
 
 /// Friction and noise of half the step, half a kick, a drift, half a kick, friction and noise of the other half: one force for each step, explicit,
 /// for `T(p) + V(q, t)`. The momenta of a harmonic oscillator have the exact variance; that of the positions is too large by the factor `1 / (1 - h²
-/// ω² / 4)`. Its middle is a step of [`Verlet`](crate::scheme::compose::Verlet), so that it can be made exact by accepting or rejecting that.
+/// ω² / 4)`. Its middle is a step of [`Verlet`](crate::scheme::compose::Verlet), so that a Metropolis test of that step makes the sampling exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obabo;
 
-/// [`Baoab`] whose momenta keep `c = (1 - γh/2)/(1 + γh/2)` in the place of `e^{-γh}`: a free particle diffuses with `D = kT/(m γ)`, and the positions of a harmonic
-/// oscillator have the exact variance, whatever `h` and `γ` (N. Grønbech-Jensen, O. Farago, "A simple and effective Verlet-type algorithm for simulating
-/// Langevin dynamics", Mol. Phys. 111, 2013). Momenta alternate in sign from `γh = 2` on, where positions stay right. Several rates and matrices are taken by
-/// Cayley's map of `Γ M⁻¹`.
+/// [`Baoab`] with the decay `c = (1 - γh/2)/(1 + γh/2)` of the momenta instead of `e^{-γh}`: a free particle diffuses with `D = kT/(m γ)`, and the positions of
+/// a harmonic oscillator have the exact variance, at any `h` and `γ` (N. Grønbech-Jensen, O. Farago, "A simple and effective Verlet-type algorithm for
+/// simulating Langevin dynamics", Mol. Phys. 111, 2013). For `γh > 2` the momenta alternate in sign; the positions remain correct. For several rates or a
+/// matrix, `c` is Cayley's map of `Γ M⁻¹`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gjf;
 
-/// [`Baoab`] whose kicks and drifts last `s h` with `s = √(tanh(γh/2)/(γh/2))` in the place of `h`: exact where [`Gjf`] is, with the decay `e^{-γh}`
-/// of the momenta (N. Grønbech-Jensen, Mol. Phys. 118, 2020). One rate of friction for all degrees of freedom, and no other noises: else
-/// [`ConfigError`]. Ensembles with [`systems`](crate::ensemble::Ensemble::systems) take a stepper for each path.
+/// [`Baoab`] with kicks and drifts over the time `s h`, `s = √(tanh(γh/2)/(γh/2))`, instead of `h`: exact where [`Gjf`] is, with the decay `e^{-γh}`
+/// of the momenta (N. Grønbech-Jensen, Mol. Phys. 118, 2020). It needs one friction rate for all degrees of freedom and no other noises: else
+/// [`ConfigError`]. Ensembles with [`systems`](crate::ensemble::Ensemble::systems) use one stepper per path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GjI;
 
-/// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. It samples as well as `E` keeps the energy:
-/// `Thermostat<Midpoint>` has the exact distribution of positions and momenta for every quadratic Hamiltonian and every `h`,
-/// `Thermostat<Gauss<S>>` too, and otherwise a bias of order `2S`.
+/// Friction and noise of half the step, a step of `E` without them, friction and noise of the other half. Its sampling error is that of the energy in
+/// `E`: `Thermostat<Midpoint>` and `Thermostat<Gauss<S>>` have the exact distribution of positions and momenta for every quadratic Hamiltonian and
+/// every `h`; otherwise the bias of `Thermostat<Gauss<S>>` is of order `2S`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Thermostat<E>(PhantomData<E>);
 
-/// `E` of the system without its bath, which a [`Thermostat`] stands around: not to be called for by itself.
+/// `E` of the system without its bath, inside a [`Thermostat`]: not for use by itself.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Isolated<E>(PhantomData<E>);
 
-/// Whether friction and masses make sense, of a system whose steps have friction and no bath.
+/// Checks friction and masses of a system with friction but no bath.
 ///
 /// # Errors
 /// [`ConfigError::Bath`]
@@ -123,7 +122,7 @@ pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
         return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };
     }
     if degrees != 0 {
-        // Forwards, by any step: friction alone may go back.
+        // With a positive step: friction alone may also go backwards.
         Relaxation::new(system, degrees, 1.0, (1.0, Decay::Exponential)).map_err(ConfigError::Bath)?;
     }
     Ok(())
@@ -144,9 +143,9 @@ pub trait Damped: Elements {
     /// Whether `M` is diagonal. Where it is not, rates are all the same.
     const HAS_DIAGONAL_MASSES: bool;
 
-    /// The part of the elements that is the friction.
+    /// The index of the part of the elements that is the friction.
     const FRICTION: usize;
-    /// That of the temperature.
+    /// The index of the part that is the temperature.
     const TEMPERATURE: Option<usize> = None;
 
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
@@ -157,7 +156,7 @@ pub trait Damped: Elements {
         }
     }
 
-    /// `kT`, if the system has a temperature; else the bath is at rest.
+    /// `kT`, or `None` if the system has no temperature.
     fn temperature(&self) -> Option<f64> {
         Self::TEMPERATURE.map(|part| value_of_part(self, part, 0.0, &[], &[]))
     }
@@ -182,7 +181,7 @@ pub trait Damped: Elements {
     }
 }
 
-/// The plan of steps of this one with friction and bath around: symmetric, and so of order two at most.
+/// The plan of the same steps between O parts: symmetric, and so of order two at most.
 const fn with_bath(plan: Plan) -> Plan {
     let order = if plan.order < 2 { plan.order } else { 2 };
     let noise = if matches!(plan.noise, NoiseClass::None) { NoiseClass::Thermal } else { plan.noise };

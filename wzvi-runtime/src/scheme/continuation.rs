@@ -1,23 +1,24 @@
-//! The steps that the short way cannot take: solved from zero with a line search, then along the step as it grows.
+//! Steps on which the fast solver fails: solved from zero with a line search, then by continuation along the step.
 //!
-//! The equations of a step may have several solutions, and Newton's method from far away finds any of them. The right
-//! one is connected with the state: it comes from no change at all as the Hamiltonian of the step, `λ (h H_0 + Σ_k ΔW_k
-//! H_k)`, grows from `λ = 0` to 1, which is to solve the steps of size `λh` with increments `λΔW`. Where a solution is
-//! not found beyond doubt ([`Effort::doubtful`], [`Effort::is_far`]) it is followed along `λ`. Each part starts where the one before
-//! ended, and is taken if Newton's method leaves no doubt there that it is still the same solution; else it is halved. Doubled after that, parts are as
-//! long as the curve allows, and an eighth of the step at most: between the starts of two parts the force may change, which nothing else looks at.
+//! The equations of a step may have several solutions, and Newton's method from far away finds any of them. The right one is connected with the state:
+//! it starts from zero change at `λ = 0` as the Hamiltonian of the step, `λ (h H_0 + Σ_k ΔW_k H_k)`, grows to `λ = 1`, which means solving the steps of
+//! size `λh` with increments `λΔW`. Where a solution is doubtful ([`Effort::doubtful`], [`Effort::is_far`]) it is followed along `λ`. Each part starts
+//! where the one before ended, and is accepted if Newton's method leaves no doubt that it is still the same solution; else it is halved. After an
+//! accepted part the length is doubled, up to an eighth of the step: the force may change between the starts of two parts, and nothing else checks
+//! that.
 //!
-//! Parts have to lead back to their starts, too. Where hundreds that do are too few, those that may not are taken, and the step is reported as doubtful.
+//! A backward step must lead back to the start of the part, too. Where this fails although no fold is found, parts are accepted without it, and the step
+//! is reported as doubtful.
 //!
-//! At a fold parts become shorter without end, and the step has no solution. At a kink of `H` they need not: no correction there shrinks as it should,
-//! however short the part, but the parts themselves do, where a jump to another solution stays as long as it is.
+//! At a fold the parts shrink without limit, and the step has no solution. At a kink of `H` the curve goes on: the corrections do not contract as they
+//! should, however short the part, but the displacement shrinks with the part, whereas a jump to another solution keeps its length.
 //!
-//! A stiff force that is far from its balance swings many times along `λ`, and no reasonable number of parts resolves that. Then the
-//! solution from zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the
-//! next one has not, and the step is reported as doubtful.
+//! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts resolves that. Then the solution from
+//! zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the next one has
+//! not, and the step is reported as doubtful.
 //!
-//! Equations may fall into blocks that have no unknown in common, as those of sites that nothing couples. Then each half of the blocks is solved by
-//! itself, and so on while there is a doubt, so that only blocks that are hard by themselves are followed, each with parts of its own.
+//! Equations may fall into blocks without common unknowns, as for uncoupled sites. Then each half of the blocks is solved separately, recursively
+//! while a doubt remains, so that only hard blocks are followed, each with its own parts.
 
 use std::ops::Range;
 
@@ -31,25 +32,25 @@ use crate::scheme::system::{
     At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
 };
 
-/// The longest part of a step in which its solution is followed, and the shortest.
+/// The longest and the shortest part along which a solution is followed, as fractions of the step.
 const LONGEST: f64 = 1.0 / 8.0;
 const SHORTEST: f64 = 1.0 / 1048576.0;
-/// Parts that are tried before there is a good part of the step behind them, and in all. A smooth curve takes ten, and one that passes a fold three for
-/// each halving; where hundreds are too few the force swings along the step.
+/// The most parts tried at the start of the step and at its end; between them the limit is linear in the fraction reached. A smooth curve takes ten,
+/// and one that passes a fold three per halving; where hundreds do not suffice, the force oscillates along the step.
 const MOST_TRIED: [f64; 2] = [64.0, 512.0];
-/// A curve that ends before this fraction of the step is not resolved: it has no reason to end where the step is nearly none.
+/// An end of the curve before this fraction of the step is no fold but a lack of resolution: nothing ends so small a step.
 const EARLIEST_END: f64 = 1.0 / 16.0;
-/// A part of half the length goes half as far, but for what the slope of the curve changes in it.
+/// The largest ratio of the displacements of a part and of one twice as long: 1/2 for a straight curve, with a margin for its curvature.
 const SHRINKING: f64 = 0.6;
-/// Parts in a row that do, where the curve has a kink.
+/// Such parts in a row by which a kink of the curve is recognised.
 const KINK: u32 = 4;
 
-/// More numbers of a state than are followed along a first step that the short way has taken: a large system pays for it with matrices.
+/// The most coordinates and momenta for which a first step is checked: in large systems its matrices cost too much.
 const MOST_CHECKED: usize = 64;
 
-/// A step to take: its data, and what the steps before left.
+/// A step to take.
 ///
-/// By value, as is what comes back: the caller keeps its own in registers.
+/// Passed and returned by value, so that the caller's own data stay in registers.
 pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) system: &'a H,
     pub(crate) prepared: PreparedOf<H, E>,
@@ -59,11 +60,11 @@ pub(crate) struct Hard<'a, H: Discretized<E>, E, C> {
     pub(crate) p: H::Vector,
     pub(crate) dw: List<'a, f64>,
     pub(crate) carry: C,
-    /// The blocks of equations to solve, by their numbers; all of them if it says nothing.
+    /// The numbers of the blocks of equations to solve; all blocks if `None`.
     pub(crate) blocks: Option<Range<usize>>,
 }
 
-/// A step that was taken after all.
+/// A step taken with care.
 pub(crate) struct Continued<V, M, C> {
     pub(crate) q: V,
     pub(crate) p: V,
@@ -73,7 +74,7 @@ pub(crate) struct Continued<V, M, C> {
 }
 
 impl<V, C> Continued<V, (), C> {
-    /// With what it left for the next.
+    /// Adds the memory for the next step.
     fn leaving<M>(self, memory: M) -> Continued<V, M, C> {
         let Self { q, p, memory: (), carry, effort } = self;
         Continued { q, p, memory, carry, effort }
@@ -87,8 +88,8 @@ type Solved<H, C> = Result<Continued<<H as Hamiltonian>::Vector, (), C>, StepFai
 /// Takes a step that failed for `cause`.
 ///
 /// # Errors
-/// `cause` where nothing can be done about it, [`StepFailure::NoSolution`] where the solution ends, else what stands in
-/// its way.
+/// `cause` if the arguments are invalid or not finite, [`StepFailure::NoSolution`] where the solution ends, else the
+/// failure of the careful solution.
 #[cold]
 #[inline(never)]
 pub(crate) fn solve_by_continuation<H: Discretized<E>, E, C: Carry<f64>>(
@@ -106,15 +107,15 @@ fn are_finite(lists: [&[f64]; 4]) -> bool {
     lists.iter().all(|list| list.iter().all(|x| x.is_finite()))
 }
 
-/// Where the curve of solutions could not be followed any further.
+/// The point beyond which the curve of solutions could not be followed.
 pub(crate) struct End {
     pub(crate) reached: f64,
-    /// Whether it ends there, as far as the shortest parts tell.
+    /// Whether the curve ends there, as far as the shortest parts resolve it.
     pub(crate) is_fold: bool,
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
-    /// All of the blocks at once if that leaves no doubt, else each half of them by itself, and a single one along the step.
+    /// Solves all blocks at once; if a doubt remains, each half separately, and a single block along the step.
     fn solve_blocks(&self) -> Outcome<H, E, C> {
         let mut memory = self.memory();
         let found = self.solve(&self.prepared, self.h, &self.dw, &mut memory);
@@ -135,7 +136,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         }
     }
 
-    /// Each half of the blocks: as none reads another, the second half starts where the first one ends.
+    /// Solves each half of the blocks: as no block reads another, the second half starts where the first one ends.
     fn solve_halves(&self, blocks: Range<usize>) -> Outcome<H, E, C> {
         let middle = blocks.start + blocks.len() / 2;
         let part = |blocks, q: &H::Vector, p: &H::Vector, carry: &C| Hard {
@@ -149,11 +150,11 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         };
         let first = part(blocks.start..middle, &self.q, &self.p, &self.carry).solve_blocks()?;
         let second = part(middle..blocks.end, &first.q, &first.p, &first.carry).solve_blocks()?;
-        // What one half leaves is no guide for the other.
+        // The memory of one half does not predict the other.
         Ok(Continued { memory: Default::default(), effort: first.effort + second.effort, ..second })
     }
 
-    /// A memory that remembers nothing, for steps of the blocks.
+    /// An empty memory for steps of the blocks.
     fn memory(&self) -> MemoryOf<H, E, f64> {
         let mut memory = MemoryOf::<H, E, f64>::default();
         if let Some(blocks) = &self.blocks {
@@ -162,8 +163,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         memory
     }
 
-    /// The solution that continues the state of a first step, or of one after a step that was hard, where that is another than the one at these ends, which the short
-    /// way has found: that had nothing to go by. `room` is for what the steps of a check leave.
+    /// Checks the end `[q, p]` that the fast solver found for a first step, or for one after a hard step, without a prediction. Returns the solution that
+    /// continues the state if that is another one. `room` is the memory for the steps of the check.
     ///
     /// # Errors
     /// [`StepFailure::NoSolution`] where it ends.
@@ -172,7 +173,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         [q, p]: [&H::Vector; 2],
         room: &mut MemoryOf<H, E, f64>,
     ) -> Result<Option<Taken<H, E, C>>, StepFailure> {
-        // With noise every step starts from zero, the first as all others.
+        // With noise every step starts from zero.
         if 2 * self.q.components().len() > MOST_CHECKED || !self.dw.is_empty() {
             return Ok(None);
         }
@@ -191,7 +192,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         }
     }
 
-    /// The step of size `h` with care, started from what `memory` holds.
+    /// The step of size `h` with care, started from `memory`.
     fn solve(
         &self,
         prepared: &PreparedOf<H, E>,
@@ -218,7 +219,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         }
     }
 
-    /// In parts that all have to lead back to their starts, or need not.
+    /// Follows the solution in parts; `are_returned` requires that each leads back to its start.
     fn follow_parts(&self, are_returned: bool) -> Result<Taken<H, E, C>, End> {
         let mut many = Vec::new();
         let mut few = Few::of(&self.dw);
@@ -235,7 +236,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
         while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
             tried_so_far += 1.0;
-            // Parts are powers of two, and all sums of them exact.
+            // Parts are powers of two, so that their sums are exact.
             let fraction = f64::min(reached + part, 1.0);
             for (scaled, dw) in dw.iter_mut().zip(&*self.dw) {
                 *scaled = fraction * dw;
@@ -253,7 +254,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             match tried {
                 Some(mut step) if is_same => {
                     if fraction == 1.0 {
-                        // Whoever takes it has no doubt. Parts of a step are no guide for the next, but the step itself may be.
+                        // The result is certain. Parts of a step do not predict the next step; the step itself may.
                         step.effort = Effort { doubt: Doubt::None, is_far: false, iterations, ..step.effort };
                         left.tell(&Request::Hold);
                         return Ok(step.leaving(left));
@@ -269,7 +270,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     }
                     part *= 0.5;
                     if part < SHORTEST {
-                        // Where corrections contract without doubt, the curve goes on, but rounding or a force that swings hides how.
+                        // If the corrections contract without doubt, the curve goes on, hidden by rounding or by an oscillating force.
                         let contracts = tried.is_some_and(|step| !step.effort.is_doubtful());
                         let is_fold = reached >= EARLIEST_END && !contracts;
                         return Err(End { reached, is_fold });
@@ -281,8 +282,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     }
 }
 
-/// Whether two ways from a place lead to the same one. What solves the same equations differs by their rounding, far below a millionth of the way; two
-/// solutions come as near as the square root of that only where they meet.
+/// Whether two steps from `start` end in the same state. Results for one solution differ by rounding, far below a millionth of the displacement; two
+/// solutions come as close as the square root of rounding only where they merge.
 pub(crate) fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
     let ends = a.components().iter().zip(b.components());
     start.components().iter().zip(ends).all(|(start, (a, b))| {
@@ -291,7 +292,7 @@ pub(crate) fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
     })
 }
 
-/// How far parts from one place went that left a doubt, each half as long as the one before.
+/// Displacements by doubtful parts from one state, each part half as long as the one before.
 struct Kink<V> {
     moves: [V; 2],
     shrunk: u32,
@@ -307,13 +308,13 @@ impl<V: Vector> Kink<V> {
         (self.shrunk, self.is_known) = (0, false);
     }
 
-    /// Notes such a part from here; whether so many became shorter that the curve has no gap.
+    /// Records such a part; whether enough displacements in a row have shrunk that the curve has no gap.
     fn is_passed<M, C>(&mut self, from: &[V; 2], to: &Continued<V, M, C>) -> bool {
         let (mut shrinks, is_known) = (true, std::mem::replace(&mut self.is_known, true));
         for ((before, from), to) in self.moves.iter_mut().zip(from).zip([&to.q, &to.p]) {
             let components = from.components().iter().zip(to.components());
             for (before, (from, to)) in before.components_mut().iter_mut().zip(components) {
-                // The difference of two states is as uncertain as they are.
+                // The difference of two states has their rounding.
                 let (way, rounding) = ((to - from).abs(), f64::EPSILON * (to.abs() + from.abs()));
                 shrinks &= way <= SHRINKING * *before + rounding;
                 *before = way;

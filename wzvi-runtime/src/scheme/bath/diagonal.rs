@@ -1,6 +1,6 @@
-//! The O part where rates and masses are lists: every momentum by itself, `p <- E p + R ξ`.
+//! The O part where rates and masses are lists: `p <- E p + R ξ` for each momentum separately.
 //!
-//! The heat is summed in blocks, whose sums are added in their order, so that it does not depend on how many places are taken at once.
+//! The heat is summed in blocks, and the block sums in order, so that it does not depend on the number of places computed at once.
 
 use std::array::from_fn;
 use std::ops::{Mul, Range};
@@ -21,7 +21,7 @@ pub(super) struct Diagonal<N = f64> {
 }
 
 impl<const L: usize> Diagonal<Lanes<L>> {
-    /// Those of systems in lanes.
+    /// Gathers the lists of systems in lanes.
     pub(super) fn gather(laws: [&Diagonal; L]) -> Self {
         let list = |of: fn(&Diagonal) -> &[f64]| {
             let lists = laws.map(of);
@@ -36,14 +36,14 @@ impl<const L: usize> Diagonal<Lanes<L>> {
     }
 }
 
-/// Places whose heat is one sum.
+/// Number of places per heat sum.
 pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
 
-/// Places that are taken beside each other.
+/// Number of places computed at once.
 const BESIDE: usize = 8;
 
 impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
-    /// All momenta, between two drifts over a time where there are coordinates; the heat.
+    /// Moves all momenta, between two drifts if coordinates are given; returns the heat.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>>(
         &self,
@@ -52,7 +52,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
         p: &mut [S],
     ) -> S {
         let (mut heat, degrees) = (S::from_f64(0.0), self.decay.len().min(p.len()));
-        // Numbers of several parts have them beside each other already.
+        // Numbers with several lanes are vectors already.
         if S::LANES > 1 || degrees < BLOCK {
             return self.one_by_one(normals, drift, p);
         }
@@ -65,7 +65,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
         heat
     }
 
-    /// The same.
+    /// The same, one momentum after the other.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn one_by_one<S: Scalar + Mul<N, Output = S>>(
         &self,
@@ -88,7 +88,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
         heat
     }
 
-    /// The momenta of at most one block, with their coordinates; the heat.
+    /// Moves the momenta of at most one block, with their coordinates; returns the heat.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn block<S: Scalar + Mul<N, Output = S>>(
         &self,
@@ -101,7 +101,7 @@ impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
         let len = places.len().min(BLOCK);
         let [decay, deviation, inverse_mass] =
             [&self.decay, &self.deviation, &self.inverse_mass].map(|list| &list[places.clone()][..len]);
-        // Without temperature there are none.
+        // Without temperature there are no normals.
         let none = [zero; BLOCK];
         let normals = normals.get(places).unwrap_or(&none);
         let (normals, p) = (&normals[..len], &mut p[..len]);

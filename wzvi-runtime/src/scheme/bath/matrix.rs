@@ -1,8 +1,8 @@
-//! Symmetric matrices of a few degrees of freedom, in numbers of any type: rows one after the other, and nothing allocated.
+//! Small symmetric matrices of numbers of any type, row-major, without allocation.
 
 use crate::algebra::scalar::Scalar;
 
-/// Sweeps of rotations that are more than enough: they converge quadratically from the third on.
+/// The most sweeps of rotations, more than enough: convergence is quadratic from the third on.
 const MOST_SWEEPS: usize = 30;
 
 /// The rotation that makes the entry `between` of a symmetric matrix zero, as cosine and sine: the smaller of the two angles.
@@ -17,7 +17,7 @@ fn rotation<S: Scalar>(first: S, between: S, second: S) -> (S, S) {
     (cosine, tangent * cosine)
 }
 
-/// Turns the columns `j` and `k` of a matrix.
+/// Rotates the columns `j` and `k` of a matrix.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn turn_columns<S: Scalar>(matrix: &mut [S], d: usize, [j, k]: [usize; 2], (cosine, sine): (S, S)) {
     for row in matrix.chunks_exact_mut(d) {
@@ -28,7 +28,7 @@ fn turn_columns<S: Scalar>(matrix: &mut [S], d: usize, [j, k]: [usize; 2], (cosi
 }
 
 /// `A = V Λ Vᵀ` by cyclic rotations (C. G. J. Jacobi; G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 8.5): `a` becomes
-/// diagonal, `v` gets the eigenvectors as columns. Rows of `a` that are zero stay so to the last bit, with a unit vector.
+/// diagonal, `v` gets the eigenvectors as columns. Zero rows of `a` remain exactly zero, with a unit vector as eigenvector.
 pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
     v.fill(zero);
@@ -44,7 +44,7 @@ pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
                 }
             }
         }
-        // What is left of it changes no digit of an eigenvalue, nor of a vector.
+        // The remaining off-diagonal part changes no digit of an eigenvalue or eigenvector.
         if beside.relative_to(largest) <= f64::EPSILON * f64::EPSILON {
             break;
         }
@@ -58,7 +58,7 @@ pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
                     a[j * d + column] = cosine * x - sine * y;
                     a[k * d + column] = sine * x + cosine * y;
                 }
-                // Exactly, so that rounding does not turn it again.
+                // Set exactly, so that rounding causes no further rotation.
                 (a[j * d + k], a[k * d + j]) = (zero, zero);
                 turn_columns(v, d, [j, k], turn);
             }
@@ -66,8 +66,8 @@ pub(super) fn diagonalise<S: Scalar>(a: &mut [S], v: &mut [S], d: usize) {
     }
 }
 
-/// The lower triangular `R` with a diagonal that is not negative and `R Rᵀ = G Gᵀ`, in the place of `G`: the Cholesky factor without the
-/// product, so that it is as exact where the product is singular.
+/// The lower triangular `R` with a diagonal that is not negative and `R Rᵀ = G Gᵀ`, in place of `G`: the Cholesky factor without forming
+/// the product, accurate even where the product is singular.
 pub(super) fn triangularise<S: Scalar>(g: &mut [S], d: usize) {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
     for i in 0..d {
@@ -161,7 +161,7 @@ mod tests {
         let mut c = A;
         assert!(cholesky(&mut c, 3));
         close(&product(&c, &c, 3), &A, 12.0 * 4.0 * f64::EPSILON);
-        // Any turn of the columns, here one by the eigenvectors, has the same triangular factor.
+        // Any rotation of the columns, here by the eigenvectors, has the same triangular factor.
         let (mut a, mut g) = (A, [0.0; 9]);
         diagonalise(&mut a, &mut g, 3);
         for (at, entry) in g.iter_mut().enumerate() {

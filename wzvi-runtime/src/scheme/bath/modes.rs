@@ -1,20 +1,20 @@
-//! The modes of friction that is a matrix: `A = Cᵀ Γ C = V Λ Vᵀ` and `W = N V`, as in [`relaxation`](super::relaxation).
+//! The modes of a friction matrix: `A = Cᵀ Γ C = V Λ Vᵀ` and `W = N V`, as in [`relaxation`](super::relaxation).
 
 use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::error::BathError;
 
-/// How much of the momenta an O part leaves, of a mode with the rate `λ` over the time `s`.
+/// The decay factor `E` of a mode with the rate `λ` over the time `s`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decay {
-    /// `e^{-s λ}`, as the flow does.
+    /// `e^{-s λ}`, exact.
     Exponential,
     /// `(1 - s λ/2)/(1 + s λ/2)`
     Cayley,
 }
 
 impl Decay {
-    /// Of a share `s λ`.
+    /// The factor at `s λ = share`.
     pub(super) fn factor(self, share: f64) -> f64 {
         match self {
             Self::Exponential => (-share).exp(),
@@ -30,7 +30,7 @@ pub(super) struct Bath {
     pub(super) time: f64,
     /// `kT`
     pub(super) temperature: f64,
-    /// `1 / √h` of the whole step: what drives it is `√h ξ`.
+    /// `1 / √h` of the whole step: the step is driven by `√h ξ`.
     pub(super) unit: f64,
     pub(super) decay: Decay,
 }
@@ -90,7 +90,7 @@ impl Factors {
     }
 }
 
-/// `Γ`, and what it becomes: room for three matrices.
+/// `Γ` and its modes, in place in three matrices.
 pub(super) struct Modes<'r, S> {
     /// `Γ`, then `Λ` on the diagonal.
     pub(super) rates: &'r mut [S],
@@ -101,7 +101,7 @@ pub(super) struct Modes<'r, S> {
 }
 
 impl<S: Scalar> Modes<'_, S> {
-    /// From the friction in `rates`.
+    /// Solves for the modes of the friction in `rates`.
     ///
     /// # Errors
     /// The smallest rate, if it is negative.
@@ -122,7 +122,7 @@ impl<S: Scalar> Modes<'_, S> {
         }
         diagonalise(rates, vectors, d);
         let largest = (0..d).fold(zero, |largest, k| largest.larger(rates[k * (d + 1)]));
-        // What the roundings of the products can make of zero.
+        // The rounding of the products where the exact rate is zero.
         let rounding = largest * (4.0 * d as f64 * f64::EPSILON);
         for k in 0..d {
             let rate = &mut rates[k * (d + 1)];
@@ -138,7 +138,7 @@ impl<S: Scalar> Modes<'_, S> {
         Ok(())
     }
 
-    /// The smallest rate `μ` and `e^{-s μ}`, which is taken out of all; nothing is taken out of what is no exponential.
+    /// The smallest rate `μ` and the common factor `e^{-s μ}`; 0 and 1 for [`Decay::Cayley`].
     pub(super) fn slowest(&self, bath: &Bath, d: usize) -> (S, S) {
         if bath.decay == Decay::Cayley {
             return (S::from_f64(0.0), S::from_f64(1.0));
@@ -158,7 +158,7 @@ impl<S: Scalar> Modes<'_, S> {
         (0..=j).fold(zero, |sum, i| sum + self.vectors[i * d + k] * mass.lower[j * d + i])
     }
 
-    /// `R / √h`, in the place of `W`.
+    /// Replaces `W` by `R / √h`.
     pub(super) fn deviation(&mut self, bath: &Bath, d: usize) {
         for k in 0..d {
             let (_, deviation) = bath.mode(self.rates[k * (d + 1)]);
@@ -170,7 +170,7 @@ impl<S: Scalar> Modes<'_, S> {
     }
 }
 
-/// The smallest of the lanes of a number.
+/// The smallest lane of a number.
 fn lowest<S: Scalar>(number: S) -> f64 {
     (0..S::LANES).map(|lane| number.lane(lane)).fold(f64::INFINITY, f64::min)
 }

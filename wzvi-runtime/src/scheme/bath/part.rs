@@ -1,4 +1,4 @@
-//! The O parts of a step: their constants, their share of what drives it, and the heat that they bring.
+//! The O parts of a step: their constants, their normals and their heat.
 
 use std::any::Any;
 use std::ops::Range;
@@ -13,7 +13,7 @@ use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 
-/// The O parts of a step: how many, with an equal share each, and how momenta decay in them.
+/// The number of O parts of a step, of equal duration, and their decay.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shares {
     pub(super) parts: usize,
@@ -26,7 +26,7 @@ impl Shares {
     }
 }
 
-/// The constants of the O parts of steps of size `h`; none of a system whose size only its state knows.
+/// The constants of the O parts of steps of size `h`; `None` for a system whose size only its state knows.
 ///
 /// # Errors
 /// [`ConfigError::Bath`]
@@ -44,7 +44,7 @@ pub(super) fn prepare<T: Damped, K: Constant>(
     Ok(Some(relaxation.constant()))
 }
 
-/// Those of systems in lanes; `None` where there are none.
+/// The constants of systems in lanes; `None` if there are none.
 pub(super) fn gather<const L: usize>(
     of_lanes: [&Option<Relaxation>; L],
 ) -> Option<Option<Relaxation<Lanes<L>>>> {
@@ -55,7 +55,7 @@ pub(super) fn gather<const L: usize>(
     Relaxation::gather(relaxations).map(Some)
 }
 
-/// Constants of steps of one size, of a system of so many degrees of freedom.
+/// The constants for one step size and number of degrees of freedom.
 #[derive(Debug)]
 struct Own {
     h: f64,
@@ -72,7 +72,7 @@ impl Own {
     }
 }
 
-/// What O parts need besides, and what they leave.
+/// The scratch of the O parts, and their heat.
 #[derive(Debug, Default)]
 pub(super) struct Memory<S> {
     own: Option<Own>,
@@ -84,7 +84,7 @@ pub(super) struct Memory<S> {
 }
 
 impl<S: Scalar> Memory<S> {
-    /// With room for a system that knows its size.
+    /// With scratch for a system that knows its size.
     pub(super) fn of_system<T: Damped>(system: &T) -> Self {
         let mut memory = Self::default();
         memory.fit::<T>(system.degrees());
@@ -126,7 +126,7 @@ impl<S: Scalar> Memory<S> {
                     Some(own) => own,
                     None => Own::new(system, degrees, h, shares)?,
                 };
-                // What knows no size is prepared of one system, without derivatives.
+                // Systems without a known size go neither in lanes nor with derivatives.
                 same(&self.own.insert(own).relaxation)
                     .ok_or(StepFailure::Internal(StepPromise::PlainConstants))?
             }
@@ -137,12 +137,12 @@ impl<S: Scalar> Memory<S> {
     }
 }
 
-/// A value of one type as what it is, if it is of that type.
+/// The value as type `B`, if that is its type.
 fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
     (value as &dyn Any).downcast_ref()
 }
 
-/// Standard normals that drive a step with so many O parts.
+/// The number of standard normals that drive a step with `parts` O parts.
 pub(super) fn normals<T: Damped>(system: &T, degrees: usize, parts: usize) -> usize {
     if system.temperature().is_some() { parts * degrees } else { 0 }
 }
@@ -158,7 +158,7 @@ pub(super) struct Parts<'m, T, K, S> {
 }
 
 impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
-    /// The parts place by place, of which there are `parts`, where rates and masses are lists and numbers are `f64`.
+    /// The parts place by place, `parts` in number, where rates and masses are lists and numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
         let Self { relaxation, normals, per_part, blocks, .. } = self;
@@ -167,7 +167,7 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
     }
 
-    /// Whether there is no friction, and nothing to do.
+    /// Whether there is no friction.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn are_still(&self) -> bool {
         self.relaxation.is_still()
@@ -185,7 +185,7 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         &self.normals[part * self.per_part..(part + 1) * self.per_part]
     }
 
-    /// Part number `part` between two drifts over `time`, and its heat, where rates and masses are lists.
+    /// Applies part number `part` between two drifts over `time`, where rates and masses are lists; returns its heat.
     ///
     /// # Errors
     /// [`StepPromise::ListedRates`] where they are not.
@@ -201,10 +201,10 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         Ok(law.all_blocks(self.normals(part), Some((time, q)), p))
     }
 
-    /// Part number `part`, and its heat.
+    /// Applies part number `part`; returns its heat.
     ///
     /// # Errors
-    /// [`StepFailure::Bath`] where friction is negative; `p` is then any.
+    /// [`StepFailure::Bath`] where friction is negative; `p` is then unspecified.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<C: Carry<S>>(
         &mut self,
@@ -218,13 +218,13 @@ impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     }
 }
 
-/// The O parts of a step, which may be taken place by place, in any order.
+/// The O parts of a step, for places in any order.
 #[derive(Debug)]
 pub(super) struct ByPlace<'m> {
     law: &'m Diagonal,
     normals: &'m [f64],
     per_part: usize,
-    /// The place that `blocks` begin with, which are the heats of `parts` of each block.
+    /// The first place of `blocks`, the heats of the `parts` of each block.
     first: usize,
     blocks: &'m mut [f64],
     parts: usize,
@@ -236,7 +236,7 @@ impl<'m> ByPlace<'m> {
         ByPlace { blocks: self.blocks, ..*self }
     }
 
-    /// The places before one that a block begins with, and those from it on.
+    /// Divides the places at `place`, the first of a block.
     pub(super) fn divide(self, place: usize) -> [Self; 2] {
         let Self { law, normals, per_part, first, blocks, parts } = self;
         let before = ((place - first).div_ceil(BLOCK) * parts).min(blocks.len());
@@ -251,7 +251,7 @@ impl<'m> ByPlace<'m> {
         })
     }
 
-    /// Some places of a part, from the first of a block on, between two drifts over a time where there are coordinates.
+    /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply(
         &mut self,

@@ -1,4 +1,4 @@
-//! Friction and noise alone, which are an Ornstein-Uhlenbeck process: `p <- E p + R ξ`.
+//! Friction and noise alone, an Ornstein-Uhlenbeck process: `p <- E p + R ξ`.
 //!
 //! With `M⁻¹ = C Cᵀ` and `N = C⁻ᵀ`, so that `M = N Nᵀ`, the friction `A = Cᵀ Γ C = V Λ Vᵀ` is symmetric, and with `W = N V` and the time `s`
 //!
@@ -7,10 +7,9 @@
 //! R Rᵀ = kT (M - E M Eᵀ) = kT W (1 - exp(-2 s Λ)) Wᵀ
 //! ```
 //!
-//! [`Decay::Cayley`] has `E = (1 + s Γ M⁻¹/2)⁻¹ (1 - s Γ M⁻¹/2)` in the place of the exponential.
+//! [`Decay::Cayley`] has `E = (1 + s Γ M⁻¹/2)⁻¹ (1 - s Γ M⁻¹/2)` instead of the exponential.
 //!
-//! No difference of nearly equal numbers is in it, neither for small friction nor for large, and degrees of freedom without friction keep their
-//! momenta to the last bit.
+//! There is no cancellation at small or large friction, and undamped degrees of freedom keep their momenta to the last bit.
 
 use std::ops::Mul;
 
@@ -22,24 +21,24 @@ use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{BathError, StepFailure};
 
-/// The O part of a step, with everything that does not depend on the state.
+/// The constants of an O part, which do not depend on the state.
 #[derive(Clone, Debug)]
 pub struct Relaxation<K = f64>(Law<K>);
 
-/// Lists have one number per degree of freedom, matrices all rows, one after the other.
+/// Lists have one number per degree of freedom; matrices are row-major.
 #[derive(Clone, Debug)]
 enum Law<K> {
     /// No friction.
     Still,
-    /// Rates and masses by degree of freedom: lists.
+    /// Rates and masses as lists.
     Diagonal(Diagonal<K>),
     /// The same as matrices, of one system.
     Matrix { decay: Vec<f64>, deviation: Vec<f64>, inverse_mass: Vec<f64> },
-    /// By the friction at each state.
+    /// Friction that depends on the state.
     Frozen(Frozen),
 }
 
-/// What an O part with the friction of a place is made of.
+/// The constants of an O part with friction that depends on the state.
 #[derive(Clone, Debug)]
 struct Frozen {
     /// A list if rates and masses are lists, else a matrix.
@@ -48,14 +47,14 @@ struct Frozen {
     bath: Bath,
 }
 
-/// Momenta that an O part moves, and what moves them.
+/// The momenta that an O part moves, and the normals that drive it.
 pub(super) struct Momenta<'m, S> {
-    /// Where they are.
+    /// The coordinates.
     pub(super) q: &'m [S],
     /// `√h ξ`, none without temperature.
     pub(super) normals: &'m [S],
     pub(super) p: &'m mut [S],
-    /// What is carried for them.
+    /// The compensation of the momenta.
     pub(super) lost: &'m mut [S],
 }
 
@@ -115,7 +114,7 @@ impl Relaxation {
         }
     }
 
-    /// How much room [`Relaxation::apply`] needs.
+    /// The length of the scratch of [`Relaxation::apply`].
     pub(super) fn room<T: Damped>(degrees: usize) -> usize {
         if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
     }
@@ -134,7 +133,7 @@ impl Relaxation {
         })
     }
 
-    /// Those of systems in lanes: where rates and masses of all are lists, or none has friction.
+    /// Gathers systems in lanes: if rates and masses of all are lists, or none has friction.
     pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
         if of_lanes.iter().all(|law| law.is_still()) {
             return Some(Relaxation(Law::Still));
@@ -160,10 +159,10 @@ impl<K: Constant> Relaxation<K> {
         if let Law::Diagonal(law) = &self.0 { Some(law) } else { None }
     }
 
-    /// Moves the momenta, and gives the heat that they took: the gain of kinetic energy. Lanes do not account for it.
+    /// Moves the momenta and returns the heat, the gain of kinetic energy. Lanes do not account for it.
     ///
     /// # Errors
-    /// [`BathError::Friction`] where it is negative; `p` is then any.
+    /// [`BathError::Friction`] where friction is negative; `p` is then unspecified.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<T: Damped, S: Over<K>, C: Carry<S>>(
         &self,
@@ -202,7 +201,7 @@ pub(super) fn of_normal<S: Scalar>(normals: &[S], i: usize) -> S {
 }
 
 impl<S: Scalar> Momenta<'_, S> {
-    /// A number and the noise of a lower triangular matrix in its row number `i`.
+    /// `number` plus the product of row `i` of a lower triangular matrix and the noise.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_noise<T: Copy>(&self, number: S, i: usize, row: &[T]) -> S
     where
@@ -211,10 +210,10 @@ impl<S: Scalar> Momenta<'_, S> {
         (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
     }
 
-    /// `p <- E p + R ξ` by degree of freedom, with what is carried; and the heat.
+    /// `p <- E p + R ξ` by degree of freedom, with compensation; returns the heat.
     ///
     /// # Errors
-    /// Those of the constants `E` and `R / √h`.
+    /// Those of computing `E` and `R / √h`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn relax<C: Carry<S>, K: Constant>(
         &mut self,
@@ -238,7 +237,7 @@ impl<S: Scalar> Momenta<'_, S> {
         Ok(heat)
     }
 
-    /// New momenta, and the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
+    /// Stores the new momenta and returns the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn replace<C: Carry<S>>(&mut self, new: &[S], inverse_mass: &[f64]) -> S {
         let (zero, d) = (S::from_f64(0.0), self.p.len());
@@ -257,7 +256,7 @@ impl<S: Scalar> Momenta<'_, S> {
     }
 }
 
-/// What the kinetic energy of one momentum gains.
+/// The gain of kinetic energy of one momentum.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn gain<S, N>(before: S, after: S, inverse_mass: N) -> S
 where
@@ -272,7 +271,7 @@ pub(super) const fn is_list<T: Damped>() -> bool {
     !T::IS_MATRIX && T::HAS_DIAGONAL_MASSES
 }
 
-/// `M⁻¹`: a list where friction is one too, else a matrix.
+/// `M⁻¹`: a list if friction is a list, else a matrix.
 fn inverse_mass<T: Damped>(system: &T, d: usize) -> Vec<f64> {
     if !T::HAS_DIAGONAL_MASSES {
         let mut rows = vec![0.0; d * d];
@@ -310,7 +309,7 @@ fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law<f6
     Ok(Law::Diagonal(Diagonal { decay, deviation, inverse_mass }))
 }
 
-/// One rate for masses that are a matrix.
+/// One rate, with a mass matrix.
 fn uniform(
     rate: Option<f64>,
     mass: &Factors,
@@ -324,7 +323,7 @@ fn uniform(
     Ok(Law::Matrix { decay, deviation, inverse_mass })
 }
 
-/// Friction that is a matrix.
+/// A constant friction matrix.
 fn constant(
     mut gamma: Vec<f64>,
     mass: &Factors,
@@ -357,7 +356,7 @@ fn constant(
     Ok(Law::Matrix { decay, deviation: modes, inverse_mass })
 }
 
-/// Friction that would heat.
+/// The error for negative friction.
 #[cold]
 fn negative(rate: f64) -> StepFailure {
     StepFailure::Bath(BathError::Friction { rate })
@@ -371,7 +370,7 @@ impl Frozen {
         Ok(self.bath.mode(rate))
     }
 
-    /// Rates by degree of freedom, or one for masses that are a matrix.
+    /// Rates by degree of freedom, or one rate with a mass matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn apply_rates<T: Damped, S: Scalar, C: Carry<S>>(
         &self,
