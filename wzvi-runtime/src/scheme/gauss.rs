@@ -8,9 +8,9 @@
 //!
 //! has the stages `V_i = ∂F/∂p (i)`, `P_i = p - Σ_j a_ij ∂F/∂q (j)` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
 //! Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them at once, and by Newton's method
-//! where sweeps do not contract. One path has its stages side by side in a vector register; paths of an ensemble lie side by side themselves,
-//! and take stage after stage with the same arithmetic. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are
-//! eliminated (Nyström form), which doubles the number of digits that a sweep gains.
+//! where sweeps do not contract. For one path, the lanes of a vector register are its stages; in an ensemble they are paths, which evaluate
+//! stage after stage with the same arithmetic. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are eliminated (Nyström form),
+//! which doubles the digits gained per sweep.
 //!
 //! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M. Antoñana, J. Makazaga, A. Murua,
 //! "Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes", Numer. Algorithms 76, 2017.
@@ -65,16 +65,16 @@ pub trait Field: Elements + Sized {
     /// Lists of one entry per noise.
     type Noises: Shape;
 
-    /// The numbers that slopes of systems whose lists are arrays read of the system, and nothing else; none of others.
+    /// The parameters that the slopes read, for systems whose lists are arrays: nothing else of the system is read. Empty for others.
     type Parameters: Parameters;
 
-    /// Them.
+    /// The values of these parameters.
     fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K>;
 
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
     fn stiffness(&self, _k: &mut [f64]) {}
 
-    /// `∂F/∂q` and `∂F/∂p`, as far as they are wanted. Slices have the degrees of freedom and the noises of the system.
+    /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise.
     #[expect(
         clippy::too_many_arguments,
         reason = "generated code implements it, and each is one thing that slopes depend on"
@@ -99,7 +99,7 @@ pub trait Field: Elements + Sized {
 /// The parameters of a system.
 ///
 /// # Errors
-/// Where they have derivatives, and slopes read more of the system.
+/// If they have derivatives and the slopes read more of the system.
 pub(crate) fn parameters<F: Field, K: Constant>(
     system: &F,
     lift: Lift<'_, K>,
@@ -111,21 +111,21 @@ pub(crate) fn parameters<F: Field, K: Constant>(
     Ok(system.parameters(lift))
 }
 
-/// Those of systems in lanes; `None` where slopes read more of a system.
+/// The parameters of systems in lanes; `None` if slopes read more of a system.
 pub(crate) fn gather<F: Field, const L: usize>(
     of_lanes: [&Of<F::Parameters, f64>; L],
 ) -> Option<Of<F::Parameters, Lanes<L>>> {
     F::Shape::IS_FIXED.then(|| F::Parameters::gather(of_lanes))
 }
 
-/// What the slopes are for lists that do not fit the system.
+/// Fills the slopes for lists that do not fit the system.
 #[cold]
 pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
     by_q.fill(S::from_f64(f64::NAN));
     by_p.fill(S::from_f64(f64::NAN));
 }
 
-/// The plan of a step with so many stages.
+/// The plan of a step with `stages` stages.
 const fn plan(facts: Facts, stages: usize, is_nystrom: bool) -> Plan {
     let unknowns = facts.degrees.saturating_mul(stages * if is_nystrom { 1 } else { 2 });
     facts.plan(Solver::Newton, unknowns, 2 * stages as u32, true)
@@ -136,7 +136,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     const PROPERTIES: Properties = Properties {
         stages: N as u32,
         in_lanes: F::Shape::IS_FIXED,
-        // That of a step with friction is one of the momentum that friction leaves alone.
+        // With friction, the polynomial would be one of the momentum `e^{γ τ} p`.
         has_polynomial: N > 1 && !F::FACTS.kind.is_conformal,
         dense_order: dense::dense_order(
             if F::FACTS.kind.is_conformal { 1 } else { N as u32 },

@@ -31,15 +31,15 @@ use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
 
-/// A word of kicks, drifts and O parts, and how these are taken.
+/// A word of kicks, drifts and O parts, and how they are applied.
 pub trait Letters {
     /// Its letters.
     type Word: Word;
-    /// What the O parts leave of the momenta.
+    /// The decay of the momenta in the O parts.
     const DECAY: Decay = Decay::Exponential;
     /// Whether kicks and drifts are shortened.
     const IS_SHORTENED: bool = false;
-    /// The letters as steps take them.
+    /// The letters, prepared for steps.
     const SPELLING: &'static Spelling = &Spelling::of(<Self::Word as Word>::LETTERS);
 }
 
@@ -80,21 +80,21 @@ pub struct Prepared<P, K> {
     parameters: P,
     /// All parts of a step.
     apart: Stages<Act>,
-    /// The same with O parts between drifts [joined]: lists of masses say what a drift is, unless a noise drifts too.
+    /// The same with O parts between drifts [joined]: for lists of masses, unless a noise drifts too.
     joined: Stages<Act>,
-    /// Kicks and drifts with neighbours as one: without friction nothing is between them.
+    /// Kicks and drifts alone, neighbours of one kind merged: for systems without friction.
     still: Stages<Act>,
     relaxation: Option<Relaxation<K>>,
 }
 
-/// What a step leaves.
+/// The memory and scratch of steps.
 #[derive(Debug, Default)]
 pub struct Memory<S: Scalar, H: Shape> {
     flows: stages::Memory<S, H>,
     bath: part::Memory<S>,
 }
 
-/// The copy allocates its own room, as that of the flows.
+/// The copy allocates its own scratch, as that of the flows.
 impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
     fn clone(&self) -> Self {
         Self { flows: self.flows.clone(), bath: Default::default() }
@@ -120,7 +120,7 @@ where
 {
     const PLAN: Plan = {
         let order = W::SPELLING.order;
-        // One noise in kicks and drifts needs what makes the order two.
+        // With multiplicative noise, consistency requires order two.
         let consistent = order == 2 || !matches!(F::FACTS.noise, NoiseClass::Multiplicative);
         with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
     };
@@ -169,7 +169,7 @@ where
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
-        // Each system has kicks and drifts of its own length.
+        // Kicks and drifts have a different length in each system.
         if W::IS_SHORTENED {
             return None;
         }
@@ -257,13 +257,13 @@ where
 /// free particle is right.
 ///
 /// # Errors
-/// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] beside noises, whose increments would be shortened, too.
+/// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises, whose increments would be shortened, too.
 fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
     if system.noises() > 0 {
         let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
         return Err(ConfigError::Setting(wrong.into()));
     }
-    // A system that does not know its size has one rate for any.
+    // If the size is unknown, one degree of freedom is enough to read the rate.
     let mut rates = vec![f64::NAN; system.degrees().max(1)];
     if !T::IS_MATRIX && !T::PER_STATE {
         system.damping(&vec![0.0; rates.len()], &mut rates);
@@ -276,7 +276,7 @@ fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
     Ok(if x == 0.0 { 1.0 } else { (x.tanh() / x).sqrt() })
 }
 
-/// A step window by window, and its heat; `None` where friction and masses are no lists.
+/// A step window by window; returns its heat, or `None` if friction and masses are not lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn in_windows<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters>(
     system: &F,

@@ -22,7 +22,7 @@ use crate::scheme::system::{
     At, Exchange, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits,
 };
 
-/// O parts in front of and behind a step.
+/// The O parts before and after a step.
 const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
 
 /// Steps of `E`, of the system without its bath, between two O parts.
@@ -36,12 +36,12 @@ pub struct Prepared<M, K> {
     relaxation: Option<Relaxation<K>>,
 }
 
-/// What a step leaves.
+/// The memory and scratch of steps.
 #[derive(Debug, Default)]
 pub struct Memory<S: Scalar, M> {
-    /// That of the step between, and the state before it all.
+    /// The memory of the inner step, and the state before the whole step.
     kept: kept::Memory<S, M>,
-    /// What is carried for coordinates and momenta.
+    /// The compensation of coordinates and momenta.
     lost: [Vec<S>; 2],
     bath: part::Memory<S>,
 }
@@ -52,7 +52,7 @@ impl<S: Scalar, M> Memory<S, M> {
     }
 }
 
-/// What the steps before left; scratch is allocated anew where the copy is used.
+/// Copies the memory of the past steps; the copy allocates its own scratch.
 impl<S: Scalar, M: Clone + Default> Clone for Memory<S, M> {
     fn clone(&self) -> Self {
         Self::of(self.kept.clone())
@@ -153,7 +153,8 @@ impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
     }
 }
 
-/// A step between its O parts, and the heat of both; a step that fails changes nothing.
+/// A step between its O parts; returns the heat of both. A step that fails changes
+/// nothing.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn between<T: Damped, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
     parts: &mut Parts<'_, T, K, S>,
@@ -183,7 +184,7 @@ fn between<T: Damped, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
     }
 }
 
-/// An O part of a state, with what is carried for it.
+/// Applies an O part to a state, with compensation.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn relax<T: Damped, K: Constant, S: Over<K>, C: Carry<S>>(
     parts: &mut Parts<'_, T, K, S>,

@@ -1,10 +1,11 @@
 //! Splittings as words of letters: `Splitting<(B, A, O, A, B)>`.
 //!
 //! A drift [`A`] is the flow of `T(p)`, a kick [`B`] that of `V(q, t)`, and an [`O`] part friction and noise of the bath. Letters of one kind have equal
-//! shares of the step, unless they are given: `A<1, 4>` is a drift over a quarter of it. The O parts have equal shares always.
+//! shares of the step unless shares are given: `A<1, 4>` is a drift over a quarter of it. O parts always have equal shares.
 //!
-//! A word is of order one as its shares add to one, and of order two if for each pair of different letters `X`, `Y` the products of shares of an `X` before a `Y`
-//! add to one half, as they do in a palindrome (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section III.5). With O parts order two is the highest.
+//! A word is of order one because its shares add to one, and of order two if for each pair of different letters `X`, `Y` the products of shares of an `X`
+//! before a `Y` add to one half, as they do in a palindrome (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section III.5). With O parts
+//! order two is the highest.
 
 use super::splitting::Letters;
 use crate::scheme::compose::stages::Stage;
@@ -13,7 +14,7 @@ use crate::scheme::compose::substeps::Half;
 /// The most letters of a word.
 const MOST: usize = 24;
 
-/// A drift, the flow of `T(p)`, over the fraction `N / D` of the step; over an equal share if there is none.
+/// A drift, the flow of `T(p)`, over the fraction `N / D` of the step, or an equal share if none is given.
 #[derive(Clone, Copy, Debug)]
 pub enum A<const N: u32 = 0, const D: u32 = 1> {}
 
@@ -25,7 +26,7 @@ pub enum B<const N: u32 = 0, const D: u32 = 1> {}
 #[derive(Clone, Copy, Debug)]
 pub enum O {}
 
-/// What a letter stands for; of a share that is not given the numerator is zero.
+/// The meaning of a letter; the numerator is zero if no share is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Drift
@@ -38,7 +39,7 @@ pub enum Part {
 
 /// A letter of a word.
 pub trait Letter {
-    /// What it stands for.
+    /// Its meaning.
     const PART: Part;
 }
 
@@ -70,7 +71,7 @@ macro_rules! words {
 
 words!(L1 L2 L3 L4 L5 L6 L7 L8 L9 L10 L11 L12 L13 L14 L15 L16 L17 L18 L19 L20 L21 L22 L23 L24);
 
-/// A letter as steps take it.
+/// A letter, prepared for steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Act {
     /// A kick or a drift.
@@ -82,18 +83,18 @@ pub(super) enum Act {
 }
 
 impl Act {
-    /// Of a kick or a drift.
+    /// The flow, if it is a kick or a drift.
     pub(super) fn half(&self) -> Option<Half> {
         if let Self::Flow(half) = self { Some(*half) } else { None }
     }
 }
 
-/// A word as steps take it.
+/// A word, prepared for steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {
     stages: [Stage<Act>; MOST],
     count: usize,
-    /// The O parts.
+    /// The number of O parts.
     pub(super) parts: usize,
     /// One or two.
     pub(super) order: u32,
@@ -105,7 +106,7 @@ impl Spelling {
         self.stages.split_at(self.count).0
     }
 
-    /// Of a word whose drifts add to one step, and whose kicks do, with one O part at least.
+    /// Prepares a word with at least one O part, whose drifts and whose kicks each add to one step.
     pub(super) const fn of(letters: &[Part]) -> Self {
         let unit = common_denominator(letters);
         let nothing = Stage::new(Half::First, 0.0, 0.0).with(Act::Flow(Half::First));
@@ -134,7 +135,7 @@ impl Spelling {
     }
 }
 
-/// With an O part between two drifts of the same weight as one with them, if there is one such place.
+/// Merges an O part with the drifts of equal weight on both sides of it, if there is exactly one such place.
 pub(super) fn joined(stages: &[Stage<Act>]) -> Vec<Stage<Act>> {
     let between = |around: &[Stage<Act>]| match around {
         [before, Stage { act: Act::Relax(part), .. }, after] => {
@@ -184,7 +185,7 @@ const fn gcd(mut a: u64, mut b: u64) -> u64 {
     a
 }
 
-/// In whose parts all shares are integers.
+/// The common denominator of all shares.
 const fn common_denominator(letters: &[Part]) -> u64 {
     let (mut unit, mut i) = (1_u64, 0);
     while i < letters.len() {
@@ -206,7 +207,7 @@ const fn share(letters: &[Part], i: usize, unit: u64) -> u64 {
     numerator * (unit / denominator)
 }
 
-/// One, or two if all products of two different letters are right.
+/// Two if, for each pair of different letters, the products of their shares add to one half; else one.
 const fn order(letters: &[Part], unit: u64) -> u32 {
     let (mut sums, mut products, mut j) = ([0_u128; 3], [[0_u128; 3]; 3], 0);
     while j < letters.len() {
@@ -242,9 +243,9 @@ pub struct HarmonicLaw {
     pub qp: f64,
     /// `<p²>`, one there.
     pub p: f64,
-    /// Diffusion of a free particle, over that of the equation, `kT/(m γ)`.
+    /// Diffusion of a free particle, relative to the exact `kT/(m γ)`.
     pub diffusion: f64,
-    /// Mean velocity under a constant force, over that of the equation.
+    /// Mean velocity under a constant force, relative to the exact one.
     pub mobility: f64,
 }
 
@@ -283,7 +284,7 @@ impl HarmonicLaw {
         let [q, qp, p] = law.filter(|_| is_stable).map_or([f64::NAN; 3], Into::into);
         let all = decay.powi(spelling.parts as i32);
         let diffusion = 0.5 * gamma * (1.0 + all) / (1.0 - all) * factor * factor;
-        // Momenta that a constant force leaves as they were: p = all p + gained.
+        // Stationary momentum under a constant force: p = all p + gained.
         let [_, gained] = letters.step([0.0, 1.0], [0.0; 2]);
         let [moved, _] = letters.step([0.0, 1.0], [0.0, gained / (1.0 - all)]);
         Self { q, qp, p, diffusion, mobility: moved * gamma }
@@ -298,7 +299,7 @@ struct Linear<'s> {
 }
 
 impl Linear<'_> {
-    /// Of the mean `(√k q, p)`, with a constant force, or of `(q, p)` where there is no spring.
+    /// Maps the mean `(√k q, p)` under a constant force, or `(q, p)` without a spring.
     fn step(&self, [omega, force]: [f64; 2], [mut q, mut p]: [f64; 2]) -> [f64; 2] {
         let unit = if omega == 0.0 { 1.0 } else { omega };
         self.each(|weight| match weight {
@@ -309,7 +310,7 @@ impl Linear<'_> {
         [q, p]
     }
 
-    /// What the O parts bring into `<q²>`, `<q p>`, `<p²>`.
+    /// The contribution of the noise of the O parts to `<q²>`, `<q p>`, `<p²>`.
     fn covariance(&self, omega: f64) -> [f64; 3] {
         let [mut qq, mut qp, mut pp] = [0.0; 3];
         self.each(|weight| match weight {
@@ -331,7 +332,7 @@ impl Linear<'_> {
         [qq, qp, pp]
     }
 
-    /// All letters: flows with what they last, and O parts.
+    /// Visits all letters: flows with their durations, and O parts (`None`).
     fn each(&self, mut take: impl FnMut(Option<(Half, f64)>)) {
         for stage in self.spelling.stages() {
             take(stage.act.half().map(|half| (half, self.factor * stage.weight)));

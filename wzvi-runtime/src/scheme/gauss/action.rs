@@ -34,7 +34,7 @@ pub(super) fn value<F: Field, const N: usize>(
     if step.solve::<true>(&mut lists, &mut left).is_err() || !step.finish([q, p], dw, &mut lists, &Plain) {
         return f64::NAN;
     }
-    // The momenta of the stages, which the Nyström form does without: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
+    // The momenta of the stages, eliminated in the Nyström form: `P_i = p - Σ_j a_ij ∂F/∂q (j)`.
     let slopes = lists.slopes[1].as_ref();
     let momenta: Vec<_> = (0..degrees)
         .map(|d| minus::<_, f64, N>(Lanes::<N>::splat(p[d]), slopes[d].products(&table.mu)))
@@ -52,7 +52,7 @@ pub(super) fn value<F: Field, const N: usize>(
         let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
         let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
         let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));
-        // With friction these are parts of `e^{γ τ} H(q, e^{-γ τ} π)`.
+        // With friction these are terms of `e^{γ τ} H(q, e^{-γ τ} π)`.
         action += table.b[i] * scale[i] * (pairing - drift - noise.sum::<f64>());
     }
     let scale = 1.0 / (1.0 + common.friction().decay);

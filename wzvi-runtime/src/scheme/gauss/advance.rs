@@ -14,25 +14,25 @@ use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, fits, no_nan, without_derivatives};
 
-/// What is made once for a step size, with the parameters `P` of a system.
+/// The constants for one step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
 pub struct Prepared<P, const N: usize> {
     pub(super) parameters: P,
     pub(super) common: Common<N>,
 }
 
-/// What of it is the same for systems in lanes.
+/// The constants that systems in lanes have in common.
 #[derive(Clone, Debug)]
 pub(super) struct Common<const N: usize> {
     table: Table<N>,
-    /// The linear part of a stiff force. It says how sweeps converge, not to what: it has no derivatives.
+    /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so carries no derivatives.
     modes: Option<Modes<N>>,
-    /// Friction that the step takes in.
+    /// Friction that is part of the step.
     friction: Friction<N>,
     instructions: InstructionSet,
 }
 
-/// That of a system.
+/// The constants of a system.
 pub(super) type PreparedOf<F, K, const N: usize> = Prepared<Of<<F as Field>::Parameters, K>, N>;
 
 /// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
@@ -78,7 +78,7 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
     Ok(Prepared { parameters, common })
 }
 
-/// That of systems in lanes; `None` where a step has a part of its own for each of them, of friction or of a stiff force.
+/// The constants of systems in lanes; `None` if friction or a stiff force makes them differ between systems.
 pub(super) fn gather<F: Field, const L: usize, const N: usize>(
     prepared: [&PreparedOf<F, f64, N>; L],
 ) -> Option<PreparedOf<F, Lanes<L>, N>> {
@@ -89,7 +89,7 @@ pub(super) fn gather<F: Field, const L: usize, const N: usize>(
     Some(Prepared { parameters, common: prepared.first()?.common.clone() })
 }
 
-/// The memory of a new stepper: all that its steps will need, where the system knows its size.
+/// The memory of a new stepper, allocated in full if the system knows its size.
 pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Shape, F::Noises, N> {
     let mut memory = Memory::default();
     let degrees = system.degrees();
@@ -128,7 +128,7 @@ pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: u
     check_lengths(system, [degrees, p.len(), dw.len()])?;
     let step = ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, common, t, h, q, p, dw, carry };
     let run = Run { step, memory };
-    // Other numbers than `f64` are not side by side, or are so already; and care is not compiled for each set of instructions.
+    // Numbers other than `f64` are scalar or are vectors already; careful steps are not compiled for each instruction set.
     if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
         common.instructions.run(run)
     } else {
@@ -178,7 +178,7 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
     fn run<const L: usize, const HALF: usize>(self) -> Self::Output {
         let Memory { left, given, lists } = self.memory;
         if S::IS_BESIDE {
-            // More than there are registers for: where they are.
+            // They exceed the registers, and so remain in memory.
             return self.step.take(given, lists, left);
         }
         let mut own_given = F::Shape::lend(given, Given::of_length(0, 0));
@@ -210,7 +210,7 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
         };
         let Solved { effort, prefers_newton } = solved?;
         left.prefers_newton = prefers_newton;
-        // With noise it is no guide to the next step, but it says what lies between the nodes: of one path.
+        // With noise the slopes do not predict the next step, but the dense output of a single path needs them.
         if !S::IS_BESIDE || dw.is_empty() {
             let [by_p, by_q] = &mut left.past;
             if !S::IS_BESIDE || !F::IS_NYSTROM {

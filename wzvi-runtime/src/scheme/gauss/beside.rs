@@ -1,8 +1,8 @@
-//! How the equations of a step are solved: for one path, and for paths beside each other.
+//! Solution of the equations of a step: for one path, and for paths in lanes.
 //!
-//! Beside each other, paths are swept together until each has ended by the verdict that it has alone; what a path keeps is that of its own
-//! last sweep. One whose sweeps do not contract goes alone, as a [`Stepper`](crate::path::step::Stepper) takes it. So the bits of a path do not
-//! depend on what is beside it.
+//! Paths in lanes are swept together until each has ended by its own criterion, and a path keeps the result of its own last sweep. A path whose
+//! sweeps do not contract is solved alone, as by a [`Stepper`](crate::path::step::Stepper). So the bits of a path do not depend on its
+//! neighbours.
 
 use super::Field;
 use super::advance::advance;
@@ -18,7 +18,7 @@ use crate::algebra::solve::{Doubt, Effort};
 use crate::error::StepFailure;
 use crate::scheme::system::At;
 
-/// One path of several, and what its steps before left.
+/// One path of several, with the memory of its past steps.
 #[derive(Debug, Default)]
 pub(super) struct Alone<H: Shape, W: Shape, const N: usize> {
     memory: Memory<f64, H, W, N>,
@@ -56,11 +56,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
-        // The steps before are a guide without noise only.
         self.begin::<CAREFUL>(lists, left);
         if !self.prefers_newton(left).any() {
             let swept = self.sweeps::<CAREFUL>(S::Mask::from_bool(true), lists, left);
-            // With care, only Newton's method is a judge of sweeps that do not contract from the first one on.
+            // With care, sweeps that do not contract from the start are checked by Newton's method.
             let is_wild = CAREFUL && swept.are_wild.any();
             let is_settled = swept.are_settled.all();
             if is_settled && (!is_wild || self.unknowns() > Self::MOST_UNKNOWNS) {
@@ -79,14 +78,14 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         self.newton::<CAREFUL>(lists, left)
     }
 
-    /// The stages to start from: those of a part of the same step, what the steps before extrapolate to, which is a guide without noise only, or
-    /// those of the state.
+    /// The starting stages: from the slopes of a part of the same step, by extrapolation of the last step (without noise only), or those of the
+    /// state.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin<const CAREFUL: bool>(&self, lists: &mut Lists<S, F::Shape, N>, left: &mut LeftOf<F, S, N>) {
         if CAREFUL && left.is_held {
             lists.slopes.clone_from(&left.past);
             if F::FACTS.kind.is_conformal {
-                // They were left in the momentum of the step after.
+                // They are stored in the momentum of the next step.
                 let back = [(1.0 + self.common.friction().decay).recip(); N];
                 lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
             }
@@ -96,7 +95,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         self.guess(lists, &mut left.past, &mut left.scratch, from_past);
     }
 
-    /// Where Newton's method is tried first.
+    /// The paths for which Newton's method is tried first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn prefers_newton(&self, left: &LeftOf<F, S, N>) -> S::Mask {
         match left.iteration {
@@ -106,7 +105,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
     }
 
-    /// With friction, slopes are left in the momentum of the step that follows.
+    /// With friction, converts the slopes to the momentum of the next step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momentum(&self, lists: &mut Lists<S, F::Shape, N>) {
         if F::FACTS.kind.is_conformal {
@@ -115,10 +114,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
     }
 
-    /// Solves for the stages and the new states of paths beside each other.
+    /// Solves for the stages and the new states of paths in lanes.
     ///
     /// # Errors
-    /// That of a path that goes alone.
+    /// That of a path that is solved alone.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn solve_beside(
         &self,
@@ -128,7 +127,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         let none = S::Mask::from_bool(false);
-        // One path is faster with its stages beside each other.
+        // A single path is faster with its stages in lanes.
         let together = if S::LANES > 1 { !self.prefers_newton(left) } else { none };
         let mut solved = Solved { effort: Effort::fast(0), prefers_newton: none };
         let mut are_solved = none;
@@ -150,7 +149,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(solved)
     }
 
-    /// One path, with its stages beside each other.
+    /// One path, with its stages in lanes.
     ///
     /// # Errors
     /// Those of its step.

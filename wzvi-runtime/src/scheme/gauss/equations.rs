@@ -17,12 +17,12 @@ pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
     pub(super) h: K,
     /// `b_i ΔW_k`
     pub(super) dw: &'a [S::Stages<N>],
-    /// `q` and `p` with what is carried.
+    /// `q` and `p` with their compensation.
     pub(super) start: [&'a [S]; 2],
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
-    /// What is given of a step.
+    /// Reads the data of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn read<C: Carry<S>>(&mut self, common: &Common<N>, q: &[S], p: &[S], dw: &[S], carry: &C) {
         let Self { start: [start_q, start_p], dw: weighted } = self;
@@ -50,13 +50,13 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     }
 }
 
-/// Where stages are, and the slopes that they come from.
+/// The stages to compute, and the slopes that determine them.
 pub(super) struct Placement<'a, T> {
     /// `q` and `p` of the stages.
     pub(super) at: [&'a mut [T]; 2],
     /// `b_i ∂F/∂p`; in Nyström form `∂F/∂p` of the stages that are placed, where they are one part.
     pub(super) by_p: &'a mut [T],
-    /// `b_i ∂F/∂q`; none for stages that keep the momentum of the start.
+    /// `b_i ∂F/∂q`; `None` for stages with the momentum at the start.
     pub(super) by_q: Option<&'a [T]>,
 }
 
@@ -75,8 +75,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         S::Stages::weighted(h, &self.common.table().b, part)
     }
 
-    /// The stages that follow from slopes at the same or other ones, by the columns of `once` (of integrals of the slopes) or, in
-    /// Nyström form, `twice` (of the integrals of these). The observer learns of all that is replaced.
+    /// Computes stages from slopes at the same or other stages, by the columns of `once` (integrals of the slopes) or, in Nyström
+    /// form, `twice` (double integrals). The observer sees each replacement.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(
         &self,
@@ -107,7 +107,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
     }
 
-    /// In Nyström form: neither do the slopes by the momenta read the coordinates, nor those by the coordinates the momenta.
+    /// The same in Nyström form, where `∂F/∂p` does not read the coordinates and `∂F/∂q` does not read the momenta.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place_coordinates(
         &self,
@@ -142,7 +142,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         F::Shape::give_back(&mut room.parts, rooms);
     }
 
-    /// The stages to start from: what the slopes of the last step extrapolate to, else those of the state itself.
+    /// The starting stages: extrapolated from the slopes of the last step, or those of the state.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn guess(
         &self,
@@ -162,7 +162,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         self.place(into, [&self.common.table().nu, &self.common.table().kappa], room, &mut ());
     }
 
-    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except of paths whose slopes are to stay.
+    /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except for paths that keep their slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn field(&self, lists: &mut Lists<S, F::Shape, N>, room: &mut Room<F, S, N>, stay: S::Mask) {
         let Lists { at: [q, p], slopes: [by_p, by_q], spare, .. } = lists;
@@ -200,7 +200,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         F::Shape::give_back(&mut room.parts, rooms);
     }
 
-    /// The new state from the slopes at the stages; where it is finite.
+    /// Computes the new state from the slopes at the stages; returns the paths for which it is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn finish<C: Carry<S>>(
         &self,

@@ -1,4 +1,4 @@
-//! What a step leaves for the next one, and its scratch.
+//! The memory between steps, and the scratch of a step.
 
 use super::Field;
 use super::beside::Alone;
@@ -11,16 +11,16 @@ use crate::algebra::scalar::{Mask, Rounded, Scalar};
 use crate::algebra::stages::plus;
 use crate::ground::numbers::{Numbers, Tape};
 
-/// What is given of a step of a system.
+/// The data of a step of a system.
 pub(super) type GivenOf<F, S, const N: usize> = Given<S, <F as Field>::Shape, <F as Field>::Noises, N>;
 
-/// What the steps of a system leave.
+/// What the steps of a system keep for the next.
 pub(super) type LeftOf<F, S, const N: usize> = Left<S, <F as Field>::Shape, <F as Field>::Noises, N>;
 
 /// The memory of a system's steps.
 pub(super) type MemoryOf<F, S, const N: usize> = Memory<S, <F as Field>::Shape, <F as Field>::Noises, N>;
 
-/// Room for the equations of a system in numbers that know their rounding.
+/// Scratch for the equations of a system in numbers that carry their rounding error.
 pub(super) type ExactOf<F, const N: usize> = Exact<<F as Field>::Shape, <F as Field>::Noises, N>;
 
 /// A list of numbers of all stages.
@@ -34,35 +34,35 @@ pub struct Memory<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) lists: Lists<S, H, N>,
 }
 
-/// What a step leaves for the next one, and room for its solution.
+/// What a step keeps for the next one, and scratch for its solution.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q` of the last step; in Nyström form the first is `∂F/∂p`, for one path.
     pub(super) past: [OfStages<S, H, N>; 2],
     pub(super) is_known: bool,
-    /// Whether they are those of a part of the same step.
+    /// Whether they belong to a part of the same step.
     pub(super) is_held: bool,
-    /// Where sweeps did not contract in the last step.
+    /// The paths whose sweeps did not contract in the last step.
     pub(super) prefers_newton: S::Mask,
     pub(super) iteration: Iteration,
     pub(super) scratch: Scratch<S, H, W, N>,
     pub(super) modal: Modal<S::Stages<N>>,
     pub(super) newton: Newton<S>,
     pub(super) exact: Exact<H, W, N>,
-    /// Room for a path whose sweeps do not contract as those beside it do.
+    /// Scratch for a path that is solved alone.
     pub(super) alone: Option<Box<Alone<H, W, N>>>,
 }
 
-/// Room for a part of the stages of a system.
+/// Scratch for a part of the stages of a system.
 pub(super) type Room<F, S, const N: usize> = Scratch<S, <F as Field>::Shape, <F as Field>::Noises, N>;
 
-/// Room for the equations in numbers that know their rounding. Few steps ask for them: vectors wait for the first that
-/// does, and stay.
+/// Scratch for the equations in numbers that carry their rounding error. Few steps need it, so it is allocated by the
+/// first that does, and kept.
 #[derive(Debug)]
 pub(super) struct Exact<H: Shape, W: Shape, const N: usize>(Option<Box<ExactLists<H, W, N>>>);
 
-/// What is given, and what is computed.
+/// The data of a step and its results.
 #[derive(Debug)]
 pub(super) struct ExactLists<H: Shape, W: Shape, const N: usize> {
     pub(super) given: Given<Rounded, H, W, N>,
@@ -71,7 +71,7 @@ pub(super) struct ExactLists<H: Shape, W: Shape, const N: usize> {
 }
 
 impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
-    /// Room for so many degrees of freedom and noises.
+    /// Scratch for so many degrees of freedom and noises.
     pub(super) fn lists(&mut self, degrees: usize, noises: usize) -> &mut ExactLists<H, W, N> {
         let room = self.0.take().filter(|room| room.lists.fits(degrees) && room.given.fits(noises));
         self.0.insert(room.unwrap_or_else(|| {
@@ -82,17 +82,17 @@ impl<H: Shape, W: Shape, const N: usize> Exact<H, W, N> {
     }
 }
 
-/// What is given of a step.
+/// The data of a step.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Given<S: Scalar, H: Shape, W: Shape, const N: usize> {
-    /// `q` and `p` with what is carried.
+    /// `q` and `p` with their compensation.
     pub(super) start: [H::Of<S>; 2],
     /// `b_i ΔW_k`
     pub(super) dw: OfStages<S, W, N>,
 }
 
-/// What a step computes.
+/// The results of a step.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
@@ -100,13 +100,13 @@ pub(super) struct Lists<S: Scalar, H: Shape, const N: usize> {
     pub(super) at: [OfStages<S, H, N>; 2],
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q`; in Nyström form the first is `∂F/∂p`.
     pub(super) slopes: [OfStages<S, H, N>; 2],
-    /// Slopes that nobody reads.
+    /// Slopes that are not read.
     pub(super) spare: OfStages<S, H, N>,
     /// The largest relative changes of the last sweep.
     pub(super) changes: Part<S, N>,
     /// The increments of the state, then the new state.
     pub(super) next: [H::Of<S>; 2],
-    /// What rounding took from the new state.
+    /// The rounding error of the new state.
     pub(super) lost: [H::Of<S>; 2],
 }
 
@@ -148,7 +148,7 @@ impl<S: Scalar, H: Shape, const N: usize> Lists<S, H, N> {
         self.spare.as_ref().len() == degrees
     }
 
-    /// Where all stages are finite.
+    /// The paths whose stages are all finite.
     #[cold]
     #[inline(never)]
     pub(super) fn are_finite(&self) -> S::Mask {
@@ -186,7 +186,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N>
     }
 }
 
-/// What the steps before left; scratch is allocated anew where the copy is used.
+/// Copies the memory of the past steps; the copy allocates its own scratch.
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N> {
     fn clone(&self) -> Self {
         let mut copy = Self::default();
@@ -218,13 +218,13 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, 
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
-    /// Whether there is room for so many degrees of freedom and noises.
+    /// Whether the lists fit so many degrees of freedom and noises.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn fits(&self, degrees: usize, noises: usize) -> bool {
         self.lists.fits(degrees) && self.given.fits(noises)
     }
 
-    /// Makes room for so many degrees of freedom and noises.
+    /// Resizes the lists for so many degrees of freedom and noises.
     pub(super) fn fit(&mut self, degrees: usize, noises: usize) {
         if !self.fits(degrees, noises) {
             self.lists = Lists::of_length(degrees);

@@ -1,8 +1,8 @@
 //! Newton's method on all stages, for steps on which sweeps do not contract.
 //!
-//! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, which are those of its slopes
-//! on dual numbers. It is factored densely: sweeps that do not contract are for stiff forces of few degrees of freedom. The
-//! iteration is that of all hard steps ([`damped`]).
+//! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, from its slopes by dual
+//! numbers. It is factored densely, as sweeps fail for stiff forces of few degrees of freedom. The iteration is that of all hard
+//! steps ([`damped`]).
 
 use super::Field;
 use super::equations::Step;
@@ -13,7 +13,7 @@ use crate::algebra::scalar::{Constant, Dual, Mask, Over, Parameters, Scalar};
 use crate::algebra::solve::{Banded, Problem, Room, damped};
 use crate::error::StepFailure;
 
-/// The matrix and its right-hand side, allocated where they are needed first.
+/// The matrix and its right-hand side, allocated on first use.
 #[derive(Debug, Default)]
 pub(super) struct Newton<S> {
     jacobian: Jacobian<S>,
@@ -21,10 +21,10 @@ pub(super) struct Newton<S> {
     start: Vec<S>,
 }
 
-/// `1 - A ⊗ J F''` with what it is made of.
+/// `1 - A ⊗ J F''` and its ingredients.
 #[derive(Debug, Default)]
 struct Jacobian<S> {
-    /// The stages that it is taken at.
+    /// The stages at which it is evaluated.
     point: Vec<S>,
     matrix: Option<Banded<S>>,
     /// Second derivatives of `b_j F` at one stage, by rows: `(q, p)` by `(q, p)`.
@@ -47,18 +47,18 @@ struct Equations<'a, 's, F: Field, K: Constant, S: Scalar, const N: usize> {
 }
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
-    /// Unknowns of a matrix that is factored: 50 MB of `f64`.
+    /// The most unknowns for which the matrix is factored: 50 MB of `f64` at this size.
     pub(super) const MOST_UNKNOWNS: usize = 1500;
 
-    /// How many there are.
+    /// The number of unknowns.
     pub(super) fn unknowns(&self) -> usize {
         N * Equations::<F, K, S, N>::KINDS * self.start[0].len()
     }
 
-    /// Newton's method from the stages that are there.
+    /// Newton's method from the current stages.
     ///
     /// # Errors
-    /// Those of [`damped`]; unless `CAREFUL`, where there may be another solution nearer to the start.
+    /// Those of [`damped`]; unless `CAREFUL`, also if another solution may be nearer to the start.
     #[cold]
     #[inline(never)]
     pub(super) fn newton<const CAREFUL: bool>(
@@ -84,7 +84,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Ok(Solved { effort, prefers_newton: S::Mask::from_bool(true) })
     }
 
-    /// The slopes of `F` and their derivatives along one of its arguments, weighted as stage number `stage`, or whole.
+    /// The slopes of `F` and their derivatives along one of its arguments, with the weight of stage number `stage`, or without.
     fn vary<T: Scalar>(
         &self,
         jacobian: &mut Jacobian<T>,
@@ -194,7 +194,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_, '_, F, K, S, N> {
     type Number = S;
     type Vector = Vec<S>;
-    // What is left of the stages is not random as rounding is.
+    // The remaining error of the stages is not random as rounding is.
     const UNSEEN: f64 = UNSEEN;
 
     fn residual(&mut self, x: &Vec<S>, into: &mut Vec<S>) {

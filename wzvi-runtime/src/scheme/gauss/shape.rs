@@ -6,7 +6,7 @@ use crate::algebra::carry::{Carry, Compensation};
 use crate::algebra::scalar::Scalar;
 use crate::scheme::elements::CompensationVec;
 
-/// What lists of a system are.
+/// The type of the lists of a system.
 pub trait Shape: Debug + Clone + Copy + Default + 'static {
     /// A list.
     type Of<T: Copy + Debug>: AsRef<[T]> + AsMut<[T]> + Clone + Debug;
@@ -20,13 +20,13 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
     /// A list of `length` entries.
     fn list<T: Copy + Debug>(length: usize, fill: T) -> Self::Of<T>;
 
-    /// Room for lists during a step: `new` ones where they are arrays, which stay in registers, or the vectors of `room`.
+    /// The lists of a step: `new` arrays, which stay in registers, or the vectors of `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lend<T>(room: &mut T, new: T) -> T {
         if Self::IS_FIXED { new } else { std::mem::replace(room, new) }
     }
 
-    /// Gives the room back.
+    /// Returns the lists to `room`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn give_back<T>(room: &mut T, lent: T) {
         if !Self::IS_FIXED {

@@ -1,4 +1,4 @@
-//! Slopes at the stages of a step, and room for them.
+//! Slopes at the stages of a step, and scratch for them.
 
 use super::Field;
 use super::equations::Step;
@@ -6,10 +6,10 @@ use super::shape::Shape;
 use crate::algebra::scalar::{Constant, Over, Parameters, Scalar};
 pub use crate::algebra::stages::Stages;
 
-/// What learns of the stages that [`place`](super::advance::Step::place) replaces. (A trait: a closure that is called in several places
-/// would not be inlined, and so not be compiled for the instructions of its caller.)
+/// Observes the stages that [`place`](super::advance::Step::place) replaces. (A trait, because a closure called in several places would
+/// not be inlined, and so not be compiled for the instruction set of its caller.)
 pub(super) trait Observer<T> {
-    /// Half of the phase space, degree of freedom, a part of the old stages and the same of the new ones.
+    /// Half of the phase space, degree of freedom, a part of the old stages and the same part of the new ones.
     fn see(&mut self, half: usize, d: usize, old: T, new: T);
 }
 
@@ -18,10 +18,10 @@ impl<T> Observer<T> for () {
     fn see(&mut self, _half: usize, _d: usize, _old: T, _new: T) {}
 }
 
-/// What is computed with at once in numbers `S`: all stages of one path in the lanes of a register, or one stage.
+/// The unit of arithmetic for numbers `S`: all stages of one path in the lanes of a register, or one stage.
 pub(super) type Part<S, const N: usize> = <<S as Scalar>::Stages<N> as Stages<S, N>>::Part;
 
-/// Room for one stage of a path whose stages are not evaluated at once.
+/// Scratch for one stage of a path whose stages are evaluated one by one.
 #[derive(Clone, Debug, Default)]
 pub struct One<S> {
     lists: [Vec<S>; 4],
@@ -42,7 +42,7 @@ fn stage<S: Scalar, const N: usize>(part: &Part<S, N>, i: usize) -> S {
     all_of::<S, N>(part).get(i)
 }
 
-/// Replaces it.
+/// Sets stage `i`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn set_stage<S: Scalar, const N: usize>(part: &mut Part<S, N>, i: usize, number: S) {
     let mut all = all_of::<S, N>(part);
@@ -103,14 +103,14 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     }
 }
 
-/// Room of a sweep.
+/// The scratch of a sweep.
 #[derive(Debug)]
 pub(super) struct Scratch<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) parts: Parts<S, H, W, N>,
     pub(super) one: One<S>,
 }
 
-/// Room for a part of the stages of each degree of freedom and noise.
+/// Scratch for a part of the stages of each degree of freedom and noise.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Parts<S: Scalar, H: Shape, W: Shape, const N: usize> {
@@ -122,14 +122,14 @@ pub(super) struct Parts<S: Scalar, H: Shape, W: Shape, const N: usize> {
 }
 
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Scratch<S, H, W, N> {
-    /// For so many degrees of freedom and noises. Where all stages are one part, it is the lists themselves that are computed with.
+    /// Scratch for so many degrees of freedom and noises. If all stages are one part, it is empty: the lists themselves are used.
     pub(super) fn of_length(degrees: usize, noises: usize) -> Self {
         let is_needed = <S::Stages<N> as Stages<S, N>>::PARTS > 1;
         let (degrees, noises) = if is_needed { (degrees, noises) } else { (0, 0) };
         Self { parts: Parts::of_length(degrees, noises), one: One::default() }
     }
 
-    /// Makes room for steps whose stages are evaluated one by one.
+    /// Allocates for steps whose stages are evaluated one by one.
     pub(super) fn reserve(&mut self, degrees: usize, noises: usize) {
         self.one.lists.iter_mut().for_each(|list| list.reserve(degrees));
         self.one.dw.reserve(noises);

@@ -1,13 +1,14 @@
-//! Sweeps from which the linear part of a stiff force is split off.
+//! Sweeps with the linear part of a stiff force split off.
 //!
-//! With `V = q · K q / 2 + U(q, t)` and constant `K`, sweeps contract like `h² ρ(A²) |U''|` where the linear force is solved for:
+//! With `V = q · K q / 2 + U(q, t)` and constant `K`, sweeps contract like `h² ρ(A²) |U''|` if the linear force is solved
+//! implicitly:
 //!
 //! ```text
 //! Q ← Q + (1 + h² A² ⊗ M⁻¹K)⁻¹ (φ(Q) - Q)
 //! ```
 //!
-//! In the eigenvectors of `M⁻¹K`, which are those of the symmetric `Lᵀ K L` with `M⁻¹ = L Lᵀ`, that is one matrix of the stages
-//! for each eigenvalue, made once for a step size.
+//! In the eigenvectors of `M⁻¹K`, which are those of the symmetric `Lᵀ K L` with `M⁻¹ = L Lᵀ`, that is one matrix over the
+//! stages for each eigenvalue, computed once per step size.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -17,18 +18,19 @@ use super::table::Table;
 use crate::algebra::scalar::{Of, Scalar};
 use crate::algebra::stages::{minus, plus};
 
-/// Sweeps that leave less of the change than this are left as they are.
+/// Sweeps with a smaller contraction factor remain as they are.
 const FAST: f64 = 0.1;
 
 /// The eigenvectors of `M⁻¹K`, and for each eigenvalue `λ` the matrix `(1 + h² λ A²)⁻¹` by columns.
 #[derive(Clone, Debug)]
 pub(super) struct Modes<const N: usize> {
     filters: Vec<[[f64; N]; N]>,
-    /// The eigenvectors in columns and the inverse of that matrix, both by rows; none where degrees of freedom are not coupled.
+    /// The matrix with the eigenvectors as columns and its inverse, both row-major; `None` if degrees of freedom are not
+    /// coupled.
     basis: Option<[Vec<f64>; 2]>,
 }
 
-/// Stages before a sweep, and their changes in the eigenvectors.
+/// The stages before a sweep, and their changes in the eigenbasis.
 #[derive(Debug)]
 pub(super) struct Modal<T> {
     before: Vec<T>,
@@ -47,7 +49,7 @@ impl<T: Copy> Modal<T> {
         self.changes.reserve(degrees);
     }
 
-    /// Remembers the stages before a sweep.
+    /// Stores the stages before a sweep.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn remember(&mut self, stages: &[T]) {
         self.before.clear();
@@ -62,7 +64,7 @@ impl<T: Copy> Modal<T> {
 }
 
 impl<const N: usize> Modes<N> {
-    /// Those of a system, where it pays to have them.
+    /// The modes of a system; `None` if they do not pay.
     pub(super) fn new<F: Field>(
         system: &F,
         parameters: &Of<F::Parameters, f64>,
@@ -100,7 +102,7 @@ impl<const N: usize> Modes<N> {
             return None;
         }
         let filter = |eigenvalue: f64| -> Option<[[f64; N]; N]> {
-            // What runs away is not stiff.
+            // Unstable modes are not stiff.
             let matrix = DMatrix::identity(N, N) + &square * (h * h * eigenvalue.max(0.0));
             let inverse = matrix.try_inverse()?;
             Some(std::array::from_fn(|j| std::array::from_fn(|i| inverse[(i, j)])))
@@ -108,7 +110,7 @@ impl<const N: usize> Modes<N> {
         Some(Self { filters: eigenvalues.into_iter().map(filter).collect::<Option<_>>()?, basis })
     }
 
-    /// Replaces what a sweep changed by what it changes with the linear force solved for.
+    /// Replaces the change by a sweep by that with the linear force solved implicitly.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn filter<S: Scalar>(&self, stages: &mut [S::Stages<N>], modal: &mut Modal<S::Stages<N>>) {
         let Modal { before, changes } = modal;
@@ -162,7 +164,7 @@ fn inverse_mass<F: Field>(system: &F, parameters: &Of<F::Parameters, f64>, degre
     matrix
 }
 
-/// `|B^4096|^(1/4096)`, by squaring: the spectral radius but for a factor of at most `κ^(1/4096)`, `κ` the condition of the
+/// `|B^4096|^(1/4096)`, by squaring: the spectral radius up to a factor of at most `κ^(1/4096)`, `κ` the condition of the
 /// eigenvectors of `B`.
 fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let (mut power, mut logarithm) = (matrix.clone(), 0.0);

@@ -9,46 +9,46 @@ use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Rounded, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
 
-/// Sweeps that are tried.
+/// The most sweeps.
 const MOST_SWEEPS: u32 = 60;
-/// A sweep that changes more than this fraction of the stages, and more than half of what the one before did, may lead to another solution.
+/// A sweep whose relative change exceeds this, and half of that of the sweep before, may lead to another solution.
 const WILD: f64 = 1.0 / 16.0;
-/// With care, more than this fraction and a quarter of it: a map that takes a quarter of all distances has one fixed point, a third of the first change
-/// around.
+/// With care, this and a quarter of that before: a map that contracts all distances to a quarter has one fixed point, within a third of the first
+/// change.
 const DOUBTFUL: f64 = 1.0 / 4096.0;
 /// Sweeps before their contraction is judged: the first ones need not contract.
 const PATIENCE: u32 = 6;
-/// Two sweeps that leave more of the change than this are slower than Newton's method.
+/// If two sweeps leave more than this fraction of the change, Newton's method is faster.
 const SLOW: f64 = 0.36;
-/// Changes below this fraction of an unknown change nothing.
+/// Relative changes below this are rounding.
 const ROUNDING: f64 = f64::EPSILON;
-/// Nor does the sweep after one that changes no more than this, whatever it leaves of it.
+/// A sweep that changes no more than this is the last, whatever the contraction.
 const SMALL: f64 = 0.0005 * ROUNDING;
 
-/// What the next sweep would change, in units of rounding: not random as rounding is, so that over many steps it adds up. (With a fiftieth the energy of
-/// a Kepler orbit drifts by as much in each step; with this it walks at random.)
+/// The change that the next sweep may still make, in units of rounding. It is not random as rounding is, and so adds up over many steps. (With a
+/// fiftieth the energy of a Kepler orbit drifts by as much in each step; with this it walks at random.)
 pub(super) const UNSEEN: f64 = 1e-6;
 
 /// How a step was solved.
 pub(super) struct Solved<S: Scalar> {
     pub(super) effort: Effort,
-    /// Where sweeps did not contract.
+    /// The paths whose sweeps did not contract.
     pub(super) prefers_newton: S::Mask,
 }
 
-/// What sweeps came to.
+/// The outcome of sweeps.
 pub(super) struct Swept<S: Scalar> {
-    /// Where nothing but rounding changes any more.
+    /// The paths in which only rounding still changes.
     pub(super) are_settled: S::Mask,
-    /// Where they may have left the solution that continues the state; only a careful step settles there.
+    /// The paths that may have left the solution that continues the state; only a careful step settles there.
     pub(super) are_wild: S::Mask,
-    /// How many there were.
+    /// The number of sweeps.
     pub(super) sweeps: u32,
-    /// Why they ended where they did not settle.
+    /// The failure of paths that did not settle.
     pub(super) failure: StepFailure,
 }
 
-/// How far a sweep moves the stages.
+/// The relative change of the stages in a sweep.
 struct Relative<'a, S: Scalar, const N: usize> {
     start: [&'a [S]; 2],
     changes: Part<S, N>,
@@ -64,7 +64,7 @@ impl<S: Scalar, const N: usize> Observer<Part<S, N>> for Relative<'_, S, N> {
 }
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
-    /// The stages that follow from the slopes at those that are there.
+    /// Computes the stages from the current slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn follow(
         &self,
@@ -77,8 +77,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         self.place(into, [&self.common.table().mu, &self.common.table().eta], room, observer);
     }
 
-    /// Sweeps from the stages that are there, until those of all paths that are wanted have ended. Slopes are then those of the sweep that
-    /// was the last of each path.
+    /// Sweeps from the current stages until all `wanted` paths have ended. The slopes are then those of the last sweep of each path.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn sweeps<const CAREFUL: bool>(
         &self,
@@ -88,7 +87,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     ) -> Swept<S> {
         let LeftOf::<F, S, N> { scratch, modal, exact, .. } = left;
         let none = S::Mask::from_bool(false);
-        // Nothing is known of the contraction before the second sweep.
+        // The contraction is unknown before the second sweep.
         let (mut last, mut before_last) = (S::from_f64(0.0), S::from_f64(0.0));
         let (mut going, mut are_settled, mut are_wild) = (wanted, none, none);
         let (mut sweeps, mut failure) = (0, StepFailure::NonFinite);
@@ -96,7 +95,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             sweeps += 1;
             let mut relative = Relative { start: self.start, changes: Scalar::from_f64(0.0) };
             self.sweep(are_settled, lists, scratch, modal, &mut relative);
-            // Stored stage beside stage, they are found in lanes.
+            // Stored by stage, so that the maximum is vectorised.
             lists.changes = relative.changes;
             let change = unbounded(S::Stages::largest(lists.changes));
             if sweeps == 1 {
@@ -125,17 +124,17 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 settle = settle | self.are_rounding(is_unclear, lists, exact);
             }
             if settle.any() {
-                // Derivatives that a number carries converge as fast as it does, but later.
+                // The derivatives of a dual number converge as fast as its value, but later.
                 if !S::IS_BESIDE && size_of::<S>() != size_of::<f64>() {
                     (0..sweeps + 2).for_each(|_| self.sweep(none, lists, scratch, modal, &mut ()));
                 }
                 if F::IS_STIFF && self.common.modes().is_some() {
-                    // The slopes are those before the last change, by which a stiff force differs more than the stages do.
+                    // The slopes precede the last change, which alters a stiff force more than the stages.
                     self.field(lists, scratch, are_settled);
                 }
                 (are_settled, going) = (are_settled | settle, going & !settle);
             }
-            // False for NaN, which no other sweep makes finite.
+            // False for NaN, which further sweeps cannot make finite.
             let is_fast = change.less_equal(before_last * SLOW);
             if sweeps == MOST_SWEEPS {
                 going = none;
@@ -151,7 +150,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         Swept { are_settled, are_wild, sweeps, failure }
     }
 
-    /// One sweep: new slopes, except of paths whose slopes are to stay, and the stages that follow from them.
+    /// One sweep: new slopes, except for paths that keep theirs, and the stages computed from them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sweep(
         &self,
@@ -176,7 +175,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
     }
 
-    /// Which of these paths have stages that solve their equations to the rounding of the terms of these.
+    /// Which of these paths have stages that solve the equations to the rounding of their terms.
     #[cold]
     #[inline(never)]
     fn are_rounding(
@@ -229,13 +228,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     }
 }
 
-/// Infinite where it is the largest number, at which [`Scalar::nearly_over`] ends.
+/// The number, or infinity if it is the largest finite one, at which [`Scalar::nearly_over`] saturates.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unbounded<S: Scalar>(change: S) -> S {
     S::select(change.less(S::from_f64(f64::MAX)), change, S::from_f64(f64::INFINITY))
 }
 
-/// Numbers of all stages of one path, each as near as it can be.
+/// Reads all stages of one path, each to the nearest representable number.
 fn read_nearest<S: Scalar, const N: usize>(exact: &mut [[Rounded; N]], stages: &[S::Stages<N>], lane: usize) {
     for (exact, stages) in exact.iter_mut().zip(stages) {
         *exact = std::array::from_fn(|i| Rounded::nearest(stages.get(i).lane(lane)));

@@ -9,10 +9,10 @@ use std::sync::OnceLock;
 
 use super::wide::Wide;
 
-/// The most stages that there are.
+/// The most stages.
 pub(super) const MOST_STAGES: usize = 16;
 
-/// The coefficients of `N` stages. Matrices are by columns: `mu[j][i]` is `μ_ij`, so that all `i` are beside each other.
+/// The coefficients of `N` stages. Matrices are column-major: `mu[j][i]` is `μ_ij`, so that all `i` are contiguous.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Table<const N: usize> {
@@ -30,7 +30,7 @@ pub(super) struct Table<const N: usize> {
     pub(super) kappa: [[f64; N]; N],
 }
 
-/// The same for a number of stages that is known at run time only.
+/// The same for a number of stages known at run time only.
 struct Coefficients {
     c: Vec<f64>,
     b: Vec<f64>,
@@ -80,8 +80,8 @@ fn root(s: usize, i: usize) -> Wide {
     y
 }
 
-/// `(2k+1) ∫ P_k(2x - 1) dx` and its integral, `(2k+1) ∫∫ P_k`, from `2x - 1 = end` to `y`, for `k < s`; `end` is -1 or 1. Between the
-/// two the polynomial is taken for what it is at the nodes if it is `sampled` there: `P_s` vanishes at them.
+/// `(2k+1) ∫ P_k(2x - 1) dx` and its integral, `(2k+1) ∫∫ P_k`, from `2x - 1 = end` to `y`, for `k < s`; `end` is -1 or 1. If
+/// `sampled`, the inner one of the double integral is replaced by its interpolant at the nodes, where `P_s` vanishes.
 fn integrals(y: Wide, end: f64, s: usize, sampled: bool) -> Vec<[Wide; 2]> {
     let p = legendre(y, s + 1);
     // `P_{-1}` is the constant that makes the integral of `P_0` vanish at the end.
@@ -124,7 +124,7 @@ impl Coefficients {
         let round = |wide: Vec<Vec<Wide>>, round: fn(Wide) -> f64| -> Vec<Vec<f64>> {
             wide.into_iter().map(|column| column.into_iter().map(round).collect()).collect()
         };
-        // What is linked by an identity is on a grid on which it does not round: some |μ_ij| are above 1, no |η_ij| and no c_i is.
+        // Numbers linked by an identity are rounded to a grid on which it is exact: some |μ_ij| exceed 1, no |η_ij| or c_i does.
         let mut mu = round(matrix(&from_start, 0), |mu| mu.on_grid(52));
         let mut eta = round(matrix(&from_start, 1), |eta| eta.on_grid(53));
         let c: Vec<f64> = c.into_iter().map(|c| c.on_grid(53)).collect();
@@ -153,7 +153,7 @@ impl Coefficients {
 mod tests {
     use super::*;
 
-    /// Those of the published tables to 42 digits, of 2, 3, 4, 6, 8 and 16 stages.
+    /// Against published tables with 42 digits, for 2, 3, 4, 6, 8 and 16 stages.
     #[test]
     fn coefficients_are_those_of_the_tables() {
         let file: serde_json::Value =
@@ -182,7 +182,7 @@ mod tests {
         assert!(compared > 1000);
     }
 
-    /// As whole numbers, which do not round.
+    /// Checked in integers, without rounding.
     #[test]
     fn coefficients_are_symplectic_to_the_last_bit() {
         let whole = |number: f64, bits: i32| {
@@ -204,7 +204,7 @@ mod tests {
         }
     }
 
-    /// Then a step back undoes a step, by `i' = s + 1 - i`: `c_i' = 1 - c_i`, `b_i' = b_i`, `μ_i'j' = 1 - μ_ij` and `η_i'j' = η_ji`.
+    /// A step back undoes a step if, with `i' = s + 1 - i`: `c_i' = 1 - c_i`, `b_i' = b_i`, `μ_i'j' = 1 - μ_ij` and `η_i'j' = η_ji`.
     #[test]
     fn coefficients_are_symmetric_to_the_last_bit() {
         for s in 1..=MOST_STAGES {

@@ -1,5 +1,5 @@
-//! Numbers of twice the digits: `high + low` (T. J. Dekker, "A floating-point technique for extending the available precision",
-//! Numer. Math. 18, 1971). For coefficients, which are computed once.
+//! Numbers with twice the digits: `high + low` (T. J. Dekker, "A floating-point technique for extending the available
+//! precision", Numer. Math. 18, 1971). Used for coefficients, which are computed once.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -21,19 +21,19 @@ impl Wide {
         let scale = 2.0_f64.powi(bits);
         let high = self.high * scale;
         let near = high.round_ties_even();
-        // The rest apart: the sum of both would be rounded twice, and `1 - x` then not be opposite to `x`.
+        // The rest separately: rounding the sum twice would break the symmetry between `x` and `1 - x`.
         let rest = (high - near) + self.low * scale;
         (near + rest.round_ties_even()) / scale
     }
 
-    /// The sum without loss.
+    /// The exact sum.
     fn sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let taken = high - a;
         Self { high, low: (a - (high - taken)) + (b - taken) }
     }
 
-    /// The product without loss.
+    /// The exact product.
     fn product(a: f64, b: f64) -> Self {
         let high = a * b;
         Self { high, low: a.mul_add(b, -high) }
