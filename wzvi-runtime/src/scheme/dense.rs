@@ -1,18 +1,18 @@
-//! Between the nodes: the dense output of a step.
+//! Dense output: the path between the nodes of a step.
 //!
-//! A step leads from `z_0 = (q, p)` at `t` to `z_1` at `t + h`. Between them, with `t + θh` and `0 ≤ θ ≤ 1`, stands a polynomial `u(θ)` with
-//! `u(0) = z_0` and `u(1) = z_1`, both to the last bit:
+//! A step leads from `z_0 = (q, p)` at `t` to `z_1` at `t + h`. At `t + θh`, `0 ≤ θ ≤ 1`, the path is a polynomial `u(θ)` with `u(0) = z_0`
+//! and `u(1) = z_1`, both to the last bit:
 //!
 //! * [`Gauss<S>`](crate::scheme::gauss::Gauss) with two stages or more: the collocation polynomial `u'(c_i) = J∇F(U_i)` of its stages, of degree `S`
 //!   (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, section II.1.2). It costs no evaluation.
 //! * all other schemes: the cubic with the rates `u'(0) = J∇F(z_0)` and `u'(1) = J∇F(z_1)` (Hermite), one gradient per step. Where the order of the
-//!   scheme is 4 or more, the rates at the Lobatto points inside are then evaluated on the polynomial that there is, and interpolated by the next
-//!   one, until the error of the polynomial is of higher order than that of the scheme (W. H. Enright, K. R. Jackson, S. P. Nørsett,
+//!   scheme is 4 or more, the rates at the inner Lobatto points are then evaluated on the current polynomial and interpolated by the next one,
+//!   until the error of the polynomial is of higher order than that of the scheme (W. H. Enright, K. R. Jackson, S. P. Nørsett,
 //!   P. G. Thomsen, "Interpolants for Runge-Kutta formulas", ACM Trans. Math. Softw. 12, 1986): 2, 9 and 20 gradients more for order 4, 6 and 8.
 //!
 //! `F = h H_0 + Σ_k ΔW_k H_k` is the step Hamiltonian with the increments of the step, so that with noise the polynomial follows the flow of the
 //! frozen step Hamiltonian: the interpolation of Wong and Zakai, in which each `W_k` is a straight line from node to node. The path of the
-//! stochastic equation is not smooth there, and no polynomial follows it. What a [bath](crate::scheme::bath) does it shows at the nodes only.
+//! stochastic equation is not smooth there, and no polynomial follows it. The effect of a [bath](crate::scheme::bath) appears at the nodes only.
 
 mod hermite;
 mod slopes;
@@ -24,12 +24,12 @@ use hermite::Hermite;
 pub use slopes::Slopes;
 use slopes::{Weights, weights};
 
-/// The most that [`DenseOutput::order`] is for schemes without a polynomial of their own.
+/// The highest [`DenseOutput::order`] of schemes without a polynomial of their own.
 const MOST_HERMITE_ORDER: u32 = 9;
 
-/// The order of the polynomial through both nodes and their rates, by what the plan says of the scheme.
+/// The order of the polynomial through both nodes and their rates for a scheme with this plan.
 pub const fn hermite_order(plan: &Plan) -> u32 {
-    // With noise the order of paths is 1 at most, which the cubic is beyond.
+    // With noise the order of paths is at most 1, below that of the cubic.
     if plan.order < 4 || !matches!(plan.noise, NoiseClass::None) {
         4
     } else if plan.order < MOST_HERMITE_ORDER {
@@ -56,12 +56,12 @@ pub struct DenseOutput<V> {
     order: u32,
     slopes: Slopes,
     hermite: Hermite<V>,
-    /// Room for a state while a step is taken.
+    /// Scratch for a state during a step.
     room: Option<State<V>>,
 }
 
 impl<V: Vector> DenseOutput<V> {
-    /// For steps of states like this one: as long as there is no step, it rests there.
+    /// For steps of states of this shape; before the first step the path is constant.
     pub fn of(state: &State<V>) -> Self {
         Self {
             ends: [state.clone(), state.clone()],
@@ -90,22 +90,22 @@ impl<V: Vector> DenseOutput<V> {
         &self.ends[1]
     }
 
-    /// The state at `t + θh`; outside of `0 ≤ θ ≤ 1` the polynomial goes on.
+    /// The state at `t + θh`; outside of `0 ≤ θ ≤ 1` the polynomial extrapolates.
     pub fn at(&self, theta: f64) -> State<V> {
         let mut state = self.ends[0].clone();
         self.write(theta, &mut state);
         state
     }
 
-    /// [`DenseOutput::at`] into a state that is there.
+    /// [`DenseOutput::at`] into an existing state.
     pub fn write(&self, theta: f64, into: &mut State<V>) {
         let [start, end] = &self.ends;
-        // From the nearer node, so that rounding grows from both.
+        // From the nearer node, so that both ends are exact.
         let (node, part) = if theta <= 0.5 { (start, theta) } else { (end, theta - 1.0) };
         self.write_from(node, &weights(theta, part, self.slopes.rows()), into);
     }
 
-    /// [`DenseOutput::write`] from a node, at the point of the step that has these weights.
+    /// [`DenseOutput::write`] from a node, at the point with these weights.
     #[inline]
     fn write_from(&self, node: &State<V>, weights: &Weights, into: &mut State<V>) {
         into.t = node.t + weights[0] * self.h;
@@ -163,12 +163,12 @@ impl<V: Vector> DenseOutput<V> {
         dense
     }
 
-    /// How many numbers describe the slope of a component.
+    /// The number of coefficients of the slope of a component.
     pub(crate) fn rows(&self) -> usize {
         self.slopes.rows()
     }
 
-    /// Of the step with these increments that led from `before` to `after`, and was the last that left something in `memory`.
+    /// Fills in the step with these increments from `before` to `after`, the last one recorded in `memory`.
     pub(crate) fn fill<H: Discretized<E, Vector = V>, E>(
         &mut self,
         (system, prepared, memory): (&H, &PreparedOf<H, E>, &MemoryOf<H, E, f64>),
@@ -192,7 +192,7 @@ impl<V: Vector> DenseOutput<V> {
         h: f64,
         dw: &[f64],
     ) {
-        // A bath acts on the momenta at once; the polynomial knows of it by the nodes.
+        // A bath acts on the momenta instantaneously, and affects the polynomial through the nodes only.
         let dw = dw.get(..system.noises()).unwrap_or(dw);
         let is_same = self.order == H::PROPERTIES.dense_order && h == self.h && dw.is_empty();
         let follows = is_same && nodes[0] == &self.ends[1];
@@ -200,7 +200,7 @@ impl<V: Vector> DenseOutput<V> {
         self.hermite.fill(system, &self.ends, h, dw, follows, self.order, &mut self.slopes);
     }
 
-    /// To another step.
+    /// Moves on to another step.
     fn go(&mut self, nodes: [&State<V>; 2], h: f64, order: u32) {
         for (end, state) in self.ends.iter_mut().zip(nodes) {
             copy_state(end, state);
@@ -218,7 +218,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// The ends of so many parts of a step with a polynomial of so many coefficients. Computes only what has not been there.
+    /// The ends of `parts` equal parts of a step, for polynomials of `rows` coefficients. Computes only what is new.
     pub(crate) fn set(&mut self, rows: usize, parts: usize) {
         if (self.rows, self.parts) != (rows, parts) {
             (self.rows, self.parts) = (rows, parts);
@@ -242,7 +242,7 @@ pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
     }
 }
 
-/// Likewise.
+/// Copies a state without allocating, unless its length changes.
 pub(crate) fn copy_state<V: Vector>(into: &mut State<V>, from: &State<V>) {
     into.t = from.t;
     copy(&mut into.q, &from.q);

@@ -6,8 +6,8 @@
 //! L_d = P · (q_{i+1} - q_i) - Σ_m c_m H_m(P, q_{l_m}, t_i + l_m h),    c_0 = h,  c_k = ΔW_k.
 //! ```
 //!
-//! They carry no data: `#[hamiltonian(embedding = ...)]` names them and the compiler does the rest. A type of the program becomes an
-//! embedding by points and weights: `embedding = [Trapezoidal = [(0, 1/2), (1, 1/2)]]`.
+//! They carry no data: `#[hamiltonian(embedding = ...)]` names them. Any type can be declared an embedding by its points and
+//! weights: `embedding = [Trapezoidal = [(0, 1/2), (1, 1/2)]]`.
 
 use std::marker::PhantomData;
 
@@ -45,6 +45,6 @@ pub struct Mixed<Drift, Noise>(PhantomData<(Drift, Noise)>);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Corrected<E>(PhantomData<E>);
 
-/// `E` as it stands, although its limit may not be the Stratonovich system: the paper's experiment.
+/// `E` without a counter-term, although its limit may not be the Stratonovich system: the paper's experiment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Uncorrected<E>(PhantomData<E>);

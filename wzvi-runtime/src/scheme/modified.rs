@@ -7,7 +7,7 @@
 //! H~ = H + h H_2 + h² H_3 + h³ H_4 + h⁴ H_5 + ...
 //! ```
 //!
-//! Steps conserve it nearly exactly, and `H` only within their order. With one quadrature point `l`,
+//! Steps conserve `H~` nearly exactly, and `H` only to their order. With one quadrature point `l`,
 //!
 //! ```text
 //! H_2 = -(1/2 - l) H_p · H_q
@@ -43,7 +43,7 @@ pub trait Conservative: Hamiltonian {}
 
 /// Schemes with one quadrature point `l`, in [`embedding`](crate::scheme::embedding).
 pub trait QuadraturePoint {
-    /// Where in the step the coordinates are taken, from 0 to 1.
+    /// The quadrature point `l`, from 0 to 1.
     const L: f64;
 }
 
@@ -67,7 +67,7 @@ impl QuadraturePoint for Gauss<1> {
     const L: f64 = 0.5;
 }
 
-/// Without noise the first is the only one.
+/// Without noise only the first point matters.
 impl<E: QuadraturePoint, Noise> QuadraturePoint for Mixed<E, Noise> {
     const L: f64 = E::L;
 }
@@ -81,7 +81,7 @@ impl<E: QuadraturePoint> QuadraturePoint for Uncorrected<E> {
     const L: f64 = E::L;
 }
 
-/// Schemes of which the first terms of the modified Hamiltonian are known.
+/// Schemes with known first terms of the modified Hamiltonian.
 #[diagnostic::on_unimplemented(
     message = "no modified energy is known for steps by `{Self}`",
     note = "it is of `DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Verlet`, and compositions of `Midpoint` and `Verlet` of order up to 6"
@@ -89,7 +89,7 @@ impl<E: QuadraturePoint> QuadraturePoint for Uncorrected<E> {
 pub trait ModifiedBy {
     /// The order of the scheme.
     const ORDER: u32;
-    /// The quadrature points of the parts of a step, and what fraction of it each is.
+    /// Quadrature point and fraction of the step, for each part of a step.
     fn parts() -> Vec<(f64, f64)>;
 }
 
@@ -129,7 +129,7 @@ where
 /// ```
 ///
 /// Its error is `O(h³)` for schemes of order 1, `O(h⁴)` for those of order 2, and `O(h⁶)` and `O(h⁸)` for compositions of order 4 and 6. It
-/// changes over a run by at least that.
+/// varies over a run by at least that.
 #[derive(Clone)]
 pub struct ModifiedHamiltonian<E> {
     series: Series,
@@ -143,7 +143,7 @@ impl<E> fmt::Debug for ModifiedHamiltonian<E> {
 }
 
 impl<E: ModifiedBy> ModifiedHamiltonian<E> {
-    /// Of steps of size `h`, in the time units of the Hamiltonian.
+    /// For steps of size `h`, in the time units of the Hamiltonian.
     pub fn new(h: f64) -> Self {
         const {
             assert!(
@@ -152,7 +152,7 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
             );
         }
         let order = E::ORDER as usize;
-        // Terms below the order vanish, and in what is symmetric every other one does.
+        // Terms below the order vanish, and for symmetric schemes every other one.
         let sizes = order + 1..=order.next_multiple_of(2) + 1;
         let mut series = modified(&E::parts(), E::ORDER);
         let terms = series.terms().map(|(coefficient, &(_, size))| {
@@ -181,7 +181,7 @@ impl<E: ModifiedBy> ModifiedHamiltonian<E> {
         }
     }
 
-    /// The terms beside `H`.
+    /// The sum of the terms beyond `H`.
     fn terms<H: Hamiltonian, const DEPTH: usize>(&self, mut contractions: Contractions<'_, H, DEPTH>) -> f64 {
         let terms = self.series.terms().filter(|(coefficient, _)| *coefficient != 0.0);
         terms.map(|(coefficient, (tree, _))| coefficient * contractions.value(tree)).sum()

@@ -1,4 +1,4 @@
-//! What the compiler has derived about one scheme of one system.
+//! Compile-time results about one scheme of one system.
 
 use std::fmt;
 
@@ -19,9 +19,9 @@ pub enum Solver {
 /// How the noise enters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseClass {
-    /// There is none.
+    /// No noise.
     None,
-    /// As that of a thermostat alone, whose part of a step is exact in law.
+    /// From a thermostat only, whose part of a step is exact in law.
     Thermal,
     /// Every noise Hamiltonian is affine in (q, p): a constant shift.
     Additive,
@@ -33,7 +33,7 @@ pub enum NoiseClass {
     Multiplicative,
 }
 
-/// What is known of a statement.
+/// The truth of a statement, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knowledge {
     /// It holds, by exact algebra.
@@ -44,16 +44,16 @@ pub enum Knowledge {
     Unknown,
 }
 
-/// What of the energy the steps of a scheme keep of a linear system, to the last digit: [`Properties::kept_energy`](crate::scheme::system::Properties::kept_energy).
+/// The energy that the steps of a scheme conserve to rounding in a linear system: [`Properties::kept_energy`](crate::scheme::system::Properties::kept_energy).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeptEnergy {
     /// `H`
     Hamiltonian,
-    /// `H + h (l - 1/2) H_q · H_p`, of steps with the quadrature point `l`.
+    /// `H + h (l - 1/2) H_q · H_p`, for steps with the quadrature point `l`.
     Point(f64),
-    /// `H - h²/8 H_q · H_pp H_q`, of [`Verlet`](crate::scheme::compose::Verlet).
+    /// `H - h²/8 H_q · H_pp H_q`, for [`Verlet`](crate::scheme::compose::Verlet).
     KickDriftKick,
-    /// `H`, but for what comes and goes: compositions of `Verlet`, and splittings into other parts.
+    /// `H` up to oscillations: compositions of `Verlet`, and splittings into other parts.
     Nearly,
 }
 
@@ -70,22 +70,22 @@ pub struct Facts {
     pub commuting: Knowledge,
     /// Whether there is friction or a bath.
     pub is_damped: bool,
-    /// Whether a condition on several coordinates or momenta decides on what is evaluated: then slopes by one may read another where no second derivative says so.
+    /// Whether a branch depends on a condition in several coordinates or momenta: then a slope may read a variable although the second derivative vanishes.
     pub has_pieces: bool,
-    /// What acts besides Hamiltonians.
+    /// Friction, forces and explicit time.
     pub kind: Kind,
-    /// The part of the [elements](crate::scheme::elements::Elements) that is the first of the first integrals.
+    /// The index of the first part of the [elements](crate::scheme::elements::Elements) that is a first integral.
     pub integrals: usize,
-    /// Whether slopes can be taken window by window: elements that read coordinates add to places next to each other, and
-    /// those that read momenta read one each, to whose place they add.
+    /// Whether slopes can be computed window by window: elements that read coordinates add to adjacent places, and those
+    /// that read momenta read one each and add to its place.
     pub has_windows: bool,
-    /// Whether there are elements whose pairs stand in rows, see [`Pair`](crate::scheme::elements::Pair): then slopes of large systems by
-    /// `f64` are taken in vector instructions.
+    /// Whether elements have rows of pairs, see [`Pair`](crate::scheme::elements::Pair): then slopes of large systems in `f64` are
+    /// vectorised.
     pub has_pairs: bool,
-    /// By what there are slopes of elements whose [`Placements`](crate::scheme::elements::Placements) are taken beside each other: those of
-    /// large systems by `f64` in vector instructions.
+    /// The halves of the phase space with slopes of elements whose [`Placements`](crate::scheme::elements::Placements) are evaluated in
+    /// lanes: in large systems, with `f64`, these are vectorised.
     pub gathers: Slopes,
-    /// Whether one element in one loop adds to every place what follows from momenta, and no other does.
+    /// Whether all velocities are the slopes of one element in one loop over all places.
     pub has_one_velocity: bool,
 }
 
@@ -114,7 +114,7 @@ impl Facts {
         Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting }
     }
 
-    /// The plan of a step of order two that consists of flows.
+    /// The plan of an explicit step of order two made of flows.
     pub const fn explicit(self) -> Plan {
         self.plan(Solver::Explicit, 0, 2, true)
     }
@@ -127,7 +127,7 @@ pub struct Plan {
     pub solver: Solver,
     /// Size of the largest coupled block of unknowns (0 if explicit).
     pub unknowns: usize,
-    /// Order in `h` where there is no noise.
+    /// Order in `h` without noise.
     pub order: u32,
     /// How the noise enters.
     pub noise: NoiseClass,
@@ -174,9 +174,9 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
-    /// The order in `h` of the root mean square error of paths that are driven by the same increments; `None` if the scheme does not
-    /// converge to the Stratonovich system. It is 1 if the brackets of the noises are known to be constant, and 1/2 otherwise, since
-    /// increments alone contain no more of the path.
+    /// The order in `h` of the root mean square error of paths driven by the same increments; `None` if the scheme does not converge
+    /// to the Stratonovich system. It is 1 if the brackets of the noises are known to be constant, else 1/2, since increments alone
+    /// determine no more of the path.
     pub const fn strong_order(&self) -> Option<f64> {
         match (self.noise, self.consistent, self.commuting) {
             (NoiseClass::None, ..) => Some(self.order as f64),

@@ -42,13 +42,13 @@ impl<V: Vector> Gradient<V> {
     }
 }
 
-/// A state of the system `H`: `fn energies(states: &[SystemState<Kubo>])` names the type without its vectors.
+/// A state of the system `H`, as in `fn energies(states: &[SystemState<Kubo>])`.
 pub type SystemState<H> = State<<H as Hamiltonian>::Vector>;
 
-/// What acts on a system besides Hamiltonians that are constant in time.
+/// Friction, forces and explicit time of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// Whether friction of one rate for all degrees of freedom, `dp = ... - γ p dt`, is a part of every step, which is then conformally symplectic.
+    /// Whether friction with one rate, `dp = ... - γ p dt`, is part of every step, which is then conformally symplectic.
     pub is_conformal: bool,
     /// Whether there is a force beside the drift: [`Hamiltonian::force`].
     pub is_forced: bool,
@@ -57,11 +57,11 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// Nothing.
+    /// None of these.
     pub const AUTONOMOUS: Self = Self { is_conformal: false, is_forced: false, reads_time: false };
 }
 
-/// Whether a state with this many degrees of freedom is one of the system.
+/// Whether states of the system may have this many degrees of freedom.
 #[must_use]
 pub fn fits<H: Hamiltonian + ?Sized>(system: &H, degrees: usize) -> bool {
     matches!(system.degrees(), 0 if degrees > 0) || degrees == system.degrees()
@@ -79,14 +79,14 @@ pub trait Hamiltonian {
     /// Whether a state with this many degrees of freedom can be evaluated, or why not.
     ///
     /// # Errors
-    /// [`StepFailure::Dimension`] if it has another number of them; [`StepFailure::Index`] if an integer of the system
-    /// is out of range.
+    /// [`StepFailure::Dimension`] for a wrong number of degrees of freedom; [`StepFailure::Index`] if an integer of
+    /// the system is out of range.
     fn check(&self, degrees: usize) -> Result<(), StepFailure> {
         let (expected, got) = (self.degrees(), degrees);
         if fits(self, got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
     }
 
-    /// What acts on the system besides its Hamiltonians.
+    /// Friction, forces and explicit time of the system.
     const KIND: Kind = Kind::AUTONOMOUS;
 
     /// The rate of the friction of a [conformal](Kind::is_conformal) system, in 1/time.
@@ -97,13 +97,13 @@ pub trait Hamiltonian {
     /// Checks the friction, if there is any.
     ///
     /// # Errors
-    /// [`ConfigError::Bath`] if a rate is negative or no number, a matrix of damping not symmetric, or a mass with friction not positive.
+    /// [`ConfigError::Bath`] if a rate is negative or not finite, a damping matrix not symmetric, or a mass with friction not positive.
     fn validate(&self) -> Result<(), ConfigError> {
         Ok(())
     }
 
-    /// The force beside the drift into `into`, one component per degree of freedom; NaN where [`Hamiltonian::evaluate`] would be. Friction other than that of
-    /// [`Hamiltonian::friction_rate`] and of thermostats is in it.
+    /// Writes the force beside the drift into `into`, one component per degree of freedom; NaN where [`Hamiltonian::evaluate`] would be. It includes friction
+    /// other than that of [`Hamiltonian::friction_rate`] and of thermostats.
     fn force<S: Scalar>(&self, q: &[S], p: &[S], t: f64, into: &mut [S]) {
         let _ = (p, t);
         let fits = fits(self, q.len()) && into.len() == q.len();
@@ -120,13 +120,13 @@ pub trait Hamiltonian {
         0
     }
 
-    /// What the closure of the drift calls coordinates, momenta and time: for tables and plots.
+    /// The names of coordinates, momenta and time in the closure of the drift: for tables and plots.
     fn variables(&self) -> Variables {
         Variables::unnamed(self.degrees())
     }
 
-    /// Name and value of a number that the Hamiltonians read from the system, under their name; `None` from some `index` on. Messages use it
-    /// to say which parameter of a run differs.
+    /// Name and value of parameter number `index` of the Hamiltonians; `None` beyond the last. Messages use it to name a parameter that
+    /// differs between runs.
     fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
         let _ = index;
         None
@@ -134,7 +134,7 @@ pub trait Hamiltonian {
 
     /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise, zero for a noise force; NaN for a term that does not exist.
     ///
-    /// `q` and `p` have [`Hamiltonian::degrees`] elements, else the answer is NaN.
+    /// NaN unless `q` and `p` have [`Hamiltonian::degrees`] elements.
     fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S;
 
     /// The gradient of `H_term` into `dq`, `dp`, for a noise force `f` the pair `-f`, 0; NaN where [`Hamiltonian::evaluate`] would be.
@@ -177,8 +177,8 @@ pub trait Hamiltonian {
     }
 
     /// The gradient of `Σ_k ΔW_k H_k`, with `-ΔW_k f_k` for noise forces, of a state of the system; NaN unless `dw` has one increment per
-    /// noise. Loops go over their noises once, where [`Hamiltonian::noise_gradient`] of each would take as long as there are noises times
-    /// degrees of freedom.
+    /// noise. Loops run over their noises once, whereas calling [`Hamiltonian::noise_gradient`] for each costs noises times degrees of
+    /// freedom.
     fn differentiate_noises(
         &self,
         dw: &[f64],
@@ -232,8 +232,8 @@ pub struct Segment<V> {
 }
 
 /// The partial derivatives of the discrete Lagrangian of one [`Segment`]; where forces act, with their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
-/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), and with friction of a rate `γ` times what it
-/// leaves.
+/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), and with friction of a rate `γ` including its
+/// decay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagrangianGradient<V> {
     /// `D_1 L_d + f⁻ = -p_i`, `D_1 L_d = ∂L_d/∂q_i`
@@ -245,7 +245,7 @@ pub struct LagrangianGradient<V> {
 }
 
 impl<V: Vector> LagrangianGradient<V> {
-    /// The answer where there is none.
+    /// NaN everywhere, if the derivatives do not exist.
     pub(crate) fn nowhere(degrees: usize) -> Self {
         let mut nan = V::zeros(degrees);
         nan.components_mut().fill(f64::NAN);
@@ -256,17 +256,17 @@ impl<V: Vector> LagrangianGradient<V> {
 /// The residual of the discrete Euler-Lagrange equations at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EulerLagrangeResidual<V> {
-    /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the two momenta of the node disagree by this.
+    /// `D_2 L_d(previous) + D_1 L_d(next)`, with the forces of both: the difference of the two momenta of the node.
     pub node: V,
     /// `∂L_d(next)/∂P`
     pub momentum: V,
 }
 
-/// Energy that a system took from outside, in units of energy; energy that it lost is negative.
+/// Energy that a system received from outside, in units of energy; negative if it lost energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exchange {
-    /// By forces, by noises where a system has forces, friction or a bath, and by explicit time there: a quadrature along the steps.
+    /// By forces; in systems with forces, friction or a bath also by noises and explicit time: a quadrature along the steps.
     pub work: f64,
     /// By friction and bath.
     pub heat: f64,
@@ -279,7 +279,7 @@ impl AddAssign for Exchange {
     }
 }
 
-/// Whether there are as many momenta as coordinates, and an increment for each noise.
+/// Checks that there are as many momenta as coordinates, and one increment per noise.
 ///
 /// # Errors
 /// [`StepFailure::Dimension`], [`StepFailure::Increments`]
@@ -302,31 +302,31 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
     if parameters.any(|(_, value)| value.is_nan()) { Err(ConfigError::Parameter) } else { Ok(()) }
 }
 
-/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. Generic user code takes it as its bound;
-/// every system that [lists](Listed) `E` implements it.
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound for generic user code; every
+/// system that [lists](Listed) `E` implements it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
     note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
 pub trait Discretized<E>: Listed<E> {
-    /// What the compiler derived.
+    /// The compile-time facts.
     const PLAN: Plan;
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
     const EQUATIONS: &'static str;
 
-    /// Everything that depends on the system and the step size only.
+    /// The data that depend on the system and the step size only.
     type Prepared: Clone + Debug + Send + Sync;
 
-    /// What one step leaves for the starting value of the next.
+    /// The data from which the next step is predicted.
     type Memory<S: Scalar>: StepMemory;
 
     /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
     /// standard normals of a bath.
     fn increments(&self, degrees: usize) -> usize;
 
-    /// The memory of a new stepper: all that its steps will need, where the system knows its size.
+    /// The memory of a new stepper, allocated in full if the system knows its size.
     fn memory(&self) -> Self::Memory<f64>;
 
     /// Computes what does not change from step to step.
@@ -335,11 +335,11 @@ pub trait Discretized<E>: Listed<E> {
     /// If a parameter is invalid, or a matrix that is factored here is singular.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
 
-    /// One step from `(q, p)` at `t` in place, by any numbers, with plain sums: the short way, and from zero with a line search where that
-    /// fails. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`] elements.
+    /// One step from `(q, p)` at `t` in place, in any numbers, with plain sums: by the fast solver, and from zero with a line search if
+    /// that fails. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`] elements.
     ///
     /// # Errors
-    /// Where the step has no solution that could be found, or sizes do not fit; `q`, `p` and `memory` are then as they were.
+    /// If no solution was found, or sizes do not fit; `q`, `p` and `memory` are then unchanged.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that a step reads")]
     fn advance<S: Scalar>(
         &self,
@@ -352,8 +352,8 @@ pub trait Discretized<E>: Listed<E> {
         memory: &mut Self::Memory<S>,
     ) -> Result<Effort, StepFailure>;
 
-    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A counter-term that is the same everywhere, which no
-    /// equation sees, is left out.
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A constant counter-term, which affects no equation,
+    /// is left out.
     fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;
 
     /// The gradient of [`Discretized::discrete_lagrangian`].
@@ -381,8 +381,8 @@ pub trait Discretized<E>: Listed<E> {
         EulerLagrangeResidual { node, momentum: after.p }
     }
 
-    /// The momentum `P` of the step from `before` to `after`. The generated step does not keep it: it follows from
-    /// the equations of the node momenta, given both ends. NaN where no momentum satisfies those of both, as between states that no step joins.
+    /// The momentum `P` of the step from `before` to `after`. The generated step does not store it: it follows from the equations of the node
+    /// momenta, given both ends. NaN if no momentum satisfies both equations, as between states that no step joins.
     fn step_momentum(
         &self,
         before: &State<Self::Vector>,

@@ -6,19 +6,19 @@
 //! u'(θ) = Σ_{k<n} a_k P_k(2θ - 1) + 6θ(1 - θ) δ,   a_k = (2k + 1) Σ w_i P_k(2x_i - 1) f_i,   a_{n-1} = (n - 1) Σ w_i P_{n-1}(2x_i - 1) f_i
 //! ```
 //!
-//! interpolates the rates, up to `δ` inside, leads from node to node, and has the rates of the nodes at its ends. For `n = 2` it is the cubic of
-//! Hermite, with an error of order 4; that with `n` points, whose rates are taken on one of order `n`, has order `n + 1`.
+//! interpolates the rates (at inner points up to the term with `δ`), connects the nodes, and has the rates of the nodes at its ends. For `n = 2`
+//! it is Hermite's cubic, with an error of order 4; with `n` points and rates evaluated on a polynomial of order `n` it has order `n + 1`.
 
 use super::copy_state;
 use super::slopes::{Slopes, Weights, legendre, weights};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Gradient, Hamiltonian};
 
-/// The Lobatto points of a step, and what makes coefficients of the rates there.
+/// The Lobatto points of a step, and the projection of the rates there to coefficients.
 #[derive(Clone, Debug)]
 struct Points {
     x: Vec<f64>,
-    /// Weights at the points, of the polynomial through fewer.
+    /// The weights at these points of the polynomial of the level before.
     weights: Vec<Weights>,
     /// By `k` and point.
     projection: Vec<Vec<f64>>,
@@ -60,16 +60,16 @@ fn lobatto(n: usize, i: usize, list: &mut [f64]) -> f64 {
     y
 }
 
-/// The points of a run, and room.
+/// The points of a run, and scratch.
 #[derive(Clone, Debug)]
 pub(super) struct Hermite<V> {
-    /// Those of both ends, then 4, 5, ... as the order asks for.
+    /// The points of each level: both ends, then 4, 5, ... points up to the order.
     levels: Vec<Points>,
     /// Rates at the points.
     rates: Vec<Vec<f64>>,
     /// One gradient.
     gradient: Gradient<V>,
-    /// Where a rate is evaluated.
+    /// The state at which a rate is evaluated.
     inside: State<V>,
 }
 
@@ -83,7 +83,7 @@ impl<V: Vector> Hermite<V> {
         }
     }
 
-    /// Room for a polynomial of this order. Allocates in the first step only.
+    /// Prepares for a polynomial of this order. Allocates in the first step only.
     fn fit(&mut self, order: u32, degrees: usize) {
         let levels = 1 + (order as usize).saturating_sub(4);
         if self.levels.len() != levels {
@@ -95,7 +95,7 @@ impl<V: Vector> Hermite<V> {
         self.rates.iter_mut().for_each(|rates| rates.resize(2 * degrees, 0.0));
     }
 
-    /// The slopes of a step. If it `follows` the last one, the rate at its start is the one at that one's end.
+    /// The slopes of a step. If it `follows` the last one, its initial rate is the final rate of the last one.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that a step is of")]
     pub(super) fn fill<H: Hamiltonian<Vector = V>>(
         &mut self,
@@ -152,7 +152,7 @@ fn project<V: Vector>(points: &Points, rates: &[Vec<f64>], ends: &[State<V>; 2],
     }
 }
 
-/// `du/dθ = J∇F` at a state, and what forces and friction add.
+/// `du/dθ = J∇F` at a state, plus forces and friction.
 fn rate<H: Hamiltonian>(
     system: &H,
     at: &State<H::Vector>,

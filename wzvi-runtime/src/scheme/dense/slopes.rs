@@ -6,7 +6,7 @@
 /// The most coefficients of a component: those of `Gauss<16>` in its Nyström form.
 const MOST_ROWS: usize = 17;
 
-/// What the coefficients of a component are multiplied by, for its change from a node.
+/// The factors of the coefficients of a component in its change from a node.
 pub(crate) type Weights = [f64; MOST_ROWS];
 
 /// The coefficients `a_k` of `du/dθ` for every coordinate and momentum.
@@ -14,16 +14,16 @@ pub(crate) type Weights = [f64; MOST_ROWS];
 pub struct Slopes {
     degrees: usize,
     rows: usize,
-    /// Of the coordinates, then of the momenta, those of each beside each other.
+    /// Those of the coordinates, then of the momenta; the coefficients of one component are contiguous.
     coefficients: Vec<f64>,
-    /// Room for three lists of one number per degree of freedom.
+    /// Three scratch lists of one number per degree of freedom.
     room: [Vec<f64>; 3],
-    /// What makes coefficients of slopes at the nodes of the scheme.
+    /// The projection of slopes at the nodes of the scheme to coefficients.
     projection: Vec<f64>,
 }
 
 impl Slopes {
-    /// Makes room for `rows` coefficients, 17 at most, of so many degrees of freedom. Allocates only if there are more than before.
+    /// Resizes to `rows` coefficients, at most 17, and this number of degrees of freedom. Allocates only to grow.
     pub(crate) fn resize(&mut self, rows: usize, degrees: usize) {
         debug_assert!(rows <= MOST_ROWS, "a polynomial has as many coefficients as there is room for");
         (self.rows, self.degrees) = (rows.min(MOST_ROWS), degrees);
@@ -41,7 +41,7 @@ impl Slopes {
         &mut self.coefficients[component * self.rows..(component + 1) * self.rows]
     }
 
-    /// Room for three lists of one number per degree of freedom, to give back.
+    /// Lends the three scratch lists, to be given back.
     pub(crate) fn take_room(&mut self) -> [Vec<f64>; 3] {
         std::mem::take(&mut self.room)
     }
@@ -75,7 +75,7 @@ impl Slopes {
         std::mem::take(&mut self.projection)
     }
 
-    /// Takes it back.
+    /// Takes the projection back.
     pub(crate) fn keep_projection(&mut self, projection: Vec<f64>) {
         self.projection = projection;
     }
@@ -86,7 +86,7 @@ pub(crate) fn weights(theta: f64, part: f64, rows: usize) -> Weights {
     let y = 2.0 * theta - 1.0;
     let mut weights = [0.0; MOST_ROWS];
     weights[0] = part;
-    // `P_k` and `P_k'`, and those before.
+    // `P_k` and `P_k'`, and those for `k - 1`.
     let (mut before, mut now) = ([1.0, 0.0], [y, 1.0]);
     for (k, weight) in weights.iter_mut().enumerate().take(rows).skip(1) {
         let n = k as f64;
@@ -111,7 +111,7 @@ pub(crate) fn legendre(y: f64, into: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// `d/dθ` of the integrals are the polynomials, and both ends are exact.
+    /// The integrals have the polynomials as derivatives, and are exact at both ends.
     #[test]
     fn integrals_are_those_of_the_polynomials() {
         for theta in [0.0, 0.03, 0.31, 0.5, 0.77, 1.0] {

@@ -1,5 +1,5 @@
 //! The value of a tree at a state: derivatives of `H` in directions, by dual numbers through the gradient that the compiler has
-//! derived, whatever the size of the system and however it is written.
+//! derived.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use crate::algebra::scalar::{Dual, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::Hamiltonian;
 
-/// How a number is made of a value and the coefficients of the infinitesimals `ε_1, ε_2, ...` with `ε_k² = 0`, `value + Σ_k slopes_k ε_k`, and how the
-/// coefficient of the product of all of them is read: with one infinitesimal more than the given.
+/// Two functions: one makes the number `value + Σ_k slopes_k ε_k` with infinitesimals `ε_k² = 0`, one reads the coefficient of the product of all
+/// `ε_k`. They have one infinitesimal more than the given ones.
 #[expect(clippy::type_complexity, reason = "closures have no names")]
 fn one_more<S: Scalar>(
     (lift, product): (impl Fn(f64, &[f64]) -> S, impl Fn(S) -> f64),
@@ -21,11 +21,11 @@ fn one_more<S: Scalar>(
     (lift, move |number: Dual<1, S>| product(number.derivative[0]))
 }
 
-/// `∂_q` and `∂_p` of something.
+/// `∂_q` and `∂_p` of a function.
 type Slopes = [Vec<f64>; 2];
 
-/// Contractions at one state; what is beyond each edge is evaluated once. Derivatives of the gradient are
-/// compiled up to that of order `DEPTH`: trees of three, five and seven vertices need those of order 1, 3 and 5.
+/// Contractions at one state; each subtree is evaluated once. Derivatives of the gradient are compiled up to
+/// order `DEPTH`: trees of three, five and seven vertices need orders 1, 3 and 5.
 pub(super) struct Contractions<'s, H: Hamiltonian, const DEPTH: usize> {
     system: &'s H,
     state: &'s State<H::Vector>,
@@ -51,7 +51,7 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         slopes.iter().zip(&direction).map(|(slope, along)| slope * along).sum()
     }
 
-    /// Along what a branch differentiates the vertex that it is at.
+    /// The direction along which a branch differentiates its vertex.
     fn direction(&mut self, (half, beyond): &Branch) -> (Half, Vec<f64>) {
         let [by_q, by_p] = self.slopes(beyond);
         let direction = match half {
@@ -73,7 +73,7 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         let slopes = match directions.len() {
             0 => self.along(&directions, none),
             1 => self.along(&directions, one_more(none)),
-            // No value: trees that are as deep do not come here.
+            // Never reached: no tree of this order has that many branches.
             _ if const { DEPTH < 2 } => [(); 2].map(|()| vec![f64::NAN; self.state.q.components().len()]),
             2 => self.along(&directions, two),
             3 => self.along(&directions, one_more(two)),
@@ -85,7 +85,7 @@ impl<'s, H: Hamiltonian, const DEPTH: usize> Contractions<'s, H, DEPTH> {
         slopes
     }
 
-    /// By numbers that these functions make and read: [`one_more`].
+    /// The same with numbers made and read by these functions: [`one_more`].
     fn along<S: Scalar>(
         &self,
         directions: &[(Half, Vec<f64>)],

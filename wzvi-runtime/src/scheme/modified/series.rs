@@ -1,5 +1,5 @@
-//! Series `Σ_n h^n Σ_τ c(τ) F(τ)` over trees `τ` of `n` vertices, with the Poisson bracket: what step maps, and the
-//! Hamiltonians that generate them, are written in.
+//! Series `Σ_n h^n Σ_τ c(τ) F(τ)` over trees `τ` of `n` vertices, with the Poisson bracket: they represent step
+//! maps and the Hamiltonians that generate them.
 
 use std::collections::BTreeMap;
 use std::iter::successors;
@@ -10,14 +10,14 @@ use super::tree::{Half, Tree, rooted};
 /// `B_m / m!` for the Bernoulli numbers with `B_1 = 1/2`.
 const BERNOULLI: [f64; 7] = [1.0, 0.5, 1.0 / 12.0, 0.0, -1.0 / 720.0, 0.0, 1.0 / 30240.0];
 
-/// The largest order that a basis is made for: the numbers of trees of 1 to 9 vertices are 1, 1, 3, 8, 27, 91, 350, 1376, 5743.
+/// The highest order of a basis: the numbers of trees with 1 to 9 vertices are 1, 1, 3, 8, 27, 91, 350, 1376, 5743.
 pub(super) const HIGHEST_ORDER: u32 = 6;
 
-/// The trees up to a number of vertices, and the brackets of each two of them.
+/// The trees up to a number of vertices, and the brackets of each pair.
 pub(super) struct Basis {
-    /// All trees are smaller.
+    /// Trees have fewer vertices than this.
     sizes: usize,
-    /// By size, which stands beside them.
+    /// Trees with their sizes, sorted by size.
     pub(super) trees: Vec<(Tree, usize)>,
     /// The rooted trees of the stage of a step with one quadrature point.
     stage: Vec<Rooted>,
@@ -25,14 +25,14 @@ pub(super) struct Basis {
     brackets: BTreeMap<[usize; 2], Vec<Bracket>>,
 }
 
-/// Which tree a rooted tree is, its [edges](Tree::edges), and the inverse of the number of its symmetries.
+/// The number of the tree of a rooted tree, its [edges](Tree::edges), and the inverse of the number of its symmetries.
 struct Rooted {
     n: usize,
     edges: [i32; 2],
     weight: f64,
 }
 
-/// `{τ_a, τ_b}` has `weight` times the tree `n`.
+/// `{τ_a, τ_b}` contains `weight` times the tree `n`.
 struct Bracket {
     a: usize,
     b: usize,
@@ -41,7 +41,8 @@ struct Bracket {
 }
 
 impl Basis {
-    /// For the first terms of schemes of this order, made once: up to `h^r` with the least even `r` that is not below the order.
+    /// The basis for the first terms of schemes of this order, computed once: up to `h^r` with the least even `r` not below the
+    /// order.
     pub(super) fn of_order(order: u32) -> &'static Self {
         static BASES: [OnceLock<Basis>; 3] = [const { OnceLock::new() }; 3];
         let half = order.clamp(1, HIGHEST_ORDER).div_ceil(2) as usize;
@@ -94,7 +95,7 @@ impl Basis {
     }
 }
 
-/// `{f, g} = f_p · g_q - f_q · g_p` puts an edge between each vertex of one and each of the other.
+/// `{f, g} = f_p · g_q - f_q · g_p` adds an edge between each vertex of one and each of the other.
 fn bracket(first: &[Tree], second: &[Tree]) -> BTreeMap<Tree, f64> {
     let mut sum = BTreeMap::new();
     for one in first {
@@ -119,7 +120,7 @@ impl Series {
         Self { basis, coefficients: vec![0.0; basis.trees.len()] }
     }
 
-    /// The coefficients, with their trees and the sizes of these.
+    /// The coefficients, with their trees and sizes.
     pub(super) fn terms(&self) -> impl Iterator<Item = (f64, &'static (Tree, usize))> {
         self.coefficients.iter().copied().zip(&self.basis.trees)
     }
@@ -129,7 +130,7 @@ impl Series {
         both.for_each(|(sum, c)| *sum += factor * c);
     }
 
-    /// With each coefficient by its size.
+    /// Maps each coefficient, given with its size.
     fn map(&self, map: impl Fn(f64, usize) -> f64) -> Self {
         let coefficients = self.terms().map(|(c, &(_, size))| map(c, size)).collect();
         Self { basis: self.basis, coefficients }
@@ -140,7 +141,7 @@ impl Series {
         self.map(|c, own| if own == size { c } else { 0.0 })
     }
 
-    /// The series at `w h` in the place of `h`.
+    /// The series with `w h` in place of `h`.
     fn dilated(&self, w: f64) -> Self {
         let powers: Vec<f64> =
             successors(Some(1.0), |power| Some(power * w)).take(self.basis.sizes).collect();
@@ -160,8 +161,8 @@ impl Series {
         sum
     }
 
-    /// What generates the step with one quadrature point `l` as a function of where it leads to, times `h`: `h H(w)` with
-    /// the stage `w = (q - (1 - l) h H_p(w), p + l h H_q(w))`, for `h ∂/∂h` of it is the flow of that.
+    /// `h` times the generator of the step with one quadrature point `l`, as a function of its end: `h H(w)` with the
+    /// stage `w = (q - (1 - l) h H_p(w), p + l h H_q(w))`. It generates `h ∂/∂h` of the step.
     fn generator(basis: &'static Basis, l: f64) -> Self {
         let mut sum = Self::zero(basis);
         for &Rooted { n, edges: [q, p], weight } in &basis.stage {
@@ -170,7 +171,7 @@ impl Series {
         sum
     }
 
-    /// `Z` whose flow for a unit of time is the map that `self` generates: `h` times the modified Hamiltonian (W. Magnus, "On the
+    /// `Z`, whose flow over unit time is the map that `self` generates: `h` times the modified Hamiltonian (W. Magnus, "On the
     /// exponential solution of differential equations for a linear operator", Comm. Pure Appl. Math. 7, 1954).
     ///
     /// `n Z_n = Σ_m B_m/m! T_(m, n)`, where `T_(m, n)` is the part with `n` vertices of `{Z, {Z, ... {Z, G}}}` with `m` brackets.
@@ -195,7 +196,7 @@ impl Series {
         z
     }
 
-    /// What `self` becomes where the flow of `z` follows: `e^(-{z, ·}) self`.
+    /// `self` carried by a subsequent flow of `z`: `e^(-{z, ·}) self`.
     fn carried_by(&self, z: &Self) -> Self {
         let (mut sum, mut term) = (self.clone(), self.clone());
         for k in 1..self.basis.sizes - 1 {
@@ -206,8 +207,8 @@ impl Series {
     }
 }
 
-/// `h` times the modified Hamiltonian of steps with quadrature points `l` of fractions `w` of the step, one after the other, as
-/// far as [`Basis::of_order`] goes.
+/// `h` times the modified Hamiltonian of successive steps with quadrature points `l` over fractions `w` of the step, to the
+/// order of [`Basis::of_order`].
 pub(super) fn modified(steps: &[(f64, f64)], order: u32) -> Series {
     let basis = Basis::of_order(order);
     let mut known: Vec<(f64, Series, Series)> = Vec::new();

@@ -47,7 +47,7 @@ fn adjoint_schemes_have_adjoint_series_and_symmetric_ones_even_powers() {
     }
 }
 
-/// Steps backwards undo steps forwards; and steps of the exact flow add up: `H` alone is left.
+/// Steps backwards undo steps forwards; successive steps of the exact flow add up to `H` alone.
 #[test]
 fn inverse_steps_leave_nothing() {
     for l in [0.0, 0.3] {

@@ -6,7 +6,7 @@
 
 use std::iter::once;
 
-/// By which half of the phase space an end of an edge is differentiated.
+/// The half of the phase space by which an end of an edge differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Half {
     Coordinates,
@@ -22,7 +22,7 @@ impl Half {
     }
 }
 
-/// An edge with what is beyond it: the half by which its near end is differentiated, and the tree at its far end.
+/// An edge with its subtree: the half by which its near end is differentiated, and the tree at its far end.
 pub(super) type Branch = (Half, Tree);
 
 /// A tree seen from one of its vertices, its root. Branches are sorted, so that equal trees compare equal.
@@ -43,7 +43,7 @@ impl Tree {
         1 + self.branches.iter().map(|(_, tree)| tree.size()).sum::<usize>()
     }
 
-    /// How many edges have their end at the root's side differentiated by coordinates, and by momenta.
+    /// The numbers of edges whose end towards the root is differentiated by coordinates, and by momenta.
     pub(super) fn edges(&self) -> [i32; 2] {
         let of_branch = |(half, tree): &Branch| {
             let [q, p] = tree.edges();
@@ -62,14 +62,14 @@ impl Tree {
         for (at, (half, beyond)) in self.branches.iter().enumerate() {
             let mut rest = self.branches.clone();
             rest.remove(at);
-            // What is on this side becomes a branch of every vertex on the other side.
+            // This side becomes a branch of every vertex on the other side.
             let stub = (half.other(), Self { branches: rest });
             rootings.extend(beyond.rooted_with(&stub));
         }
         rootings
     }
 
-    /// The tree with one branch more, seen from each of the vertices that it had without.
+    /// The tree with one more branch, seen from each of its original vertices.
     fn rooted_with(&self, stub: &Branch) -> Vec<Self> {
         let whole = self.with(stub.clone());
         let mut rootings = vec![whole];
@@ -82,7 +82,7 @@ impl Tree {
         rootings
     }
 
-    /// The one of its rootings that stands for all: that of the least depth, the first of them.
+    /// The canonical rooting: the first of least depth.
     pub(super) fn free(&self) -> Self {
         let rootings = self.rootings();
         rootings.into_iter().min_by(|a, b| (a.depth(), a).cmp(&(b.depth(), b))).unwrap_or_default()
@@ -92,7 +92,7 @@ impl Tree {
         self.branches.iter().map(|(_, tree)| 1 + tree.depth()).max().unwrap_or(0)
     }
 
-    /// Two trees with an edge between their roots, of which the first is differentiated by `half`.
+    /// Two trees joined by an edge between their roots, the first root being differentiated by `half`.
     pub(super) fn joined(&self, half: Half, other: &Self) -> Self {
         self.with((half, other.clone()))
     }
@@ -115,8 +115,7 @@ pub(super) fn rooted(sizes: usize) -> Vec<Vec<(Tree, f64)>> {
     trees
 }
 
-/// Adds the trees whose branches are those that were chosen, and others of `branches`, which are sorted by size, with `left`
-/// vertices.
+/// Adds the trees with the chosen branches and `left` more vertices in others of `branches`, which are sorted by size.
 fn grow(
     branches: &[(Branch, usize, f64)],
     left: usize,

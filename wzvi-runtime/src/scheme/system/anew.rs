@@ -1,4 +1,4 @@
-//! A bare step: the short way, and from zero with care where that fails.
+//! A bare step: by the fast solver, and from zero with care if that fails.
 
 use super::{At, Hamiltonian, Scheme};
 use crate::algebra::carry::Plain;
@@ -8,10 +8,10 @@ use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
 use crate::scheme::plan::Solver;
 
-/// [`Scheme::advance`] with plain sums, and with care where the short way fails.
+/// [`Scheme::advance`] with plain sums, and with care if the fast solver fails.
 ///
 /// # Errors
-/// Those of [`Scheme::advance`]; the state and `memory` are then as they were.
+/// Those of [`Scheme::advance`]; the state and `memory` are then unchanged.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
@@ -20,12 +20,12 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Ove
     memory: &mut T::Memory<S>,
 ) -> Result<Effort, StepFailure> {
     let At { t, h, q, p, dw } = at;
-    // Paths beside each other all take the step, or none of them.
+    // Either all paths in lanes take the step, or none.
     let before = S::GOES_IN_PART.then(|| (q.to_vec(), p.to_vec(), memory.clone()));
     let short = At { t, h, q: &mut *q, p: &mut *p, dw };
     match T::advance::<K, S, Plain, false>(system, prepared, short, memory, &mut Plain) {
         Ok(effort) => Ok(effort),
-        // What is not iterated fails with care, too.
+        // Without iteration, care does not help.
         Err(cause) if !matches!(T::PLAN.solver, Solver::Newton) => Err(cause),
         Err(_) => {
             if let Some((start_q, start_p, known)) = before {
@@ -38,7 +38,7 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Ove
     }
 }
 
-/// From a memory that knows nothing: seldom, and out of line.
+/// Starts from an empty memory: rare, and out of line.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
@@ -63,7 +63,7 @@ fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
 
 type Taken<S, M> = (Effort, M, Few<S>, Few<S>);
 
-/// By value.
+/// Takes the state by value.
 #[cold]
 #[inline(never)]
 fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(

@@ -1,6 +1,6 @@
 //! The gradient of the discrete Lagrangian of a step that leads from `(q_i, P)` to `(Q, R)`.
 //!
-//! The discrete Lagrangian `A` of what the step is made of has `dA = R · dQ - P · dq_i`. Therefore
+//! The sum `A` of the discrete Lagrangians of its parts has `dA = R · dQ - P · dq_i`. Therefore
 //!
 //! ```text
 //! L_d(q_i, q_{i+1}, P) = A(q_i, P) + R(q_i, P) · (q_{i+1} - Q(q_i, P))

@@ -1,4 +1,4 @@
-//! One-step schemes of one's own.
+//! User-defined one-step schemes.
 
 use std::marker::PhantomData;
 
@@ -14,10 +14,10 @@ use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{self, Elements};
 use crate::scheme::plan::{Plan, Solver};
 
-/// A one-step scheme of one's own, for all systems: [`Own<Self>`](Own) is its name in `simulate`, `stepper` and `ensemble`.
+/// A user-defined one-step scheme for all systems: its name in `simulate`, `stepper` and `ensemble` is [`Own<Self>`](Own).
 ///
-/// It takes steps of the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k`, with the forces of the system, and reads nothing else of the system.
-/// Numbers are any [`Scalar`]: one path, paths beside each other in vector registers, dual numbers.
+/// It integrates the step Hamiltonian `F = h H_0 + Σ_k ΔW_k H_k` with the forces of the system, and reads nothing else. Numbers are any
+/// [`Scalar`]: one path, paths in the lanes of vector registers, dual numbers.
 ///
 /// ```ignore
 /// use wzvi::embedding::{OneStep, Own};
@@ -69,13 +69,13 @@ pub trait OneStep {
     /// Whether steps converge to the Stratonovich system as `h` goes to zero, for every noise.
     const IS_CONSISTENT: bool;
 
-    /// What `EQUATIONS` say of it.
+    /// Its description in `EQUATIONS`.
     const TEXT: &'static str = "a scheme of the program";
 
-    /// One step of the state in place. A state that is not finite afterwards is refused, and the one before it stays.
+    /// One step of the state in place. If the new state is not finite, the step fails and the old state remains.
     ///
     /// # Errors
-    /// Where it finds no solution.
+    /// If it finds no solution.
     fn step<S: Scalar>(
         field: &impl StepField<S>,
         state: [&mut [S]; 2],
@@ -89,7 +89,7 @@ pub trait StepField<S> {
     fn at(&self, c: f64, state: [&[S]; 2], increments: [&mut [S]; 2]);
 }
 
-/// Lists that a step needs, allocated once.
+/// Scratch lists of a step, allocated once.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch<S> {
     numbers: Vec<S>,
@@ -98,7 +98,7 @@ pub struct Scratch<S> {
 }
 
 impl<S: Scalar> Scratch<S> {
-    /// `N` lists of this length, with any numbers.
+    /// `N` lists of this length, with unspecified content.
     pub fn lists<const N: usize>(&mut self, length: usize) -> [&mut [S]; N] {
         self.numbers.resize(self.numbers.len().max(N * length), S::from_f64(0.0));
         let mut rest = &mut self.numbers[..];
@@ -116,7 +116,7 @@ impl<S: Scalar> Scratch<S> {
         }
     }
 
-    /// Puts back what was before the step, but where `taken` says that it was.
+    /// Restores the state before the step for the paths that have not `taken` it.
     fn restore(&self, taken: S::Mask, state: [&mut [S]; 2]) {
         for (now, before) in state.into_iter().zip(&self.before) {
             now.iter_mut().zip(before).for_each(|(now, before)| *now = S::select(taken, *now, *before));
@@ -133,11 +133,11 @@ impl<S: Scalar> StepMemory for Scratch<S> {
     fn adopt(&mut self, _: Self) {}
 }
 
-/// Steps of a [scheme of one's own](OneStep).
+/// Steps of a [user-defined scheme](OneStep).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Own<T>(PhantomData<T>);
 
-/// What a step reads of the system.
+/// The field that a step reads.
 struct Field<'a, H, S> {
     system: &'a H,
     t: f64,

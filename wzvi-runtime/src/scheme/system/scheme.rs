@@ -1,4 +1,4 @@
-//! What takes the steps of a system: one trait for every scheme.
+//! The trait of all schemes: steps of a system.
 
 use std::fmt::Debug;
 
@@ -13,7 +13,7 @@ use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 
-/// What a step reads and moves: the state `(q, p)` at `t`, the step size and the increments.
+/// The arguments of a step: the state `(q, p)` at `t`, which it moves, the step size and the increments.
 #[derive(Debug)]
 pub struct At<'a, S, K = f64> {
     /// Time at the start of the step.
@@ -29,10 +29,10 @@ pub struct At<'a, S, K = f64> {
 }
 
 impl<'a, S, K: Constant> At<'a, S, K> {
-    /// With time and step size as `f64`, which is what a scheme prepared that takes no derivatives along.
+    /// With time and step size as `f64`, for schemes that do not propagate derivatives.
     ///
     /// # Errors
-    /// [`StepPromise::PlainConstants`] where they are none.
+    /// [`StepPromise::PlainConstants`] if they are not `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn plain(self) -> Result<At<'a, S>, StepFailure> {
         let Self { t, h, q, p, dw } = self;
@@ -46,15 +46,15 @@ impl<'a, S, K: Constant> At<'a, S, K> {
 /// A parameter of the system as a constant of a step, from its number among [`Hamiltonian::parameter`] and its value.
 pub type Lift<'l, K> = &'l dyn Fn(usize, f64) -> K;
 
-/// [`Lift`] to what they are.
+/// The [`Lift`] that leaves parameters as they are.
 pub fn as_they_are(_: usize, value: f64) -> f64 {
     value
 }
 
-/// The step size, where it is an `f64` and so are the parameters.
+/// The step size as an `f64`, if it and the parameters are.
 ///
 /// # Errors
-/// [`ConfigError::Setting`] where they have derivatives, which the scheme does not take along.
+/// [`ConfigError::Setting`] if they have derivatives, which the scheme does not propagate.
 pub(crate) fn without_derivatives<K: Constant>(h: K) -> Result<f64, ConfigError> {
     match K::plain(&[h]) {
         Some(&[h]) => Ok(h),
@@ -64,32 +64,32 @@ pub(crate) fn without_derivatives<K: Constant>(h: K) -> Result<f64, ConfigError>
     }
 }
 
-/// What runs need to know of the steps of a scheme besides its [`Plan`].
+/// Properties of the steps of a scheme for runs, besides its [`Plan`].
 #[derive(Clone, Copy, Debug)]
 pub struct Properties {
-    /// The energy that is watched in runs of constant step.
+    /// The energy monitored in runs of constant step.
     pub kept_energy: KeptEnergy,
-    /// Stages whose equations are solved at once, the most of all parts of a step; 0 where none are solved.
+    /// The largest number of stages solved at once in any part of a step; 0 for explicit steps.
     pub stages: u32,
-    /// Whether steps use what the ones before left in memory for this state alone: then a state that the caller moved makes them forget it.
+    /// Whether the memory of past steps is valid for this state only: then it is cleared if the caller moves the state.
     pub remembers: bool,
-    /// Whether paths run in lanes beside each other: not where loops are iterated on, which go for each path as far as it needs.
+    /// Whether paths run in lanes: not with iterations over loops, whose number differs between paths.
     pub in_lanes: bool,
-    /// From how many degrees of freedom on the step of one path is in vector instructions by itself, and stays in the cache: then paths go one
-    /// after the other. `usize::MAX` where there are no such steps.
+    /// The number of degrees of freedom from which the step of a single path is vectorised; paths then run one after the other, and stay in
+    /// the cache. `usize::MAX` if steps are never vectorised so.
     pub fills_registers_from: usize,
     /// The order of the error inside a step: [`DenseOutput::order`](crate::scheme::dense::DenseOutput::order).
     pub dense_order: u32,
     /// Whether the scheme has a polynomial of its own between the nodes of a step.
     pub has_polynomial: bool,
-    /// Whether the scheme accounts for what forces and bath do: [`Scheme::exchanged`].
+    /// Whether the scheme accounts for the energy from forces and bath: [`Scheme::exchanged`].
     pub exchanges: bool,
     /// Whether steps follow from a discrete Lagrangian.
     pub is_variational: bool,
 }
 
 impl Properties {
-    /// Those of a variational step of one path, in lanes, with cubics between its nodes, and with a memory of so many bytes.
+    /// The properties of a variational step with paths in lanes, cubics between its nodes, and a memory of `memory` bytes.
     pub const fn of(plan: &Plan, memory: usize) -> Self {
         Self {
             kept_energy: KeptEnergy::Hamiltonian,
@@ -105,26 +105,25 @@ impl Properties {
     }
 }
 
-/// A way to take steps of the system `H`. A scheme of one's own is a [`OneStep`](super::OneStep), which is shorter.
+/// A scheme for the system `H`. For user-defined schemes, [`OneStep`](super::OneStep) is simpler.
 pub trait Scheme<H: Hamiltonian> {
-    /// What the compiler derived.
+    /// The compile-time facts.
     const PLAN: Plan;
 
-    /// What runs need to know besides.
+    /// Further properties for runs.
     const PROPERTIES: Properties = Properties::of(&Self::PLAN, size_of::<Self::Memory<f64>>());
 
-    /// Everything that a step reads and that depends on the system and the step size only, in constants `K`: of one system, of one in each lane, or with
-    /// derivatives.
+    /// The data that depend on the system and the step size only, in constants `K`: of one system, of one system per lane, or with derivatives.
     type Prepared<K: Constant>: Clone + Debug + Send + Sync;
 
-    /// What one step leaves for the starting value of the next; of no size where nothing is iterated.
+    /// The data from which the next step is predicted; of size zero for explicit steps.
     type Memory<S: Scalar>: StepMemory;
 
     /// Compensated sums of the state's increments: [`Compensation`](crate::algebra::carry::Compensation).
     type Compensated<S: Scalar>: Carry<S>;
 
-    /// How increments are added unless the user chooses: compensated where that is less than about 5 % of the step,
-    /// else [`Plain`](crate::algebra::carry::Plain).
+    /// The default summation of increments: compensated if that costs less than about 5 % of the step, else
+    /// [`Plain`](crate::algebra::carry::Plain).
     type Carry<S: Scalar>: Carry<S>;
 
     /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
@@ -134,7 +133,7 @@ pub trait Scheme<H: Hamiltonian> {
         system.noises()
     }
 
-    /// The memory of a new stepper: all that its steps will need, where the system knows its size.
+    /// The memory of a new stepper, allocated in full if the system knows its size.
     fn memory(system: &H) -> Self::Memory<f64> {
         let _ = system;
         Default::default()
@@ -143,24 +142,24 @@ pub trait Scheme<H: Hamiltonian> {
     /// Computes what does not change from step to step, from parameters and a step size that may have derivatives.
     ///
     /// # Errors
-    /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and the scheme does not take them along.
+    /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and the scheme does not propagate them.
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError>;
 
-    /// What is prepared of `L` systems for one step size, each in its lane; `None` where they do not go in lanes. Those that do still do where
-    /// some of them are replaced by others of them.
+    /// The prepared data of `L` systems for one step size, one system per lane; `None` if they do not run in lanes. If they do, so does any
+    /// selection of them, with repetitions.
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
         let _ = prepared;
         None
     }
 
-    /// One step in place. Of systems in lanes, `system` is any of them: it says what is the same for all. On `Err`, the state, `memory` and `carry` are as they were; where it is that of some
-    /// [lanes](StepFailure::Lanes), those of these lanes, and the others have taken the step.
+    /// One step in place. For systems in lanes, `system` is any of them: only what they have in common is read. On `Err`, the state, `memory` and `carry` are
+    /// unchanged; if the error is that of some [lanes](StepFailure::Lanes), this holds for these lanes, and the others have taken the step.
     ///
-    /// Unless `CAREFUL`, an iteration that does not converge fast is given up; what then follows is the
-    /// business of the [`Stepper`](crate::path::step::Stepper).
+    /// Unless `CAREFUL`, an iteration that does not converge fast is abandoned; the
+    /// [`Stepper`](crate::path::step::Stepper) then continues with care.
     ///
     /// # Errors
-    /// Where the step has no solution that could be found, or sizes do not fit.
+    /// If no solution was found, or sizes do not fit.
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared<K>,
@@ -169,7 +168,7 @@ pub trait Scheme<H: Hamiltonian> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
 
-    /// [`Scheme::advance`] at the time and by the step `[t, h]` of vectors that may be exchanged for others with the new numbers.
+    /// [`Scheme::advance`] with time and step size `[t, h]`, on vectors that it may replace by new ones.
     ///
     /// # Errors
     /// Those of [`Scheme::advance`].
@@ -187,7 +186,7 @@ pub trait Scheme<H: Hamiltonian> {
         Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
 
-    /// The slopes of the scheme's own polynomial, of the step that was the last to leave something in `memory`.
+    /// The slopes of the scheme's own polynomial, for the last step recorded in `memory`.
     fn slopes_between(
         system: &H,
         (prepared, memory): (&Self::Prepared<f64>, &Self::Memory<f64>),
@@ -199,13 +198,13 @@ pub trait Scheme<H: Hamiltonian> {
         let _ = (system, prepared, memory, before, h, dw, slopes);
     }
 
-    /// What the step exchanged that was the last to leave something in `memory`.
+    /// The energy exchanged in the last step recorded in `memory`.
     fn exchanged(system: &H, memory: &Self::Memory<f64>) -> Exchange {
         let _ = (system, memory);
         Exchange::default()
     }
 
-    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN where there is none.
+    /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN if there is none.
     fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
         let _ = (system, segment, dw);
         f64::NAN
@@ -233,14 +232,14 @@ pub trait Scheme<H: Hamiltonian> {
     }
 }
 
-/// That `E` is listed in the `embedding` of a system; generated.
+/// A system that lists `E` in its `embedding`; generated.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
     note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
 pub trait Listed<E>: Hamiltonian + Sized {
-    /// What takes the steps.
+    /// The scheme of the steps.
     type Scheme: Scheme<Self>;
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
@@ -254,9 +253,9 @@ pub trait Listed<E>: Hamiltonian + Sized {
 pub type SchemeOf<H, E> = <H as Listed<E>>::Scheme;
 /// The prepared data of steps of `H` by `E`.
 pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
-/// How increments are added unless the user chooses.
+/// The default summation of increments.
 pub type CarryOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Carry<f64>;
-/// The memory of steps of `H` by `E`: what one step leaves for the next.
+/// The memory of steps of `H` by `E`.
 pub type MemoryOf<H, E, S> = <SchemeOf<H, E> as Scheme<H>>::Memory<S>;
 
 #[cfg(test)]
@@ -264,7 +263,7 @@ mod tests {
     use super::*;
     use crate::algebra::scalar::Dual;
 
-    /// Derivatives by the step size are refused where they would be lost, not taken for none.
+    /// Derivatives by the step size that would be lost are refused.
     #[test]
     fn derivatives_are_not_dropped() {
         let (mut q, mut p) = ([Dual::<1>::constant(0.5)], [Dual::<1>::constant(1.0)]);

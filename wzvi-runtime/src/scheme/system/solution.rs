@@ -1,4 +1,4 @@
-//! Steps of systems of fixed size: what one is when it is solved, and the lists that generated code takes and fills.
+//! Solved steps of systems of fixed size, and the lists of generated code.
 
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Mask, Scalar};
@@ -8,17 +8,17 @@ use crate::error::StepFailure;
 /// One solved step of a system with `D` degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<S, const D: usize> {
-    /// `q_{i+1}`, and what its rounding took.
+    /// `q_{i+1}`, and its rounding error.
     pub q: [(S, S); D],
-    /// `p_{i+1}`, and what its rounding took.
+    /// `p_{i+1}`, and its rounding error.
     pub p: [(S, S); D],
-    /// What Newton's method took, over all blocks.
+    /// The effort of Newton's method over all blocks.
     pub effort: Effort,
 }
 
 impl<S: Scalar, const D: usize> Solution<S, D> {
-    /// Where a solution goes. Not a result of the function that finds it: numbers that share their memory with a [`StepFailure`] are not kept
-    /// in vector registers.
+    /// The place for a solution. It is not returned in a `Result`: numbers that share memory with a [`StepFailure`] are not kept in vector
+    /// registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn nowhere() -> Self {
         let nan = S::from_f64(f64::NAN);
@@ -44,13 +44,13 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         S::are_finite([self.q, self.p]).all()
     }
 
-    /// The paths beside each other of which every component is finite.
+    /// The paths for which every component is finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn are_finite(&self) -> S::Mask {
         S::are_finite([self.q, self.p])
     }
 
-    /// That every component is finite, of paths that succeed or fail together.
+    /// Checks that every component is finite, for paths that succeed or fail together.
     ///
     /// # Errors
     /// [`StepFailure::NonFinite`]
@@ -59,7 +59,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         if self.is_finite() { Ok(()) } else { Err(StepFailure::NonFinite) }
     }
 
-    /// That all paths beside each other have `taken` the step.
+    /// Checks that all paths in lanes have `taken` the step.
     ///
     /// # Errors
     /// Those of the paths that have not.
@@ -68,10 +68,10 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         if taken.all() { Ok(()) } else { Err(StepFailure::but_of::<S>(taken)) }
     }
 
-    /// [`Solution::store`] of a step that was solved; of paths beside each other, those that have solved it move where others have not.
+    /// [`Solution::store`] if the step was solved; of paths in lanes, only those that have solved it move.
     ///
     /// # Errors
-    /// What the solution says.
+    /// The failure of the solution.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn arrive<C: Carry<S>>(
         self,
@@ -91,7 +91,7 @@ impl<S: Scalar, const D: usize> Solution<S, D> {
         }
     }
 
-    /// Written out where it is called: the solution has no address, and stays in registers where all is well.
+    /// Inlined: the solution has no address, and stays in registers unless the step fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store_in_part<C: Carry<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
         let are_finite = self.are_finite();
@@ -128,7 +128,7 @@ pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], Step
     slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
 }
 
-/// Fills `by_q` and `by_p` with a gradient; NaN where they have another length.
+/// Fills `by_q` and `by_p` with a gradient, or with NaN if their length is another.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q: [S; D], of_p: [S; D]) {
     if by_q.len() == D && by_p.len() == D {
@@ -140,7 +140,7 @@ pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q:
     }
 }
 
-/// Fills `into` with a covector; NaN where it has another length.
+/// Fills `into` with a covector, or with NaN if its length is another.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
     if into.len() == D {

@@ -1,4 +1,4 @@
-//! Steps that are solved in straight lines, block by block: what is generated for one scheme of a small system, and what is the same for all.
+//! Steps in straight-line code, block by block: the generated part for one scheme of a small system, and the common part.
 
 use std::marker::PhantomData;
 
@@ -17,25 +17,25 @@ use crate::scheme::plan::Plan;
 pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     /// What the compiler derived.
     const PLAN: Plan;
-    /// The quadrature that the discrete Lagrangian is.
+    /// The quadrature of the discrete Lagrangian.
     const QUADRATURE: elements::Quadrature;
-    /// What does not change from step to step: numbers, truths and factors of matrices.
+    /// The constants of all steps: numbers, truths and factors of matrices.
     type Prepared: Constants;
-    /// One extrapolation for each block that is iterated on.
+    /// One extrapolation per iterated block.
     type Memory<S: Scalar>: StepMemory;
-    /// How increments are added unless the user chooses.
+    /// The default summation of increments.
     type Carry<S: Scalar>: Carry<S>;
 
-    /// Computes it.
+    /// Computes the constants.
     ///
     /// # Errors
-    /// Where a parameter is no number, or a matrix that is factored here is singular.
+    /// If a parameter is NaN, or a matrix that is factored here is singular.
     fn prepare<K: Constant>(&self, lift: Lift<'_, K>, h: K) -> Result<Of<Self::Prepared, K>, ConfigError>;
 
-    /// The end of the step into `next`.
+    /// Writes the end of the step into `next`.
     ///
     /// # Errors
-    /// Where a block has no solution that could be found, or the end is not finite.
+    /// If no solution of a block was found, or the end is not finite.
     #[expect(clippy::too_many_arguments, reason = "generated code reads each by its name")]
     fn solve<S: Over<K>, K: Constant, C: Carry<S>, const CAREFUL: bool>(
         prepared: &Of<Self::Prepared, K>,
@@ -50,7 +50,7 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
     ) -> Result<(), StepFailure>;
 }
 
-/// Steps that are solved in straight lines.
+/// Steps in straight-line code.
 #[derive(Clone, Copy, Debug)]
 pub struct Straight<E, const D: usize, const N: usize>(PhantomData<E>);
 
@@ -88,7 +88,7 @@ where
         let dw = increments::<_, N>(dw)?;
         let mut next = Solution::nowhere();
         let solved = H::solve::<S, K, C, CAREFUL>(prepared, t, h, *q, *p, dw, memory, carry, &mut next);
-        // What is not iterated on fails in all lanes.
+        // Without iteration, all lanes fail together.
         if size_of::<H::Memory<f64>>() == 0 {
             solved?;
             Ok(next.store(q, p, carry))
