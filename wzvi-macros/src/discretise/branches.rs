@@ -1,8 +1,8 @@
-//! Where a Hamiltonian is made of branches: is it continuous across the boundary, and its slope?
+//! Continuity of piecewise Hamiltonians and of their slopes across branch boundaries.
 //!
-//! On `d = 0`, the boundary of a comparison `a < b` with `d = a - b`, the two values of the Hamiltonian are compared, with that
-//! comparison once true and once false. Where `d` is affine in a variable, the boundary is that variable as a function of the
-//! others, and the comparison is a question whether an expression is zero.
+//! On `d = 0`, the boundary of a comparison `a < b` with `d = a - b`, the values of the Hamiltonian with this comparison true
+//! and false are compared. If `d` is affine in a variable, the boundary gives that variable as a function of the others, and
+//! continuity means that an expression is zero.
 
 use std::collections::HashMap;
 
@@ -16,12 +16,12 @@ pub(crate) struct Boundary {
     pub(crate) crossing: Crossing,
 }
 
-/// What a Hamiltonian does at a boundary.
+/// The smoothness of a Hamiltonian at a boundary.
 #[derive(Clone, Debug)]
 pub(crate) enum Crossing {
-    /// It is continuous, its first derivatives are, too.
+    /// It and its first derivatives are continuous.
     Smooth,
-    /// It is continuous, its first derivatives are not, or may not be.
+    /// It is continuous; its first derivatives are not, or may not be.
     Kink,
     Jump(Witness),
     Undecided,
@@ -51,7 +51,7 @@ pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Ve
             }
             _ => continue,
         };
-        // On their boundary the sides of the others are equal.
+        // `abs`, `min` and `max` have equal sides on their boundary.
         let may_jump = matches!(graph.node(decision), Node::Compare(..) | Node::Apply(Function::Signum, _));
         if !graph.depends_on(left, state) && !graph.depends_on(right, state) {
             continue;
@@ -162,7 +162,7 @@ mod tests {
         );
         states("|q, p| 0.5 * p * p + a * q.signum()", &["where q = 0, H0 jumps"], &[KEPT]);
         states("|q, p, t| 0.5 * p * p + if t < a { q } else { 0.0 }", &["where t = a, H0 jumps"], &[KEPT]);
-        // The jump of one branch is that of the whole: it is multiplied by what vanishes there.
+        // The jump of the branch is multiplied by a factor that vanishes there.
         states("|q, p| 0.5 * p * p + (q - 1.0) * if q > 1.0 { 2.0 } else { 1.0 }", &[KEPT], &["H0 jumps"]);
     }
 

@@ -1,4 +1,4 @@
-//! The derivation as text: what `EQUATIONS` and the rustdoc of the struct say.
+//! The derivation as text, for `EQUATIONS` and the rustdoc of the struct.
 
 /// Adds a line to a text.
 macro_rules! say {
@@ -180,7 +180,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     for (name, power) in &facts.powers {
         let power = facts.space.display(graph, power, Rational::ONE);
         match name.as_str() {
-            // A matrix acts on velocities, and this is its product with momenta.
+            // The damping matrix acts on velocities; this is its product with momenta.
             "damping" => {}
             "friction" => say!(text, "  friction takes from H0 per unit of time: {power}"),
             name => say!(text, "  {name} · ∂H0/∂p = {power}"),
@@ -205,9 +205,9 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     }
 }
 
-/// Both ways around the diagram of the Wong-Zakai approximation: `X` is the Stratonovich system, `X_ε` that of `H0 + Σ_k H_k dW_{ε,k}/dt`, and
-/// `n` marks the scheme, driven by the increments of `W_ε` or of `W`. For a smooth `W_ε` every scheme is consistent, and at fixed `h` the increments
-/// converge: only the last arrow depends on the quadrature.
+/// The diagram of the Wong-Zakai approximation: `X` is the Stratonovich system, `X_ε` that of `H0 + Σ_k H_k dW_{ε,k}/dt`, and `n` marks the scheme,
+/// driven by the increments of `W_ε` or of `W`. For a smooth `W_ε` every scheme is consistent, and at fixed `h` the increments converge: only the
+/// last arrow depends on the quadrature.
 fn limits(facts: &Facts, embedding: &Embedding, text: &mut String) {
     let last = match (facts.converges(embedding), &facts.defect_is_constant) {
         (true, _) => "X: asymptotically preserving",
@@ -242,8 +242,9 @@ fn quadrature(embedding: &Embedding, text: &mut String) {
     }
 }
 
-/// What the motion does to the energy, and what the step does. A symplectic step without noise follows the motion of an energy
-/// that differs by its order (Hairer, Lubich, Wanner, Geometric Numerical Integration, IX.8): its error does not grow.
+/// The change of the energy along the motion and along steps. Symplectic steps without noise follow the flow of a Hamiltonian
+/// that differs by the order of the scheme (Hairer, Lubich, Wanner, Geometric Numerical Integration, IX.8): its error does not
+/// grow.
 fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
     let jumps = facts.boundaries[0].iter().any(|known| matches!(known.crossing, Crossing::Jump(_)));
     let is_smooth = facts.boundaries[0].iter().all(|known| matches!(known.crossing, Crossing::Smooth));
@@ -275,7 +276,7 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
     }
 }
 
-/// How the step keeps a first integral that it does not keep exactly.
+/// The conservation of a first integral that steps do not keep exactly.
 fn followed(facts: &Facts, embedding: &Embedding) -> &'static str {
     match facts.noise == NoiseClass::None || facts.converges(embedding) {
         true => "kept by the step up to its order",

@@ -1,5 +1,5 @@
 //! Facts about the continuous system: consistency, first integrals, commuting noises, the class of the noise.
-//! They are proven for sums of elements, at any size.
+//! They are proven for sums of elements, at all sizes.
 
 use self::forces::{Forces, commuting_forces};
 use self::form::Form;
@@ -39,7 +39,7 @@ struct Hamiltonians {
     drift: Sum,
     noise: Vec<Sum>,
     forces: Forces,
-    /// What stands behind the `H` of each noise.
+    /// The suffix of `H` for each noise.
     numbers: Vec<String>,
     invariants: Vec<(Extent, String, Sum)>,
 }
@@ -63,9 +63,9 @@ pub(crate) struct Facts {
     pub(crate) half_force_defect: Sum,
     pub(crate) force_defect_vanishes: Knowledge,
     /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`: `Corrected` adds `1/2 - l` times it.
-    /// `None` if its indices are beyond the arithmetic of indices.
+    /// `None` if its indices exceed the arithmetic of indices.
     pub(crate) counter_term: Option<Sum>,
-    /// Whether that is constant for any increments: then the counter-term does nothing.
+    /// Whether it is constant for all increments: then the counter-term has no effect.
     pub(crate) counter_term_is_constant: Knowledge,
     /// `{H_k, H_0}` per noise or family.
     pub(crate) energy_rates: Vec<Sum>,
@@ -79,7 +79,7 @@ pub(crate) struct Facts {
     /// Where branches of the drift and of each noise meet.
     pub(crate) boundaries: Vec<Vec<Boundary>>,
     pub(crate) commuting: Knowledge,
-    /// What stands behind the `H` of each noise or family.
+    /// The suffix of `H` for each noise or family.
     pub(crate) numbers: Vec<String>,
     /// Whether there is more than one noise, or a family of them.
     pub(crate) has_several_noises: bool,
@@ -174,7 +174,7 @@ impl Facts {
         for one in &noise {
             let rate = Rate::of(space.bracket(graph, one, &drift));
             let known = rate.known(|sum| space.vanishes(graph, sum, Increments::Each));
-            // A rate that vanishes is printed and evaluated as zero, not as a difference of equal terms.
+            // A vanishing rate is printed and evaluated as zero, not as a difference of equal terms.
             energy_rates.push(if let Knowledge::Proven = known { Sum::new() } else { rate.sum });
             conserves_energy.push(known);
         }
@@ -242,13 +242,13 @@ impl Facts {
         embedding.correction() == Correction::Corrected || self.is_consistent(embedding.means()[1])
     }
 
-    /// Whether the counter-term changes a scheme whose noises are at `l`. It may also where `D` is constant: its mixed
-    /// products do not show in the limit, but without them commuting noises lose half an order.
+    /// Whether the counter-term changes a scheme whose noises are at `l`. It may even if `D` is constant: its mixed
+    /// products do not affect the limit, but without them commuting noises lose half an order.
     pub(crate) fn counter_term_acts(&self, l: Rational) -> bool {
         l != Rational::HALF && !matches!(self.counter_term_is_constant, Knowledge::Proven)
     }
 
-    /// `1/2 - l` times one of the sums that such defects are multiples of, as text.
+    /// A defect as text: `1/2 - l` times one of these sums.
     pub(crate) fn defect(&self, graph: &mut Graph, half: &Sum, l: Rational) -> String {
         let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
         match weight.is_zero() {
@@ -258,7 +258,7 @@ impl Facts {
     }
 }
 
-/// A sum, unless its indices were beyond the arithmetic of indices.
+/// The sum, unless its indices exceeded the arithmetic of indices.
 struct Rate {
     sum: Sum,
     is_complete: bool,
@@ -277,7 +277,7 @@ impl Rate {
     }
 }
 
-/// Whether all statements hold: one that is refuted refutes them together.
+/// Whether all statements hold; one refuted statement refutes the conjunction.
 fn all(statements: impl IntoIterator<Item = Knowledge>) -> Knowledge {
     let mut known = Knowledge::Proven;
     for statement in statements {
@@ -307,12 +307,12 @@ fn commuting_hamiltonians(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -
     }))
 }
 
-/// Whether a sum is that of every member of a family of noises: the number of its increment is a loop variable's.
+/// Whether a sum belongs to every member of a family of noises: its increment is numbered by a loop variable.
 fn is_family(noise: &Sum) -> bool {
     noise.iter().any(|weighted| weighted.increments.iter().any(|number| !number.loops().is_empty()))
 }
 
-/// Where branches meet, wherever the state and time can go.
+/// The boundaries of branches that the state or time can reach.
 fn boundaries_of(graph: &mut Graph, hamiltonian: &Sum, t: Symbol) -> Vec<Boundary> {
     let of_element = |Weighted { element, .. }: &Weighted| {
         let mut state = element.state();

@@ -32,7 +32,7 @@ impl StepSlopes {
         let forces: Vec<(&Vec<Expr>, Expr)> = line.force.iter().map(|force| (force, weights[0])).collect();
         let driven = line.noise_forces.iter().zip(weights[terms.len()..].iter().copied());
         let forces: Vec<(&Vec<Expr>, Expr)> = forces.into_iter().chain(driven).collect();
-        // `∂F/∂x`, and for a coordinate the forces in its direction, which take their part of it.
+        // `∂F/∂x`, minus the force in its direction if `x` is a coordinate.
         let mut slope = |symbol: Symbol, direction: Option<usize>| {
             let slopes = terms.iter().zip(&weights).map(|(&term, &weight)| {
                 let slope = graph.derivative(term, symbol);
@@ -54,8 +54,8 @@ impl StepSlopes {
     }
 }
 
-/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off; this one leaves a remainder
-/// without quadratic terms.
+/// The constant terms of the second derivatives of the drift by the coordinates. Any matrix may be split off; with this one the remainder
+/// has no quadratic terms.
 fn stiffness(graph: &mut Graph, line: &StraightLine) -> Vec<(usize, usize, Expr)> {
     let StraightLine { phase, drift, .. } = line;
     let moving: Vec<Symbol> = phase.q.iter().chain(&phase.p).chain([&phase.t]).copied().collect();

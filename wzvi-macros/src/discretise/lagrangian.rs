@@ -6,9 +6,9 @@
 //! u = q_{i+1} - q_i,   Q_l = q_i + l u,   T_l = t_i + l h,   l = l_m
 //! ```
 //!
-//! Forces do the virtual work `Σ_s f(P, Q_s, T_s) · δQ_s`, so that their shares `(1 - l) f` and `l f` stand beside `D_1 L_d` and `D_2 L_d`.
-//! Friction of one rate `γ` is absorbed by the momentum `π = e^{γ (t - t_i)} p`, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with
-//! `L_d` of `K`, `p_i = -D_1 L_d` and `p_{i+1} = e^{-γ h} D_2 L_d`, and the step multiplies the symplectic form by `e^{-γ h}`.
+//! Forces do the virtual work `Σ_s f(P, Q_s, T_s) · δQ_s`, so that `(1 - l) f` and `l f` are added to `D_1 L_d` and `D_2 L_d`. Friction of one
+//! rate `γ` is absorbed by the momentum `π = e^{γ (t - t_i)} p`, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian: with `L_d` of `K`,
+//! `p_i = -D_1 L_d` and `p_{i+1} = e^{-γ h} D_2 L_d`, and the step multiplies the symplectic form by `e^{-γ h}`.
 
 use std::collections::HashMap;
 
@@ -73,7 +73,7 @@ impl DiscreteLagrangian {
         let by_start = by_node(Rational::MINUS_ONE, Stage::start);
         let mut by_end = by_node(Rational::ONE, Stage::end);
         if let Some(decay) = decay {
-            // `e^{-γ h} - 1` is small, and so is the change that it causes.
+            // `e^{-γ h} - 1` is small, and so is the added term.
             by_end.iter_mut().for_each(|end| {
                 let taken = graph.multiply(decay, *end);
                 *end = graph.add(*end, taken);
@@ -84,7 +84,7 @@ impl DiscreteLagrangian {
 }
 
 impl StepSymbols {
-    /// Names are those of the paper: nodes `q_i`, increments `Δq`, quadrature points `q_{i+1/2}`, the momentum `P`.
+    /// Names as in the paper: nodes `q_i`, increments `Δq`, quadrature points `q_{i+1/2}`, the momentum `P`.
     fn new(graph: &mut Graph, phase: &Phase, noises: usize, quadrature: &Quadrature) -> Self {
         let copies = |graph: &mut Graph, of: &[Symbol], name: &dyn Fn(&str) -> String| -> Vec<Symbol> {
             let names: Vec<String> = of.iter().map(|&symbol| name(graph.symbol_name(symbol))).collect();
@@ -134,7 +134,7 @@ fn node_index(l: Rational) -> String {
 }
 
 impl StageSymbols {
-    /// Phase-space symbols to the symbols of this stage; momenta over the scale there.
+    /// Maps phase-space symbols to those of this stage, with momenta divided by the scale `e^{γ l h}`.
     fn placement(
         &self,
         graph: &mut Graph,
@@ -157,7 +157,7 @@ impl StageSymbols {
     }
 }
 
-/// `γ l h`, where friction has a rate that steps take in.
+/// `γ l h`, if friction is part of the steps.
 fn exponent(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, l: Rational) -> Option<Expr> {
     let rate = line.conformal?;
     let h = graph.symbol(symbols.h);
@@ -245,7 +245,7 @@ fn step_hamiltonian(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbol
     graph.linear_combination(&terms)
 }
 
-/// `(Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is symmetric in the noises by itself.
+/// `(Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is already symmetric in the noises.
 fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &StageSymbols, noise: &[Expr]) -> Expr {
     let mut terms = Vec::new();
     for (&q, &p) in stage.q.iter().zip(&symbols.momentum) {

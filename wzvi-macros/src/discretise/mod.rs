@@ -45,16 +45,16 @@ pub(crate) struct Scheme {
     pub(crate) consistent: bool,
 }
 
-/// Multiplications of a dense elimination that cost as much as it does to go over all unknowns in loops, until they are
-/// solved: what both do besides, they do for each unknown.
+/// Multiplications of a dense elimination that cost as much as a complete solution by sweeps in loops; all other costs
+/// are alike per unknown.
 const SWEPT: usize = 48;
 
-/// The same where paths run beside each other, which those in loops do not.
+/// The same with noise: straight-line code runs paths in lanes, loops do not.
 const SWEPT_IN_LANES: usize = 256;
 
 impl Scheme {
     /// Whether Newton's method with dense elimination, which takes `n³/3` multiplications, costs more than iterations
-    /// that need none, or that of a band.
+    /// with no elimination, or a banded one.
     pub(crate) fn is_cheaper_swept(&self, noise: NoiseClass) -> bool {
         let most = if noise == NoiseClass::None { SWEPT } else { SWEPT_IN_LANES };
         self.structure.blocks.iter().any(|block| match block.solution {
@@ -64,7 +64,7 @@ impl Scheme {
     }
 }
 
-/// Discretises `line` by `embedding`: from Hamiltonians to a step in straight lines.
+/// Discretises `line` by `embedding`: from Hamiltonians to a step in straight-line code.
 pub(crate) fn discretise(
     graph: &mut Graph,
     line: &StraightLine,

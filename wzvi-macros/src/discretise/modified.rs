@@ -4,8 +4,8 @@
 //! ```text
 //! H~ = H + h a H_p · H_q + h² (b H_pp(H_q, H_q) + c H_qq(H_p, H_p) + d H_pq(H_q, H_p))
 //! one quadrature point l:  a = l - 1/2,  b = c = 1/12 - l (1 - l)/2,  d = 1/3 - l (1 - l)
-//! several, with mean l:    c + Σ w (l_s - l)²/2 in the place of c, as h H has that h³ H_qq(H_p, H_p) more
-//! Verlet:                  a = 0,  b = -1/24,  c = d = 1/12
+//! several, with mean l: c + Σ w (l_s - l)²/2 in place of c, since h H gains that h³ H_qq(H_p, H_p)
+//! Verlet: a = 0, b = -1/24, c = d = 1/12
 //! ```
 //!
 //! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and `K_q · H_p`.
@@ -47,9 +47,9 @@ impl Terms {
 const FIRST: &str = "H_p·H_q";
 const SECOND: [&str; 3] = ["H_pp(H_q,H_q)", "H_qq(H_p,H_p)", "H_pq(H_q,H_p)"];
 
-/// The formula, and for `T(p) + V(q)` its terms; `None` where no modified Hamiltonian exists or is known.
+/// The formula, and for `T(p) + V(q)` its terms; `None` if no modified Hamiltonian exists or is known.
 pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> Option<String> {
-    // The order is that of a smooth function, and the brackets are those of one piece.
+    // The expansion assumes a smooth function; the brackets are those of one piece.
     let has_one = facts.is_conservative && facts.boundaries[0].is_empty();
     let Terms { first, second } = Terms::of(embedding).filter(|_| has_one)?;
     let edge = format!("h {FIRST}");
@@ -77,7 +77,7 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
     Some(text)
 }
 
-/// The sum of terms with factors that are not zero.
+/// The sum of the terms with nonzero factors.
 fn sum<'t>(terms: impl IntoIterator<Item = (Rational, &'t str)>) -> String {
     let terms = terms.into_iter().filter(|(factor, _)| !factor.is_zero()).map(|(factor, term)| {
         let (over, under) = (factor.numerator().unsigned_abs(), factor.denominator());

@@ -9,15 +9,15 @@ use crate::model::System;
 /// One part.
 pub(crate) struct PartElements {
     pub(crate) part: Part,
-    /// As the user wrote it: for values, which keep its digits.
+    /// As written by the user: for values, to keep their accuracy.
     pub(crate) values: Sum,
-    /// Each contains coordinates only, momenta only, or an inseparable term in both: for derivatives.
+    /// Elements in coordinates only, momenta only, or inseparable in both: for derivatives.
     pub(crate) elements: Sum,
-    /// Whether some scheme weighs it by another number than 1.
+    /// Whether some scheme has a weight other than 1 for it.
     pub(crate) is_weighted: bool,
 }
 
-/// The parts that the schemes of `system` add up.
+/// The parts used by the schemes of `system`.
 pub(crate) fn parts_of(system: &System, facts: &Facts) -> Vec<PartElements> {
     let [drift, noise, force] = summed(system, |term| &term.values);
     let [parted_drift, parted_noise, parted_force] = summed(system, |term| &term.elements);
@@ -46,7 +46,7 @@ pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u
     number.loops().contains(&outermost).then_some(outermost)
 }
 
-/// Elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` in the place of those of `H`, and of `s f(q, p / s)` in the place of those of a force.
+/// The elements of `K = s H(q, p / s)` with `s = e^{γ (t - t_i)}` instead of those of `H`, and of `s f(q, p / s)` instead of those of a force.
 pub(crate) fn scale_momenta(system: &mut System, parts: &mut [PartElements]) {
     let graph = &mut system.graph;
     let symbol = graph.new_symbol("s");

@@ -1,4 +1,5 @@
-//! Which unknowns a scheme iterates on. With `u = Δq`, `v = P - p_i`, the discrete Euler-Lagrange equations are
+//! The unknowns on which a scheme iterates. With `u = Δq`, `v = P - p_i`, the discrete Euler-Lagrange equations
+//! are
 //!
 //! ```text
 //! u = Σ_m c_m ∂H_m/∂p(P, Q_m),   v = -Σ_m (1 - l_m) c_m ∂H_m/∂q(P, Q_m),   Q_m = q_i + l_m u,   P = p_i + v
@@ -25,7 +26,7 @@ pub(crate) enum Unknowns {
     Both,
 }
 
-/// How the steps of a scheme are solved in loops, for all unknowns at once.
+/// The solution of steps in loops, for all unknowns at once.
 #[derive(Clone, Copy)]
 pub(crate) struct Strategy {
     pub(crate) unknowns: Unknowns,
@@ -33,14 +34,14 @@ pub(crate) struct Strategy {
     pub(crate) is_linear: bool,
 }
 
-/// A scheme, and how its steps are taken.
+/// A scheme with the form of its steps.
 pub(crate) enum Step {
     StraightLine(Rc<StraightLine>, Box<Scheme>),
     InLoops(Embedding, Strategy),
 }
 
 impl Step {
-    /// In straight lines where the system is one, and loops do not cost less.
+    /// The straight-line step, if the system is unrolled and loops do not cost less.
     pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
         let System { graph, line, emission, .. } = system;
         let scheme = line.clone().map(|line| (discretise(graph, &line, facts, embedding), line));
@@ -74,7 +75,7 @@ fn has_constant_curvature(system: &mut System) -> bool {
     let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
         let state = element.state();
         let moving = [state.as_slice(), &[*t]].concat();
-        // The components of a covector are in the place of slopes already.
+        // The components of a covector are slopes already.
         let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
         let slopes = if displacements.is_empty() { &state } else { &displacements };
         !graph.has_pieces(element.value, &state)

@@ -1,15 +1,15 @@
-//! The points at which the discrete Lagrangian of a scheme evaluates each part: the one table that the straight-line step, the sweep over
-//! elements and the text are derived from.
+//! The points at which the discrete Lagrangian evaluates each part: the common source of the straight-line step, the sweep over elements
+//! and the text.
 //!
 //! ```text
 //! L_d = P · u - Σ_s Σ_m w_m F_m(P, Q_s, T_s),   u = q_{i+1} - q_i
 //! Q_s = q_i + l u,   ∂Q_s/∂q_i = 1 - l,   ∂Q_s/∂q_{i+1} = l,   T_s = t_i + l h
 //! ```
 //!
-//! The parts `F_m` of the step Hamiltonian have one rule for their increments each, and are at one point or [several](crate::embedding::Points). A force is no part of `L_d`, but does virtual work at its stage:
-//! by the principle of Lagrange and d'Alembert `∂F/∂q - f` takes the place of `∂F/∂q` (J. E. Marsden, M. West, "Discrete mechanics and
-//! variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment form of
-//! the counter-term, at the quadrature points of the noise.
+//! The parts `F_m` of the step Hamiltonian differ in their increments, and are evaluated at one point or [several](crate::embedding::Points). A force is not
+//! part of `L_d` but does virtual work at its stage: by the Lagrange-d'Alembert principle `∂F/∂q - f` replaces `∂F/∂q` (J. E. Marsden, M. West, "Discrete
+//! mechanics and variational integrators", Acta Numerica 2001, section 3.2). `Corrected` adds the increment form of the counter-term, at the quadrature points
+//! of the noise.
 
 use super::facts::{Facts, NoiseClass};
 use crate::diagnostics::Promised;
@@ -27,11 +27,11 @@ pub(crate) enum Part {
     Noise,
     /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`
     CounterTerm,
-    /// `h f`, in the place of `-∂F/∂q`
+    /// `h f`, in place of `-∂F/∂q`
     Force,
 }
 
-/// A quadrature point `l`, and the parts that are evaluated there with their weights.
+/// A quadrature point `l`, and the parts evaluated there with their weights.
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     pub(crate) l: Rational,
@@ -92,13 +92,13 @@ impl Quadrature {
         Self { stages }
     }
 
-    /// What a part is weighted by, wherever it is in.
+    /// The weights of a part at all its points.
     pub(crate) fn weights_of(&self, part: Part) -> impl Iterator<Item = Rational> {
         let parts = self.stages.iter().flat_map(|stage| &stage.parts);
         parts.filter(move |(known, _)| *known == part).map(|&(_, weight)| weight)
     }
 
-    /// Whether `P` follows from the momenta at both ends, and nothing has to be solved: `v` is a multiple of their difference, or zero.
+    /// Whether `P` follows explicitly from the momenta at both ends: `v` is a multiple of their difference, or zero.
     pub(crate) fn gives_momentum(&self) -> bool {
         self.momentum_update().is_some() || self.stages.iter().all(|stage| stage.l.is_one())
     }

@@ -1,8 +1,8 @@
-//! The order in which the unknowns of a step are solved, and how each block is (MATH section 4).
+//! The order in which the unknowns of a step are solved, and the solution of each block (MATH section 4).
 //!
 //! `u_i` and `v_i` are the vertices of a graph with an edge from each unknown to those its `φ` reads. Strongly
-//! connected components in topological order are the blocks. Within a block a smallest set of unknowns that breaks
-//! every cycle is iterated on; the others are assigned from those. For `T(p) + V(q)` these are `d` of `2d`.
+//! connected components in topological order are the blocks. Within a block the iterates are a smallest set of
+//! unknowns that breaks every cycle; the others are assigned from them. For `T(p) + V(q)` these are `d` of `2d`.
 
 use std::collections::HashMap;
 
@@ -25,11 +25,11 @@ pub(crate) enum Unknown {
     Momentum(usize),
 }
 
-/// How a block is solved for its iterates `x`.
+/// The solution of a block for its iterates `x`.
 pub(crate) enum Solution {
     /// Nothing to solve: every unknown is assigned.
     Assigned,
-    /// No unknowns: the reciprocal that an isolated one of the next block is assigned with.
+    /// No unknowns: the reciprocal for an isolated unknown of the next block.
     Isolated(Pivot),
     /// `matrix · x = rhs`
     Linear { matrix: Vec<Vec<Expr>>, rhs: Vec<Expr> },
@@ -39,9 +39,9 @@ pub(crate) enum Solution {
 
 /// Unknowns that are solved together.
 pub(crate) struct Block {
-    /// What is solved for.
+    /// The unknowns to solve for.
     pub(crate) iterates: Vec<Unknown>,
-    /// What follows from the iterates, in order.
+    /// The unknowns assigned from the iterates, in order.
     pub(crate) assigned: Vec<Unknown>,
     pub(crate) solution: Solution,
 }
@@ -52,7 +52,7 @@ impl Block {
     }
 }
 
-/// The unknowns of a component, split into iterates and assigned ones, with the method that solves for them.
+/// The unknowns of a component, split into iterates and assigned ones, with the solution method.
 fn block(
     graph: &mut Graph,
     symbols: &StepSymbols,
@@ -105,7 +105,7 @@ impl Structure {
 }
 
 impl Equations {
-    /// With another equation for `unknown`.
+    /// Replaces the equation of `unknown`.
     fn with_phi(&self, unknown: Unknown, phi: Expr) -> Self {
         let mut changed = self.clone();
         match unknown {
@@ -136,7 +136,7 @@ impl StepSymbols {
         self.stages.iter().flat_map(|stage| &stage.q).chain(&self.momentum).copied().collect()
     }
 
-    /// The component of the state that `unknown` is an increment of.
+    /// The component of the state whose increment is `unknown`.
     pub(crate) fn base(&self, unknown: Unknown) -> Symbol {
         match unknown {
             Unknown::Coordinate(i) => self.q0[i],
@@ -181,8 +181,8 @@ fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut Has
     }
 }
 
-/// The expression to scale and add to a state: the definition of an assigned increment where that is one product (the
-/// factor then merges with it), else its symbol, so that the terms of an increment are summed before the state is added.
+/// The expression to scale and add to a state: the definition of an assigned increment if it is one product (which
+/// absorbs the factor), else its symbol, so that the terms of an increment are summed before the state is added.
 pub(crate) fn increment(graph: &mut Graph, symbol: Symbol, definitions: &HashMap<Symbol, Expr>) -> Expr {
     let is_long = |node: &Node| match node {
         Node::Sum { terms, constant } => terms.len() > 1 || !constant.is_zero(),

@@ -1,4 +1,4 @@
-//! The equations of all sites at once, in indices: what stands at site `i`, with its neighbours.
+//! The equations of all sites at once, written for site `i` and its neighbours.
 
 use std::fmt::Write;
 
@@ -54,7 +54,7 @@ fn sweep(
                 Part::Drift => write!(text, " {sign} {share}h H0(P, {at})"),
                 Part::Noise if sum_of(Part::Noise, false).is_empty() => Ok(()),
                 Part::Noise => write!(text, " {sign} {share}Σ_k ΔW[k] H_k(P, {at})"),
-                // Forces do work, and have no part in it.
+                // Forces do virtual work and do not enter `L_d`.
                 Part::Force => Ok(()),
                 Part::CounterTerm => {
                     let product = format!("(Σ_j ΔW[j] ∂H_j/∂{q}) · (Σ_k ΔW[k] ∂H_k/∂{p})");

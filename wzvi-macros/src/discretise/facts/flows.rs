@@ -14,7 +14,7 @@ pub(crate) struct Flows {
 }
 
 impl Flows {
-    /// `None` where `Verlet` is not listed, or must be computed as its two halves. Flows need terms in which no momentum occurs
+    /// `None` if `Verlet` is not listed, or must be computed as its two halves. Flows require that no term has a momentum
     /// together with a coordinate or with the time, which is constant during a drift.
     pub(crate) fn of(system: &mut System, facts: &Facts, listed: &[Embedding]) -> Option<Self> {
         let is_wanted = listed.iter().any(Embedding::takes_flows);
@@ -24,7 +24,7 @@ impl Flows {
         let timed = system.acting().filter(|element| system.graph.depends_on(element.value, &[system.t]));
         let read: Vec<Reads> = timed
             .map(|element| match element.reads() {
-                // A force that reads nothing else acts on the momenta as one that reads coordinates.
+                // A force of time alone acts on the momenta like one that reads coordinates.
                 Reads::Nothing if element.is_covector() => Reads::Coordinates,
                 reads => reads,
             })

@@ -5,7 +5,7 @@ use crate::discretise::{Increments, Space, Sum, Weighted};
 use crate::model::{Half, Reads};
 use crate::symbolic::{Graph, Knowledge, Rational};
 
-/// Covectors, as functions that are linear in displacements.
+/// Covectors, as linear functions of displacements.
 pub(super) struct Forces {
     /// Beside the drift.
     pub(super) force: Sum,
@@ -14,9 +14,9 @@ pub(super) struct Forces {
     pub(super) is_matrix: bool,
     /// Whether a bath has a temperature.
     pub(super) is_warm: bool,
-    /// Times their increments.
+    /// Noise forces times their increments.
     pub(super) noise: Vec<Sum>,
-    /// What stands behind the `F` of each noise force.
+    /// The suffix of `F` for each noise force.
     pub(super) numbers: Vec<String>,
 }
 
@@ -25,7 +25,7 @@ impl Forces {
         self.force.is_empty() && self.friction.is_empty() && self.noise.is_empty()
     }
 
-    /// All of them, with their names.
+    /// All forces, with their names.
     fn named(&self) -> impl Iterator<Item = (String, &Sum)> {
         let force = Some(("F0".to_owned(), &self.force)).filter(|(_, sum)| !sum.is_empty());
         let name = if self.is_matrix { "damping" } else { "friction" };
@@ -34,13 +34,14 @@ impl Forces {
         force.into_iter().chain(friction).chain(noise.map(|(number, sum)| (format!("F{number}"), sum)))
     }
 
-    /// `f · ∂H_0/∂p` of each.
+    /// `f · ∂H_0/∂p` of each force.
     pub(super) fn powers(&self, graph: &mut Graph, space: &mut Space, drift: &Sum) -> Vec<(String, Rate)> {
         self.named().map(|(name, force)| (name, along(graph, space, force, drift))).collect()
     }
 
     /// `Σ_k (f_k · ∂/∂p) f_k` of noise forces: with `dp = f(p) ∘ dW`, `p' = p + f(p + (1 - l) (p' - p)) ΔW` is
-    /// `p + f ΔW + (1 - l) f' f ΔW²` to the order that counts, where the Stratonovich system has `1/2`.
+    /// `p + f ΔW + (1 - l) f' f ΔW²` to the relevant order, whereas the Stratonovich system has `1/2` instead
+    /// of `1 - l`.
     pub(super) fn defect(&self, graph: &mut Graph, space: &mut Space) -> Rate {
         let all: Sum = self.noise.concat();
         let (displaced, momenta) = (Half::Displacements, Half::Momenta);
@@ -61,7 +62,7 @@ pub(super) fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function:
 /// [X_H, X_f] = -(f · H_pp) · ∂/∂q + (H_p · ∂f/∂q - H_q · ∂f/∂p + f · H_pq) · ∂/∂p
 /// ```
 ///
-/// of which the second is known where `H_pp` and `H_pq` vanish.
+/// The second is known only if `H_pp` and `H_pq` vanish.
 pub(super) fn commuting_forces(
     graph: &mut Graph,
     space: &mut Space,

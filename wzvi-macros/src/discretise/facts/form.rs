@@ -1,11 +1,11 @@
-//! Functions of second degree, which some schemes keep exactly.
+//! Quadratic functions, which some schemes keep exactly.
 
 use crate::discretise::Sum;
 use crate::embedding::{Embedding, Points};
 use crate::model::Element;
 use crate::symbolic::{Graph, Rational};
 
-/// What of a function the schemes keep exactly.
+/// The form of a function, which decides whether schemes keep it exactly.
 #[derive(Clone, Copy)]
 pub(crate) struct Form {
     /// Quadratic in (q, p): a first integral is kept exactly by `Midpoint`.

@@ -19,9 +19,10 @@ pub(crate) struct Invariant {
 
 /// A term that prevents a function from being a first integral.
 pub(crate) struct Failure {
-    /// Along what it changes, and how that rate is made; or where.
+    /// The flow along which it changes, with the formula of the rate; or the place
+    /// where it jumps.
     pub(crate) along: String,
-    /// Unless it is no rate.
+    /// The rate; `None` for a jump.
     pub(crate) rate: Option<Sum>,
     pub(crate) knowledge: Knowledge,
 }
@@ -59,7 +60,7 @@ pub(super) fn invariant(
             Knowledge::Unknown("a bath with a temperature acts on every momentum with friction".to_owned());
         failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: None, knowledge }));
     }
-    // Its derivatives are those between the boundaries.
+    // Its derivatives are those of the pieces.
     for boundary in boundaries_of(graph, &value, t) {
         if let knowledge @ (Knowledge::Refuted(_) | Knowledge::Unknown(_)) = kept_across("it", &boundary) {
             let along = format!("motions across {}", boundary.place);
@@ -69,7 +70,7 @@ pub(super) fn invariant(
     Invariant { extent, name, form: Form::of(graph, &value), value, failure }
 }
 
-/// The rate of a function along the drift with its forces, and how it is made.
+/// The rate of a function along the drift with its forces, and its formula.
 fn rate_of_drift(
     graph: &mut Graph,
     space: &mut Space,

@@ -6,7 +6,7 @@ use crate::symbolic::{Graph, Rational, Symbol};
 /// What is known of a quadratic kinetic energy.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Kinetic {
-    /// Whether no two momenta meet in it.
+    /// Whether it couples no two momenta.
     pub(crate) is_diagonal: bool,
 }
 

@@ -1,13 +1,14 @@
 //! The parts of `drift = [H_A, H_B]`, and whether their flows are known.
 //!
-//! Forces and friction join the flow that they leave exactly solvable (`f` the force, `γ` one rate of friction, `T` quadratic):
+//! Forces and friction join the flow that remains exactly solvable with them (`f` the force, `γ` one rate of friction, `T`
+//! quadratic):
 //!
 //! | part | flow |
 //! |---|---|
 //! | `V(q, t)`, forces `f(q, t)` | kick: `q` stands still, `p' = -∂V/∂q + f` |
 //! | a quadratic form, friction | linear map of `q' = ∂H/∂p`, `p' = -∂H/∂q - γ p` |
 //!
-//! Every flow of the second kind contracts `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
+//! Every flow of the second kind multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.
 
 use crate::diagnostics::{Diagnostics, Extent, facts as messages};
 use crate::discretise::is_quadratic;
@@ -44,7 +45,7 @@ pub(crate) fn check(system: &mut System, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Whether forces and friction can join parts of these forms; if not, their places, and the reason.
+/// Whether forces and friction can join parts of these forms; if not, their spans and the reason.
 fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> {
     let System { graph, parts, t, force, friction, conformal, .. } = system;
     if forms.is_empty() {
@@ -89,7 +90,7 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     if !reads_any(&[Reads::Momenta, Reads::Both]) {
         return Ok(Form::Coordinates);
     }
-    // With friction, momenta do not stand still either.
+    // With friction, momenta are not constant either.
     if !reads_any(&[Reads::Coordinates, Reads::Both]) && conformal.is_none() {
         return Ok(Form::Momenta);
     }

@@ -4,15 +4,15 @@ use crate::diagnostics::Promised;
 use crate::discretise::{Equations, StepSymbols, Unknown};
 use crate::symbolic::{Expr, Graph, Node};
 
-/// Up to this many candidates every subset is tried; beyond, a few natural ones.
+/// Up to this many candidates every subset is tried; above, only a few natural ones.
 const EXHAUSTIVE: usize = 12;
 
-/// Which unknown reads which.
+/// The graph of which unknown reads which.
 pub(crate) struct Dependencies {
     degrees: usize,
     /// `reads[a]` lists the vertices that `φ_a` depends on.
     reads: Vec<Vec<usize>>,
-    /// Rough price of evaluating `φ_a`.
+    /// Estimated cost of evaluating `φ_a`.
     cost: Vec<u32>,
 }
 
@@ -34,8 +34,8 @@ impl Dependencies {
         Self { degrees, reads, cost }
     }
 
-    /// Strongly connected components, each after those that it reads: the trees of the reversed graph, where those are planted first that
-    /// a search of the graph leaves last.
+    /// Strongly connected components, each after those that it reads: the search trees of the reversed graph, rooted in the reverse
+    /// finishing order of a search of the graph (Kosaraju).
     pub(crate) fn components(&self) -> Vec<Vec<usize>> {
         let mut read_by = vec![Vec::new(); self.reads.len()];
         for (vertex, reads) in self.reads.iter().enumerate() {
@@ -113,7 +113,7 @@ fn candidates(free: &[usize], degrees: usize) -> Vec<Vec<usize>> {
     vec![Vec::new(), momenta, coordinates, free.to_vec()]
 }
 
-/// Nodes, with transcendental functions and roots counted as many.
+/// The number of nodes, with transcendental functions and roots weighted higher.
 fn price(graph: &Graph, expr: Expr) -> u32 {
     let weight = |&e: &Expr| match graph.node(e) {
         Node::Apply(..) => 20,
@@ -124,7 +124,7 @@ fn price(graph: &Graph, expr: Expr) -> u32 {
     graph.reachable(&[expr]).iter().map(weight).sum()
 }
 
-/// The trees of a search in depth from each of `roots`, with their vertices in the order in which it leaves them.
+/// The depth-first search trees from each of `roots`, with their vertices in finishing order.
 fn trees(edges: &[Vec<usize>], roots: impl Iterator<Item = usize>) -> Vec<Vec<usize>> {
     let mut met = vec![false; edges.len()];
     let tree = |root| {
@@ -135,7 +135,7 @@ fn trees(edges: &[Vec<usize>], roots: impl Iterator<Item = usize>) -> Vec<Vec<us
     roots.map(tree).filter(|tree| !tree.is_empty()).collect()
 }
 
-/// Depth is at most twice the degrees of freedom, which are few.
+/// The recursion depth is at most twice the number of degrees of freedom, which is small.
 fn search(edges: &[Vec<usize>], vertex: usize, met: &mut [bool], left: &mut Vec<usize>) {
     if !std::mem::replace(&mut met[vertex], true) {
         edges[vertex].iter().for_each(|&next| search(edges, next, met, left));

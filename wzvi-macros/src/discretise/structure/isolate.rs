@@ -1,24 +1,24 @@
-//! Unknowns that an equation can be solved for by hand: `x = φ(x, others)` with `φ` affine in `x` and a slope that does not
-//! read the state is `x = φ(0, others) / (1 - slope)`. What was iterated on is then assigned.
+//! Unknowns that can be isolated: `x = φ(x, others)` with `φ` affine in `x` and a slope independent of the state is
+//! `x = φ(0, others) / (1 - slope)`. The unknown is then assigned, not iterated.
 //!
-//! So `H_1 = σ q p` beside a nonlinear `V(q)` costs one unknown, not two: `P (1 + σΔW/2) = p - h/2 V'(Q)`.
+//! So `H_1 = σ q p` with a nonlinear `V(q)` needs one unknown, not two: `P (1 + σΔW/2) = p - h/2 V'(Q)`.
 
 use super::Unknown;
 use super::blocks::Dependencies;
 use crate::discretise::{Equations, StepSymbols};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// Components above this size are left as they are: every unknown of theirs would be tried.
+/// The largest component in which unknowns are isolated: every one of them is tried.
 const MOST: usize = 12;
 
-/// `1 / pivot`, under the name that the equations know it by.
+/// `1 / pivot`, with its symbol in the equations.
 #[derive(Clone, Copy)]
 pub(crate) struct Pivot {
     pub(crate) value: Expr,
     pub(crate) inverse: Symbol,
 }
 
-/// The equations of `component` with as many unknowns isolated as save one iterate each.
+/// The equations of `component` with every unknown isolated that saves an iterate.
 pub(super) fn isolate(
     graph: &mut Graph,
     symbols: &StepSymbols,
@@ -49,7 +49,7 @@ pub(super) fn isolate(
     best
 }
 
-/// `φ` solved for its own unknown, where it is affine in it.
+/// `φ` solved for its own unknown, if it is affine in it.
 fn isolated(graph: &mut Graph, symbols: &StepSymbols, phi: Expr, unknown: Unknown) -> Option<(Expr, Pivot)> {
     let of_state = symbols.of_state();
     let views: Vec<Symbol> = symbols.views(unknown).iter().map(|(view, _)| *view).collect();
@@ -80,7 +80,7 @@ fn isolated(graph: &mut Graph, symbols: &StepSymbols, phi: Expr, unknown: Unknow
 }
 
 impl StepSymbols {
-    /// Everything that changes from one step to the next but the increments and the time of the node.
+    /// All symbols that change from step to step, except the increments and the time of the node.
     fn of_state(&self) -> Vec<Symbol> {
         let stages = self.stages.iter().flat_map(|stage| stage.q.iter().chain([&stage.t]));
         [&self.q0, &self.p0, &self.u, &self.v, &self.momentum]

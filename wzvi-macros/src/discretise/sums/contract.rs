@@ -1,4 +1,4 @@
-//! Products of the slopes of two sums, added up over the slots that they share.
+//! Products of the slopes of two sums, contracted over their common slots.
 
 use std::collections::HashMap;
 
@@ -7,18 +7,18 @@ use super::{Groups, Space, Sum, Weighted, variable};
 use crate::model::{Atom, Element, Half, Index, Loop};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// What becomes of the increments of two sums.
+/// The treatment of the increments of two sums.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Increments {
     /// The product of two sums with independent increments.
     Each,
     /// The product of two sums with the same increments: `ΔW_j ΔW_k` is `ΔW_k ΔW_j`.
     Together,
-    /// The mean of that over the increments: only where both are of one noise.
+    /// The mean of that over the increments: nonzero only if both belong to one noise.
     Diagonal,
 }
 
-/// An element with its loop variables out of the way of another's, and its slopes.
+/// An element with its loop variables renamed apart from another's, and its slopes.
 struct Factor {
     element: Element,
     increments: Vec<Index>,
@@ -44,7 +44,7 @@ impl Factor {
     }
 }
 
-/// The places at which a sum reads one half of the phase space: those that are known, and those that loops go through.
+/// The places at which a sum reads one half of the phase space: constant ones and loop-dependent ones.
 #[derive(Default)]
 struct Readers {
     at: HashMap<i128, Vec<(usize, Symbol)>>,
@@ -69,7 +69,7 @@ impl Readers {
         readers
     }
 
-    /// Whatever may meet `index`.
+    /// The readers that may share the slot `index`.
     fn meeting(&self, index: &Index) -> Vec<(usize, Symbol, Index)> {
         let fixed = match index.as_integer() {
             Some(known) => {
@@ -83,7 +83,7 @@ impl Readers {
 }
 
 impl Space {
-    /// `Σ_s ∂F/∂x_s ∂G/∂y_s` over all slots `s`, for a half of the phase space each; `None` if an index is beyond this
+    /// `Σ_s ∂F/∂x_s ∂G/∂y_s` over all slots `s`, for a half of the phase space each; `None` if an index exceeds this
     /// arithmetic.
     pub(crate) fn contract(
         &mut self,
@@ -115,7 +115,7 @@ impl Space {
         Some(groups.finish(self, graph))
     }
 
-    /// Adds the product of two slopes where an equation holds.
+    /// Adds the product of two slopes, restricted to the solutions of an equation.
     fn place(
         &mut self,
         graph: &mut Graph,
@@ -188,7 +188,7 @@ fn joined(one: &[Index], two: &[Index], increments: Increments) -> Vec<Index> {
     numbers
 }
 
-/// Loops brought to a form that does not depend on where they came from.
+/// Loops in canonical form.
 struct Placed {
     loops: Vec<Loop>,
     by: Vec<(u32, Index)>,
@@ -223,8 +223,8 @@ impl Placed {
     }
 }
 
-/// By how many points an index is beyond the variable of a loop: `Some(None)` if it does not read it, `None` if it reads it
-/// in another way.
+/// The offset, in points, of an index from the variable of a loop: `Some(None)` if it does not read the variable, `None` if
+/// it reads it otherwise.
 fn offset(index: &Index, own: u32, components: i128) -> Option<Option<i128>> {
     match index.slope(own)? {
         0 => Some(None),

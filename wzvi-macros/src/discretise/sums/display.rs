@@ -10,7 +10,7 @@ use crate::model::{Element, Index, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational};
 
 impl Space {
-    /// What indices are called, where the variables of `loops` are `i`, `j`, ...: those of sums that were made here are numbered so, too.
+    /// The names of indices, with `i`, `j`, ... for the variables of `loops`, which sums made here number likewise.
     fn reader<T>(&self, loops: &[Loop], read: impl FnOnce(&Names<'_>) -> T) -> T {
         let letter = |variable: u32| {
             let depth = loops.iter().position(|known| known.variable == variable);

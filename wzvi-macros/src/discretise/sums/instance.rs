@@ -6,10 +6,10 @@ use super::{Increments, Space, Sum, Weighted};
 use crate::model::{Atom, Index, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// Nodes of an expression that is written out.
+/// The most nodes of an expression that is written out.
 const MOST_NODES: usize = 20_000;
 
-/// What an entry of a table of integers is, where the table is arbitrary.
+/// The entry of a table of integers, if the table is arbitrary.
 const SPREAD: i128 = 2_654_435_761;
 
 /// Why a sum is not written out.
@@ -20,7 +20,7 @@ pub(super) enum NotWritten {
     TooLarge,
 }
 
-/// Whether numbers made of loop variables are what they are, or any numbers.
+/// Whether numbers made of loop variables have their values or are arbitrary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Numbers {
     Known,
@@ -29,7 +29,7 @@ pub(super) enum Numbers {
 
 #[derive(Clone, PartialEq, Eq, Hash)]
 enum Place {
-    /// In a slot of constant indices, of one of two states.
+    /// A slot with constant indices, of one of two states.
     Slot(Slot, bool),
     /// The increment of a noise, of one of two paths.
     Increment(usize, i128),
@@ -71,7 +71,7 @@ impl<'s> Site<'s> {
         Ok(graph.linear_combination(&terms))
     }
 
-    /// All values of the loop variables; `None` if they are more than `most`.
+    /// All values of the loop variables; `None` if there are more than `most`.
     fn placements(&self, loops: &[Loop], most: usize) -> Option<Vec<Values>> {
         let mut all = vec![Values::new()];
         for known in loops {
@@ -155,8 +155,8 @@ impl<'s> Site<'s> {
         *self.symbols.entry(place).or_insert_with(|| graph.new_symbol(name()))
     }
 
-    /// The index where the loop variables have these values; sizes and counts that are fields are those of the phase space,
-    /// tables are arbitrary.
+    /// The index at these values of the loop variables; sizes and counts in fields equal those of the phase space, tables
+    /// are arbitrary.
     fn integer(&self, index: &Index, values: &Values) -> Option<i128> {
         index.value(&|atom| match atom {
             Atom::Loop(own) => Some(values.iter().find(|(known, _)| known == own)?.1),

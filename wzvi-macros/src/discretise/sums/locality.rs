@@ -1,4 +1,4 @@
-//! Sums for which a few sizes stand for all of them.
+//! Sums for which a few sizes decide all sizes.
 //!
 //! Let every placement of a sum read points `v + c` near the variable `v` of one loop, points `c` near the first or `n + c`
 //! near the last, all `|c| <= w`, counted around the ring where an index wraps; and let the loops go from `c` or `n + c` to
@@ -46,8 +46,8 @@ impl Space {
         width.checked_mul(10)?.checked_add(4)
     }
 
-    /// The sum of a system of literal size `n` as one of a family for all sizes: what is nearer to `n` than to 0 is counted
-    /// from there.
+    /// The sum of a system of literal size `n` as a member of a family for all sizes: integers nearer to `n` than to 0 are
+    /// counted from `n`.
     pub(super) fn generalised(&self, sum: &Sum, n: i128) -> Option<(Self, Sum)> {
         let lift_one = |weighted: &Weighted| {
             weighted.moved(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))
@@ -58,7 +58,7 @@ impl Space {
     }
 }
 
-/// The index with `stride (n + c)` for integers that are nearer to that than to 0.
+/// The index with `stride (n + c)` for integers nearer to `stride n` than to 0.
 fn lifted(index: &Index, n: i128, stride: i128) -> Option<Index> {
     let mut sum = Index::default();
     for (atom, coefficient) in &index.terms {
@@ -115,7 +115,7 @@ impl Form<'_> {
         match index.terms.as_slice() {
             [] => Some(index.constant.abs()),
             [(atom, 1 | -1)] if Some(atom) == own => Some(index.constant.abs()),
-            // What an integer leaves when it is divided by a larger size.
+            // The remainder of an integer modulo a larger size.
             [(Atom::Of(Operation::Remainder, both), 1 | -1)] if both.1 == self.space.size => {
                 both.0.as_integer()?.checked_abs()?.checked_add(index.constant.abs())
             }

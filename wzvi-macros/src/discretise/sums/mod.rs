@@ -28,21 +28,21 @@ use crate::symbolic::{Expr, Graph, Rational, Symbol};
 pub(crate) use contract::Increments;
 pub(crate) use slopes::Slope;
 
-/// Loop variables of a sum that was made here are numbered by their depth.
+/// Loop variables of sums made here are numbered by depth.
 const DEEPEST: u32 = 1 << 10;
 
-/// An element, times the increments of the noises that it comes from.
+/// An element, times the increments of its noises.
 #[derive(Clone)]
 pub(crate) struct Weighted {
     pub(crate) element: Element,
-    /// Numbers of noises. Sums with increments vanish if they do for any values of the increments.
+    /// Numbers of noises. A sum with increments vanishes if it does for all values of the increments.
     pub(crate) increments: Vec<Index>,
 }
 
 type Moved<'m> = &'m dyn Fn(&Index) -> Option<Index>;
 
 impl Weighted {
-    /// Maps every index; `None` on overflow. Indices of places of the state have a map of their own.
+    /// Maps every index; `None` on overflow. Indices into the state have a map of their own.
     fn moved(&self, index: Moved<'_>, place: Moved<'_>) -> Option<Self> {
         let Self { element: Element { loops, value, locals }, increments } = self;
         let range = |known: &Loop| {
@@ -116,7 +116,7 @@ impl Space {
         self.first + depth as u32
     }
 
-    /// A number above every loop variable: the variables of a second element start there.
+    /// A number above every loop variable, from which the variables of a second element are numbered.
     fn beyond(&self) -> u32 {
         self.first + DEEPEST
     }

@@ -9,11 +9,11 @@ use super::{Increments, Space, Sum, Weighted, variable};
 use crate::model::{Element, Half, Index, Local, Loop, Slot, Table};
 use crate::symbolic::Graph;
 
-/// A part of `∂F/∂x` at the point `at`, which is the variable of the outermost loop where that is possible.
+/// A part of `∂F/∂x` at the point `at`, the variable of the outermost loop if possible.
 pub(crate) struct Slope {
     pub(crate) part: Weighted,
     pub(crate) at: Index,
-    /// Whether the outermost loop goes over the points: then the others are sums.
+    /// Whether the outermost loop runs over the points: then the others are sums.
     pub(crate) is_by_point: bool,
 }
 
@@ -93,7 +93,7 @@ impl Space {
         Some(Slope { part: Weighted { element, increments }, at: variable(own), is_by_point: true })
     }
 
-    /// The slope and where it is one: `V'(q[i] - q[i - 1])   for i = 1..n - 1`.
+    /// The slope and its range: `V'(q[i] - q[i - 1]) for i = 1..n - 1`.
     pub(crate) fn display_slope(&self, graph: &Graph, slope: &Slope) -> String {
         let Slope { part: Weighted { element, .. }, at, is_by_point } = slope;
         let loops = &element.loops;

@@ -1,4 +1,4 @@
-//! Where two slots are one: the equation of their indices is solved for a loop variable, or is seen never to hold.
+//! Coincidence of two slots: the equation of their indices is solved for a loop variable, or shown never to hold.
 //!
 //! | equation | is |
 //! |---|---|
@@ -12,22 +12,22 @@
 //! | `(b + c) mod n = b` with `0 <= b < n` | true where `n` divides `c`, else never |
 //!
 //! A condition that is not known to hold restricts a loop. An undecided one (two entries of tables) becomes a loop that
-//! runs once where it holds and not at all where it does not.
+//! runs once if it holds and not at all otherwise.
 
 use super::{Space, variable};
 use crate::diagnostics::Promised;
 use crate::model::{Atom, Index, Loop, Operation};
 use crate::symbolic::rational::gcd;
 
-/// The loops of two elements where their slots meet.
+/// The loops of two elements with coinciding slots.
 pub(super) struct Placement {
     /// Outer ones first.
     pub(super) loops: Vec<Loop>,
-    /// What was solved for.
+    /// The loop variables solved for.
     solved: Vec<(u32, Index)>,
 }
 
-/// What must vanish.
+/// An expression that must vanish.
 #[derive(Clone)]
 pub(super) struct Equation {
     pub(super) difference: Index,
@@ -40,7 +40,7 @@ struct Solver<'s> {
     loops: Vec<Loop>,
     solved: Vec<(u32, Index)>,
     pending: Vec<Equation>,
-    /// What must not be negative.
+    /// Expressions that must not be negative.
     conditions: Vec<Index>,
     /// The next free loop variable.
     next: u32,
@@ -55,7 +55,7 @@ impl Placement {
     }
 }
 
-/// Where the loops satisfy the equations, if they do; `None` if an index is beyond this arithmetic.
+/// The loops restricted to solutions of the equations, if there are any; `None` if an index exceeds this arithmetic.
 pub(super) fn solve(
     space: &Space,
     loops: Vec<Loop>,
@@ -89,7 +89,7 @@ impl Solver<'_> {
         index.shifted(-1).is_some_and(|index| self.is_nonnegative(&index))
     }
 
-    /// Whether an equation holds anywhere; from here on only where it does.
+    /// Restricts the loops to where an equation holds; returns `false` if it holds nowhere.
     fn can_hold(&mut self, equation: Equation) -> Option<bool> {
         let difference = simplified(self.space, &equation.difference, &self.loops)?;
         if difference.terms.is_empty() {
@@ -154,7 +154,7 @@ impl Solver<'_> {
         let slope = difference.slope(own.variable)?;
         let rest = difference.plus(&variable(own.variable), -slope)?;
         let solution = Index::default().plus(&rest, -slope)?;
-        // A loop over all points meets every slot.
+        // A loop over all points reaches every slot.
         let is_in_range = equation.is_of_slots && self.is_over_all(&own);
         self.loops.remove(at);
         if !is_in_range {
@@ -266,7 +266,7 @@ impl Solver<'_> {
         }
     }
 
-    /// `(b + c) mod n = b` with `0 <= b < n`: only where `n` is a divisor of `c`, which the size decides.
+    /// `(b + c) mod n = b` with `0 <= b < n`: only if `n` divides `c`, which depends on the size.
     fn close_ring(
         &mut self,
         distance: i128,
@@ -286,7 +286,7 @@ impl Solver<'_> {
         Some(true)
     }
 
-    /// A loop that runs once where the index is 0, and else not at all.
+    /// A loop that runs once if the index is 0, and otherwise not at all.
     fn guard(&mut self, index: &Index) -> Option<()> {
         let one = Index::integer(1);
         let end = one.minimum(&one.add(index)?).minimum(&one.subtract(index)?);
@@ -299,7 +299,7 @@ impl Solver<'_> {
         self.next += 1;
     }
 
-    /// Only where `condition >= 0`, if it is anywhere.
+    /// Restricts the loops to `condition >= 0`; returns `false` if it holds nowhere.
     fn restrict(&mut self, condition: &Index) -> Option<bool> {
         let condition = simplified(self.space, condition, &self.loops)?;
         let is_given = self.is_nonnegative(&condition);
@@ -325,7 +325,7 @@ impl Solver<'_> {
         Some(true)
     }
 
-    /// The larger or the smaller of two, where that is known one of them.
+    /// The maximum or minimum of two, simplified if it is known which is larger.
     fn extreme(&self, operation: Operation, a: &Index, b: &Index) -> Option<Index> {
         let difference = a.subtract(b)?;
         let is_first_larger = self.is_nonnegative(&difference);
@@ -341,7 +341,7 @@ fn reads(known: &Loop, other: u32) -> bool {
     known.start.loops().contains(&other) || known.end.loops().contains(&other)
 }
 
-/// Loops that others read before those; else as they are.
+/// Sorts loops after those whose variables they read, otherwise unchanged.
 fn in_order(mut loops: Vec<Loop>) -> Vec<Loop> {
     let mut ordered: Vec<Loop> = Vec::with_capacity(loops.len());
     while !loops.is_empty() {
@@ -358,7 +358,7 @@ fn in_order(mut loops: Vec<Loop>) -> Vec<Loop> {
     ordered
 }
 
-/// The index with remainders of what is in range left out, and remainders of remainders opened.
+/// The index without remainders of terms that are in range, and with nested remainders flattened.
 pub(super) fn simplified(space: &Space, index: &Index, loops: &[Loop]) -> Option<Index> {
     let mut sum = Index::integer(index.constant);
     for (atom, coefficient) in &index.terms {

@@ -19,7 +19,7 @@ const ITEM: &str = "struct Sites<const N: usize> { a: f64, sigma: f64, mass: Vec
 
 const LITERALS: [usize; 9] = [1, 2, 3, 8, 15, 16, 17, 18, 64];
 
-/// The facts, by the road that the compiler takes.
+/// The facts, derived as in the compiler.
 fn facts_of(attribute: &str) -> (Graph, Facts) {
     let mut diagnostics = Diagnostics::new();
     let facts = find(attribute, &mut diagnostics);

@@ -13,7 +13,7 @@ use super::{Increments, Space, Sum, Weighted};
 use crate::model::{Element, Half, Index, Local, Slot};
 use crate::symbolic::{Expr, Graph, Knowledge, Symbol, Witness, ZeroTest};
 
-/// The sizes at which a witness is looked for, the first few that the indices allow.
+/// The sizes searched for a witness: the first few that the indices allow.
 const TRIED: [i128; 6] = [3, 4, 5, 8, 16, 32];
 const ENOUGH: usize = 3;
 
@@ -24,12 +24,12 @@ enum Question {
 }
 
 impl Space {
-    /// Whether the sum is zero, for any values of the increments.
+    /// Whether the sum is zero for all values of the increments.
     pub(crate) fn vanishes(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments) -> Knowledge {
         Judge { space: self, graph, increments, question: Question::Zero }.decide(sum)
     }
 
-    /// Whether the sum does not depend on the state, for any values of the increments.
+    /// Whether the sum is independent of the state for all values of the increments.
     pub(crate) fn is_constant(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments) -> Knowledge {
         Judge { space: self, graph, increments, question: Question::Constant }.decide(sum)
     }
@@ -56,7 +56,7 @@ impl Judge<'_> {
         if left.is_empty() {
             return Knowledge::Proven;
         }
-        // Without loops there is one element for each product of increments.
+        // Without loops there is one element per product of increments.
         if left.iter().all(|weighted| weighted.element.loops.is_empty()) {
             let refuted = verdicts.into_iter().find(|verdict| matches!(verdict, ZeroTest::Nonzero(_)));
             return refuted.unwrap_or(ZeroTest::Unknown).known();
@@ -118,14 +118,15 @@ impl Judge<'_> {
         })
     }
 
-    /// For all sizes, by those that decide the others.
+    /// For all sizes, from the sizes that decide the others.
     fn decide_by_few(&mut self, sum: &Sum) -> Option<Knowledge> {
         let first = self.space.deciding_size(sum)?;
         for size in 1..=first + 1 {
             match self.instance(sum, size, Numbers::Free) {
                 Ok(ZeroTest::Zero) => {}
                 Err(NotWritten::OutOfRange) if size < first => {}
-                // Few points are a ring that meets itself: a witness, if it is none of free numbers.
+                // A ring of few points overlaps itself: a counterexample with free numbers counts only if known numbers
+                // confirm it.
                 Ok(ZeroTest::Nonzero(_)) => {
                     let verdict = self.instance(sum, size, Numbers::Known).ok()?;
                     return matches!(verdict, ZeroTest::Nonzero(_)).then(|| verdict.known());
