@@ -26,7 +26,7 @@ pub(super) fn structure(texts: &Texts) -> TokenStream {
         Some(Flows { is_nystrom: false, .. }) => quote!(__wzvi::compose::Separable),
         Some(Flows { is_nystrom: true, .. }) => quote!(__wzvi::compose::Nystrom),
     };
-    // In compositions the parts of the drift may take turns, or steps of the sum.
+    // Compositions alternate the parts of the drift, or compose steps of the whole.
     match texts.parts {
         Some(_) => quote!(__wzvi::compose::Parted<#structure>),
         None => structure,
@@ -47,7 +47,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
                 quote!(<Self as __wzvi::Listed<#whole>>::Scheme)
             }
             (_, parts) => {
-                // Inside of a thermostat, what the step is made of has the name that it has outside.
+                // Inside a thermostat, the inner scheme has the same name as outside.
                 let own = if let Embedding::Isolated(inner) = embedding { inner } else { embedding };
                 let whole = if let [whole] = parts { whole } else { own }.path(&quote!(__wzvi));
                 quote!(__wzvi::compose::WholeOf<Self, #whole>)
@@ -58,7 +58,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
     generated
 }
 
-/// What takes steps with parts in which friction and noise of a bath act.
+/// The scheme of steps with O parts of a bath.
 fn thermostat(embedding: &Embedding) -> TokenStream {
     let wzvi = quote!(__wzvi);
     let word = match embedding {

@@ -16,7 +16,7 @@ use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{Element, StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
-/// Every `Gauss<S>` that was listed, and the flows.
+/// Every listed `Gauss<S>`, and the flows.
 pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenStream {
     if texts.staged().next().is_none() && texts.flows.is_none() {
         return TokenStream::new();
@@ -70,7 +70,8 @@ fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
     implementation(&system.item, &quote!(__wzvi::gauss::Field), &body)
 }
 
-/// Of a system in straight lines: what is read, the matrix of its linear part, and the slopes of `F = h H_0 + Σ_k ΔW_k H_k`.
+/// For a system in straight-line code: its parameters, the matrix of the linear force, and the slopes of
+/// `F = h H_0 + Σ_k ΔW_k H_k`.
 fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read>, TokenStream) {
     let slopes = StepSlopes::new(graph, line, is_nystrom);
     let phase = &line.phase;
@@ -80,7 +81,7 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read
     let dw = increment_names(&mut names, slopes.dw.len());
     let symbols = phase.q.iter().chain(&phase.p).chain(&slopes.dw).copied();
     let mut bound: Vec<_> = symbols.zip(q.iter().chain(&p).chain(&dw).cloned()).collect();
-    // Stages have times and weights of their own.
+    // Times and weights differ between stages.
     bound.extend([(phase.t, format_ident!("__t")), (slopes.h, format_ident!("__h"))]);
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
     let numbers = (&quote!(__S), Some(quote!(__K)));

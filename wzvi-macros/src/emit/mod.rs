@@ -1,4 +1,4 @@
-//! From equations to Rust: the struct as written, its traits, and nothing that the scene does not use.
+//! From equations to Rust: the struct as written and its traits, without unused code.
 
 pub(crate) mod compose;
 mod gauss;
@@ -24,14 +24,14 @@ pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::{Body, count, evaluation, parameter_names};
 
-/// What a struct is expanded to.
+/// The expansion of a struct.
 pub(crate) struct Expansion {
     pub(crate) doc: TokenStream,
     pub(crate) item: syn::ItemStruct,
     pub(crate) implementations: TokenStream,
 }
 
-/// The struct as it was written, documented; and in a scope of its own the emitted implementations: terms, elements and steps.
+/// The struct as written, with documentation; and, in a scope of its own, the implementations: terms, elements and steps.
 pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> Expansion {
     let mut generated = terms::terms(system, facts, steps, texts);
     let is_taken =
@@ -48,7 +48,6 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     }
     generated.extend(gauss::emit(system, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
-    // This trait marks systems with a modified energy.
     let conservative = || implementation(&system.item, &quote!(__wzvi::Conservative), &TokenStream::new());
     generated.extend(facts.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
@@ -73,8 +72,8 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     Expansion { doc: documentation(texts), item: system.item.clone(), implementations }
 }
 
-/// The user's tokens that implementations name: the struct with its generics, and those of `read`. The type of a constant
-/// is left out: only primitive ones are allowed there.
+/// The user's tokens in the implementations: the struct with its generics, and the tokens in `read`. Types of const
+/// generics are left out, as they are primitive.
 fn with_header<'t>(item: &syn::ItemStruct, read: impl Iterator<Item = &'t TokenStream>) -> TokenStream {
     let parameters = item.generics.params.iter().map(|parameter| match parameter {
         syn::GenericParam::Const(constant) => constant.ident.to_token_stream(),
@@ -103,7 +102,7 @@ pub(crate) fn implementation(item: &syn::ItemStruct, of: &TokenStream, body: &To
     }
 }
 
-/// `impl Listed<E>`: what takes the steps of a scheme, and its equations.
+/// `impl Listed<E>`: the scheme type and its equations.
 pub(crate) fn listed(
     item: &syn::ItemStruct,
     listed: &TokenStream,

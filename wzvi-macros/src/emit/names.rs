@@ -1,8 +1,8 @@
-//! Names in emitted code: unmistakable while it is put together, those of the user's formulas where it is read.
+//! Names in emitted code: unique during assembly, readable in the result.
 //!
-//! An emitter marks each of its own names with two underscores, and writes everything of this library by its path. Names of variables
-//! and of parts of formulas come from [`Names`] and have a mark of their own, so that nothing of the user's can mean what an emitter
-//! calls the same. When the code of a struct is complete, [`readable`] knows all of its words and removes the marks.
+//! An emitter marks each of its own names with two underscores, and names items of this library by path. Names of variables and of
+//! parts of formulas come from [`Names`] and have another mark, so that no name of the user clashes with one of an emitter. When the
+//! code of a struct is complete, [`readable`] removes the marks.
 
 use std::collections::HashSet;
 
@@ -12,9 +12,9 @@ mod readable;
 
 pub(crate) use readable::{Surroundings, readable};
 
-/// What stands before a name of ours.
+/// The prefix of emitted names.
 const MARK: &str = "__";
-/// What stands before a name that [`Names`] has made: no emitter starts one with a digit.
+/// The prefix of names made by [`Names`]: no emitter starts one with a digit.
 const OF_FORMULA: &str = "__0";
 
 /// A name without its mark.
@@ -22,19 +22,19 @@ pub(crate) fn plain(name: &str) -> &str {
     name.strip_prefix(OF_FORMULA).or_else(|| name.strip_prefix(MARK)).unwrap_or(name)
 }
 
-/// The names of one function body: no two are the same.
+/// The distinct names of one function body.
 #[derive(Clone, Default)]
 pub(crate) struct Names {
     taken: HashSet<String>,
 }
 
 impl Names {
-    /// Nothing else is called `name` from here on.
+    /// Reserves `name`.
     pub(crate) fn avoid(&mut self, name: &Ident) {
         self.taken.insert(name.to_string());
     }
 
-    /// A name as near to `wish` as possible: a variable of the user, or a part of a formula.
+    /// A free name as close to `wish` as possible, for a variable of the user or a part of a formula.
     pub(crate) fn take(&mut self, wish: &str) -> Ident {
         let word = as_word(wish);
         let separator = if word.ends_with(|last: char| last.is_ascii_digit()) { "_" } else { "" };
@@ -53,10 +53,10 @@ impl Names {
     }
 }
 
-/// What stands for `+`, `-` and `%`.
+/// The words for `+`, `-` and `%`.
 const OPERATORS: [&str; 3] = ["plus", "minus", "mod"];
 
-/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `2 i` is `index_2i`, `self.0` is `field0`; what is a word already is left alone.
+/// `q[0]` is `q0`, `q[i + 1]` is `q_i_plus_1`, `2 i` is `index_2i`, `self.0` is `field0`; words are unchanged.
 fn as_word(wish: &str) -> String {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let is_word = |word: &str| {

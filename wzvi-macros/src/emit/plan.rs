@@ -1,4 +1,4 @@
-//! `FACTS` and `PLAN`: the findings and decisions of the compiler, as constants.
+//! `FACTS` and `PLAN`: the results and decisions of the compiler, as constants.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, format_ident, quote};
@@ -9,7 +9,7 @@ use crate::input::{Length, Shape};
 use crate::model::System;
 use crate::symbolic::Knowledge;
 
-/// The facts that do not depend on the scheme: all fields that differ from those of an autonomous system, and `others`.
+/// The facts independent of the scheme: all fields that differ from those of an autonomous system, and `others`.
 pub(crate) fn facts(
     system: &System,
     facts: &Facts,
@@ -20,7 +20,7 @@ pub(crate) fn facts(
     let is_damped = system.friction.is_some() || system.conformal.is_some();
     let has_pieces = system.acting().any(|element| {
         let read = element.state();
-        // A force pushes another place than it reads.
+        // A force may read other places than it acts on.
         let may_couple = read.len() > 1 || element.is_covector();
         may_couple && system.graph.has_pieces(element.value, &read)
     });
@@ -41,7 +41,7 @@ pub(crate) fn facts(
     if fields.is_empty() { autonomous } else { quote!(__wzvi::Facts { #fields ..#autonomous }) }
 }
 
-/// The degrees of freedom as a constant expression; nothing if only the state knows them.
+/// The degrees of freedom as a constant expression; empty if only the state knows them.
 pub(crate) fn degrees(system: &System) -> Option<TokenStream> {
     let components = usize::try_from(system.components).unwrap_or(1);
     Some(match &system.shape {
@@ -55,7 +55,7 @@ pub(crate) fn degrees(system: &System) -> Option<TokenStream> {
     })
 }
 
-/// Of a step that is solved block by block.
+/// The plan of a step that is solved block by block.
 pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
     let hardest = scheme.structure.blocks.iter().map(|block| match block.solution {
         Solution::Assigned | Solution::Isolated(_) => 0,

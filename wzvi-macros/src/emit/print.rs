@@ -1,4 +1,4 @@
-//! Operations as Rust tokens: shared values get a name, the rest is written where it is used.
+//! Operations as Rust tokens: shared values get a name, the rest is inlined.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,12 +10,12 @@ use super::program::{Level, Op, Operation, Program};
 use crate::diagnostics::internal::broken;
 use crate::symbolic::Function;
 
-/// An expression of more operations than this is broken by a name even if it is used once.
+/// The most operations in one expression; beyond, a value is named even if it is used once.
 const LONGEST_EXPRESSION: u32 = 14;
-/// A value whose formula takes more letters is called by its kind.
+/// The longest formula used as a name; other values are named by their kind.
 const LONGEST_NAME: usize = 20;
 
-/// How tightly an expression binds.
+/// The precedence of an expression.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     /// An `if` or a comparison.
@@ -37,27 +37,27 @@ pub(crate) enum Rank {
     Scalar,
 }
 
-/// Prints operations of one program for one scalar type, remembering what is already bound to a name.
+/// Prints operations of one program for one scalar type, and records the names bound so far.
 #[derive(Clone)]
 pub(crate) struct Printer<'p> {
     program: &'p Program,
     /// The type of state-level values.
     scalar: TokenStream,
-    /// Whether that is `f64`: then nothing needs to be lifted.
+    /// Whether that is `f64`: then constants need no lifting.
     is_f64: bool,
     /// The type of values computed from constants, where it differs from `f64`.
     constant: TokenStream,
-    /// Which operations read such a constant.
+    /// The operations that read such a constant.
     readers: Vec<bool>,
     bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
     names: Names,
-    /// Operations named after their kind: such a name says nothing inside another name.
+    /// Operations named by their kind, which is not used within other names.
     plain: HashSet<Op>,
 }
 
 impl<'p> Printer<'p> {
-    /// For a body in which `names` are already taken.
+    /// A printer for a body in which `names` are already taken.
     pub(crate) fn new(
         program: &'p Program,
         scalar: TokenStream,
@@ -69,13 +69,13 @@ impl<'p> Printer<'p> {
         Self { program, scalar, is_f64, constant, readers, bound, hints, names, plain }
     }
 
-    /// The same with `constants` of the type `constant`, which is then also the type of values computed from them before the state is known.
+    /// The same with `constants` of the type `constant`, also used for values computed from them before the state is known.
     pub(crate) fn with_constants(mut self, constants: &[Op], constant: TokenStream) -> Self {
         (self.constant, self.readers) = (constant, self.program.readers_of(constants));
         self
     }
 
-    /// Makes `op` known as `name`.
+    /// Binds `op` to `name`.
     pub(crate) fn set(&mut self, op: Op, name: Ident) {
         self.names.avoid(&name);
         self.bound.insert(op, name);
@@ -106,7 +106,7 @@ impl<'p> Printer<'p> {
         self.names.take(wish)
     }
 
-    /// The name of `op`, or a readable one for it.
+    /// The name of `op`, or a readable candidate.
     pub(crate) fn wish_or_name(&self, op: Op) -> String {
         self.word(op).unwrap_or_else(|| self.spelled(op).0)
     }
@@ -116,7 +116,7 @@ impl<'p> Printer<'p> {
         self.bound.get(&op).map(|name| plain(&name.to_string()).to_owned())
     }
 
-    /// A readable name for the value, and whether it says only its kind.
+    /// A readable name for the value, and whether it is only its kind.
     fn spelled(&self, op: Op) -> (String, bool) {
         if let Some(hint) = self.hints.get(&op) {
             return (hint.clone(), false);
@@ -155,7 +155,7 @@ impl<'p> Printer<'p> {
         }
     }
 
-    /// `let` statements for what `roots` share; `uses` counts operands, and `forced` operations get a name anyway.
+    /// `let` statements for shared values of `roots`; `uses` counts operands, and `forced` operations always get a name.
     pub(crate) fn bind(&mut self, roots: &[Op], uses: &[u32], forced: &dyn Fn(Op) -> bool) -> TokenStream {
         let needed = {
             let bound = &self.bound;
@@ -261,7 +261,7 @@ impl<'p> Printer<'p> {
         self.at_least(op, Binding::Atom)
     }
 
-    /// What a method is called on: a literal there says its type.
+    /// The receiver of a method: literals get a type suffix there.
     fn receiver(&self, op: Op) -> TokenStream {
         match self.program.operation(op) {
             Operation::Constant(bits) if !self.is_bound(op) && f64::from_bits(*bits).is_finite() => {
@@ -346,7 +346,7 @@ impl<'p> Printer<'p> {
         }
     }
 
-    /// The operand of the higher rank comes first: only that one knows how to compute with the other.
+    /// The operand of higher rank comes first: only its type implements the operation.
     fn highest_first(&self, a: Op, b: Op) -> (Op, Op) {
         if self.is_scalar(a) || self.rank(a) > self.rank(b) { (a, b) } else { (b, a) }
     }
@@ -357,7 +357,7 @@ impl<'p> Printer<'p> {
         if self.rank(condition) > Rank::Number {
             let is_mask = self.rank(condition) == self.rank(op);
             if !is_mask && self.rank(condition) == Rank::Constant {
-                // The choice is the same for all steps: only that branch is computed.
+                // The condition is the same for all steps: only one branch is computed.
                 let (ty, value, constant) = (self.ty(self.rank(op)), self.value(condition), &self.constant);
                 let choice =
                     quote!(<#ty as __wzvi::Over<#constant>>::choose(#value, || #then, || #otherwise));
@@ -416,7 +416,7 @@ impl<'p> Printer<'p> {
     }
 }
 
-/// `f64`, whatever the user calls by that name.
+/// `f64`, even if the user redefines the name.
 pub(crate) fn f64_type() -> TokenStream {
     quote!(__wzvi::f64)
 }

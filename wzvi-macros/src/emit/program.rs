@@ -1,9 +1,8 @@
-//! Straight-line programs: n-ary expressions become binary operations on numbers of two kinds.
+//! Straight-line programs: n-ary expressions become binary operations on two types of numbers.
 //!
 //! Values that depend on the system, the step size and the time only are `f64`; a value that depends on the state or the increments
 //! has the scalar type of the step. Every operation knows the earliest *level* at which it can be computed, and sums
-//! and products are split by level, so that constant factors and terms move out of the step (and out of the Newton
-//! iteration) by themselves.
+//! and products are split by level, so that constant factors and terms move out of the step (and of the Newton iteration).
 
 use std::collections::HashMap;
 
@@ -16,14 +15,14 @@ pub(crate) use lower::Lowering;
 /// Index of an operation: operands come first.
 pub(crate) type Op = usize;
 
-/// When a value is known.
+/// The level at which a value is known.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Level {
     /// From the system and the step size: once per stepper.
     Prepared,
     /// From the time as well: once per step, the same for every trajectory.
     Time,
-    /// From the increments as well: off the path from one state to the next.
+    /// From the increments as well: off the critical path from state to state.
     Increments,
     /// From the state.
     State,
@@ -41,7 +40,7 @@ pub(crate) enum Operation {
     Divide(Op, Op),
     Negate(Op),
     Reciprocal(Op),
-    /// A power too large to be spelled out as products.
+    /// A power too large to be expanded into products.
     Power(Op, i32),
     Call(Function, Vec<Op>),
     Select(Op, Op, Op),
@@ -68,12 +67,12 @@ impl Operation {
         }
     }
 
-    /// Whether the value is a truth and no number.
+    /// Whether the value is a truth, not a number.
     pub(crate) fn is_truth(&self) -> bool {
         matches!(self, Self::Compare(..) | Self::Not(_) | Self::And(..) | Self::Or(..))
     }
 
-    /// Whether naming the value gains nothing.
+    /// Whether the value needs no name.
     pub(crate) fn is_trivial(&self) -> bool {
         matches!(self, Self::Constant(_) | Self::Input(_))
     }
@@ -122,7 +121,7 @@ impl Program {
         }
     }
 
-    /// The operation, simplified where that changes no bit of its value.
+    /// The operation, simplified if that changes no bit of its value.
     pub(crate) fn push(&mut self, operation: Operation) -> Op {
         let operation = match self.simplified(operation) {
             Ok(known) => return known,
@@ -178,7 +177,7 @@ impl Program {
         }
     }
 
-    /// Every operation that `roots` need, operands first.
+    /// All operations needed for `roots`, operands first.
     pub(crate) fn needed(&self, roots: &[Op], stop: &dyn Fn(Op) -> bool) -> Vec<Op> {
         let mut marked = vec![false; self.operations.len()];
         let mut pending: Vec<Op> = roots.iter().copied().filter(|&op| !stop(op)).collect();
@@ -190,7 +189,7 @@ impl Program {
         (0..marked.len()).filter(|&op| marked[op]).collect()
     }
 
-    /// Where what `roots` need ends at operations of which `stop` holds: these, in order.
+    /// The operations with `stop` at which the traversal from `roots` ends, in order.
     pub(crate) fn frontier(&self, roots: &[Op], stop: &dyn Fn(Op) -> bool) -> Vec<Op> {
         let inside = self.needed(roots, stop).into_iter();
         let read = inside.flat_map(|op| self.operations[op].operands()).chain(roots.iter().copied());
@@ -200,7 +199,7 @@ impl Program {
         found
     }
 
-    /// How often each operation is an operand in what `roots` need, or a root.
+    /// The number of uses of each operation as a root or as an operand for `roots`.
     pub(crate) fn uses(&self, roots: &[Op]) -> Vec<u32> {
         let mut uses = vec![0; self.operations.len()];
         for &root in roots {
@@ -214,7 +213,7 @@ impl Program {
         uses
     }
 
-    /// Rough price of an operation in additions.
+    /// Estimated cost of an operation, in additions.
     pub(crate) fn price(&self, op: Op) -> usize {
         match &self.operations[op] {
             Operation::Constant(_) | Operation::Input(_) => 0,

@@ -22,7 +22,7 @@ use flow::Flow;
 use prepare::Prepared;
 use solve::Arguments;
 
-/// `dw`, or `dw1`, `dw2` as in the equations.
+/// `dw`, or `dw1`, `dw2`, ... as in the equations.
 pub(crate) fn increment_names(names: &mut Names, noises: usize) -> Vec<Ident> {
     match noises {
         1 => vec![names.take("dw")],
@@ -57,7 +57,7 @@ pub(crate) fn emit(
         true => quote!(__wzvi::Compensation<__S, #d>),
         false => quote!(__wzvi::Plain),
     };
-    // Of what is solved in loops only the momentum between two ends, if that.
+    // For a step in loops, at most the momentum between two ends.
     let strategy = Strategy { unknowns: Unknowns::Momenta, is_linear: false };
     let quadrature = terms::quadrature(facts, &scheme.embedding, strategy, false);
     let plan = plan(scheme);
@@ -101,7 +101,7 @@ pub(crate) fn emit(
     };
     let step = implementation(item, &quote!(__wzvi::StraightLine<#embedding, #d, #n>), &body);
     let step = quote!(#functions #step);
-    // Equations have names of their own in each scheme.
+    // The names of the equations differ between schemes.
     let step = match is_alone || functions.is_empty() {
         true => step,
         false => quote!(const _: () = { #step };),

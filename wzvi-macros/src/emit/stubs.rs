@@ -1,5 +1,5 @@
-//! Stand-ins for the integrators after errors: the struct, and implementations that type-check, so that `rustc` does not
-//! add "trait not implemented" to the errors that were reported.
+//! Stubs after errors: the struct, and implementations that type-check, so that `rustc` does not add "trait not
+//! implemented" to the reported errors.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -7,24 +7,24 @@ use syn::{ItemStruct, Path};
 
 use crate::input::Declaration;
 
-/// What is known of the system so far.
+/// The system, as far as it is known.
 pub(crate) struct Stubs {
     item: TokenStream,
     system: Option<(TokenStream, TokenStream)>,
     /// The generic parameters and the scheme of each implementation.
     schemes: Vec<(TokenStream, TokenStream)>,
     crate_path: Option<Path>,
-    /// Known unless the state has as many as it likes.
+    /// `None` if the number depends on the state.
     degrees: Option<usize>,
 }
 
 impl Stubs {
-    /// Nothing but the tokens of the item.
+    /// Stubs from the tokens of the item alone.
     pub(crate) fn unrecognised(item: TokenStream) -> Self {
         Self { item, system: None, schemes: Vec::new(), crate_path: None, degrees: None }
     }
 
-    /// The attribute was read.
+    /// Adds what the attribute declares.
     pub(crate) fn recognise(&mut self, item: &ItemStruct, declaration: &Declaration) {
         let (parameters, arguments, condition) = item.generics.split_for_impl();
         let name = &item.ident;
@@ -35,7 +35,7 @@ impl Stubs {
             let types = declaration.embeddings.iter().map(|(known, _)| known.value.path(crate_path));
             types.map(|ty| (parameters.clone(), ty)).collect()
         } else {
-            // The name that the program uses may be the misspelled one.
+            // The program may use the misspelled name.
             let mut generics = item.generics.clone();
             generics.params.push(syn::parse_quote!(__E));
             let (parameters, ..) = generics.split_for_impl();
@@ -44,7 +44,7 @@ impl Stubs {
         self.crate_path = Some(crate_path.clone());
     }
 
-    /// The phase space was read.
+    /// Adds the phase space.
     pub(crate) fn set_degrees(&mut self, degrees: Option<usize>) {
         self.degrees = degrees;
     }

@@ -1,4 +1,4 @@
-//! Expressions of one function body, as code.
+//! Code of the expressions of one function body.
 
 use std::collections::HashMap;
 
@@ -11,9 +11,9 @@ use super::program::{Level, Lowering, Op};
 use crate::model::{Parameter, Phase};
 use crate::symbolic::{Expr, Graph, Symbol};
 
-/// A function body that evaluates expressions of symbols which are bound to names before it.
+/// A function body that evaluates expressions in symbols already bound to names.
 pub(crate) struct Body {
-    /// Computes what is shared.
+    /// Computes the shared values.
     pub(crate) statements: TokenStream,
     /// One expression per root.
     pub(crate) values: Vec<TokenStream>,
@@ -23,10 +23,10 @@ pub(crate) struct Body {
 
 /// A parameter that is read.
 pub(crate) struct Read {
-    /// Its number among all.
+    /// Its number among all parameters.
     pub(crate) number: usize,
     pub(crate) name: Ident,
-    /// What it is in the system.
+    /// Its expression in the system.
     pub(crate) tokens: TokenStream,
 }
 
@@ -36,7 +36,7 @@ pub(crate) fn state_names(names: &mut Names, graph: &Graph, phase: &Phase) -> [V
         .map(|symbols| names.take_all(symbols.iter().map(|&symbol| graph.symbol_name(symbol))))
 }
 
-/// Names of parameters: those of the fields, and those of constants in the letters of variables.
+/// Names of parameters: fields keep theirs, constants become `constant_` and their name in lower case.
 pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
     let wish = |Parameter { symbol, tokens }: &Parameter| {
         let name = graph.symbol_name(*symbol);
@@ -57,8 +57,8 @@ pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[E
     Body { statements: quote!(#(#reads)* #statements), ..body }
 }
 
-/// The evaluation of `roots` in the type `scalar`, where what they read of the state is `bound` to some of `names`, and parameters have names of
-/// their `own`. They are numbers of another type, if there is one.
+/// The evaluation of `roots` in the type `scalar`, with the symbols of the state `bound` to some of `names`, and parameters to names of their
+/// `own`. Parameters have the type `constant`, if given.
 pub(crate) fn evaluation_over(
     graph: &mut Graph,
     parameters: &[Parameter],

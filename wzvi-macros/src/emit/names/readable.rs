@@ -1,11 +1,10 @@
-//! Emitted code with the marks taken off its names, and with imports instead of paths.
+//! Emitted code with unmarked names, and with imports instead of paths.
 //!
-//! The whole code of a struct is looked at first. A name of ours loses its mark, and a type is imported, unless one of the
-//! user's tokens in the code could mean something else by the word: the generics of the struct, the constants and fields
-//! that it reads. So neither side can capture a name of the other, and no two names are one word.
-//! Items around the struct remain, which its tokens do not show. A pattern `h` would mean a constant `h`, so all bound names are
-//! imported as functions, which patterns may shadow. An argument `L` would mean a type `L`, so numbers among the arguments of types
-//! are in braces.
+//! The complete code of a struct is scanned first. An emitted name loses its mark, and a type is imported, unless the word occurs
+//! among the user's tokens in the code: generics of the struct, constants and fields that it reads. So neither side captures a name
+//! of the other, and names stay distinct. Items around the struct, which its tokens do not show, could still interfere. A pattern
+//! `h` would match a constant `h`, so all bound names are imported as functions, which patterns may shadow. An argument `L` would
+//! be read as a type `L`, so numbers among the arguments of types are in braces.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -15,24 +14,24 @@ use quote::quote;
 use super::{MARK, OF_FORMULA, plain};
 use crate::tokens::regrouped;
 
-/// What every path of ours starts with: the module that generated code may name.
+/// The first segment of every emitted path: the module for generated code.
 const ROOT: &str = "__wzvi";
 /// Types whose names do not start with a capital.
 const PRIMITIVES: [&str; 7] = ["bool", "f64", "i128", "isize", "str", "u32", "usize"];
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
-/// Where the code will stand.
+/// The surroundings of the code.
 pub(crate) struct Surroundings<'s> {
-    /// The facade as the user's crate knows it.
+    /// The path of the facade crate in the user's crate.
     pub(crate) crate_path: &'s syn::Path,
     /// The user's tokens in the code.
     pub(crate) tokens: TokenStream,
-    /// Everything else that the user wrote.
+    /// All other tokens of the user.
     pub(crate) spelled: &'s TokenStream,
-    /// Those of the struct.
+    /// The generics of the struct.
     pub(crate) generics: &'s syn::Generics,
 }
 
-/// `generated` as a person would write it, with its imports.
+/// `generated` with readable names and its imports.
 pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) -> TokenStream {
     let Surroundings { crate_path, tokens, spelled, generics } = surroundings;
     let mut of_user = HashSet::new();
@@ -59,7 +58,7 @@ pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) 
     }
 }
 
-/// Remembers the words of the user that can be meant by themselves: not fields, not the end of paths.
+/// Collects the words of the user that stand alone: neither fields nor the ends of paths.
 fn listen(tokens: TokenStream, heard: &mut HashSet<String>, is_wanted: &dyn Fn(&str) -> bool) {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     for (i, token) in tokens.iter().enumerate() {
@@ -81,7 +80,7 @@ fn listen(tokens: TokenStream, heard: &mut HashSet<String>, is_wanted: &dyn Fn(&
 enum Node {
     /// A marked word.
     Word(usize, Ident),
-    /// A path to a type, and how it is written at length after [`ROOT`].
+    /// A path to a type, with its full form after [`ROOT`].
     Path(usize, Ident, Vec<TokenTree>),
     Group(Group, Vec<Node>),
     Other(TokenTree),
@@ -99,7 +98,7 @@ struct Word {
 /// The words of the code.
 #[derive(Default)]
 struct Survey {
-    /// The user's words, and those among them that are numbers among the generics of the struct.
+    /// The user's words, and the const generics of the struct among them.
     of_user: HashSet<String>,
     generic_numbers: HashSet<String>,
     numbers: HashMap<String, usize>,
@@ -165,7 +164,7 @@ impl Survey {
         })
     }
 
-    /// Items choose their words first, then types, then bound names: those of formulas before those of emitters.
+    /// Words are assigned to items first, then to types, then to bound names: those of formulas before those of emitters.
     fn decide(self) -> Decided {
         let Self { of_user, words, paths, .. } = self;
         let mut taken = of_user;
@@ -197,10 +196,10 @@ fn is_of_formula(word: &str) -> bool {
     word.starts_with(OF_FORMULA)
 }
 
-/// The word without its mark, and not one that is taken.
+/// A free word, as close as possible to the unmarked one.
 fn free(word: &str, taken: &mut HashSet<String>) -> String {
     let mut name = plain(word).to_owned();
-    // `syn` reads code of all editions, to the older of which `gen` is a word like others.
+    // `syn` accepts all editions, and `gen` is no keyword in older ones.
     let is_keyword = |name: &str| syn::parse_str::<Ident>(name).is_err() || name == "gen";
     while is_keyword(&name) || !taken.insert(name.clone()) {
         name.push('_');
@@ -208,7 +207,7 @@ fn free(word: &str, taken: &mut HashSet<String>) -> String {
     name
 }
 
-/// What every word of ours becomes.
+/// The new form of every emitted word.
 struct Decided {
     root: Ident,
     names: Vec<String>,
@@ -218,7 +217,7 @@ struct Decided {
 }
 
 impl Decided {
-    /// What is imported, by module.
+    /// The imports by module.
     fn imports(&self) -> Vec<TokenStream> {
         let ident = |segment: &String| Ident::new(segment, Span::call_site());
         let mut modules: BTreeMap<&[String], Vec<Ident>> = BTreeMap::new();

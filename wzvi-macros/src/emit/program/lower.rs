@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::{Level, Op, Operation, Program};
 use crate::symbolic::{Expr, Function, Graph, Node, Rational, Symbol};
 
-/// Integer powers up to this one are spelled out as products.
+/// The largest integer power that is expanded into products.
 const LARGEST_SPELLED_POWER: i64 = 16;
 
 /// Lowers expressions of one graph into one program.
@@ -14,9 +14,9 @@ pub(crate) struct Lowering<'a> {
     graph: &'a mut Graph,
     definitions: HashMap<Symbol, Expr>,
     lowered: HashMap<Expr, Op>,
-    /// Sums whose common factor was looked for: what they became, if it was worth it.
+    /// Sums already factored: the result, if factoring was worthwhile.
     factored: HashMap<Expr, Option<Expr>>,
-    /// Sums that add an increment to a state: a common factor would drown the one in the other.
+    /// Sums that add an increment to a state, where a common factor would lose digits of the increment.
     kept: HashSet<Expr>,
     pub(crate) program: Program,
 }
@@ -24,7 +24,7 @@ pub(crate) struct Lowering<'a> {
 /// A number times powers.
 type Flat = (Rational, Vec<(Expr, Rational)>);
 
-/// A value with the sign that it still has to get.
+/// A value and its pending sign.
 #[derive(Clone, Copy)]
 struct Signed {
     negative: bool,
@@ -34,7 +34,7 @@ struct Signed {
 impl<'a> Lowering<'a> {
     /// `definitions` replace symbols; they must not be circular.
     pub(crate) fn new(graph: &'a mut Graph, definitions: HashMap<Symbol, Expr>) -> Self {
-        // In one order, whatever that of the table: the generated code is the same every time.
+        // Sorted, so that the generated code is deterministic.
         let definitions: BTreeMap<Symbol, Expr> = definitions.into_iter().collect();
         let (symbols, expressions): (Vec<Symbol>, Vec<Expr>) = definitions.into_iter().unzip();
         let definitions = symbols.into_iter().zip(graph.stabilise(&expressions)).collect();
@@ -84,7 +84,7 @@ impl<'a> Lowering<'a> {
         self.lowered[&root]
     }
 
-    /// The operands; of a product, and of a product that is a term of a sum, those of its flat form.
+    /// The operands; products, and products that are terms of a sum, are flattened.
     fn dependencies(&mut self, node: &Node) -> Vec<Expr> {
         match node {
             Node::Sum { terms, .. } => {
@@ -123,7 +123,7 @@ impl<'a> Lowering<'a> {
         flat
     }
 
-    /// A sum as a number times factors, if it has a factor to take out.
+    /// A sum as a number times factors, if it has a common factor.
     fn opened(&mut self, base: Expr) -> Option<Flat> {
         let (coefficient, product) = match self.factored(base) {
             Some(factored) => self.graph.as_multiple(factored),
@@ -159,7 +159,7 @@ impl<'a> Lowering<'a> {
     }
 
     fn factor_out(&mut self, expr: Expr, terms: &[(Expr, Rational)], constant: Rational) -> Option<Expr> {
-        // How many terms have each factor, and the power that they share: it is taken out as a whole, whatever its size.
+        // For each factor, the number of terms with it and their common power, which is taken out as a whole.
         let mut counts: HashMap<Expr, (usize, Rational)> = HashMap::new();
         for &(term, _) in terms {
             for (base, exponent) in self.positive_factors(term) {
@@ -185,7 +185,7 @@ impl<'a> Lowering<'a> {
         if outside.is_empty() && constant.is_zero() {
             return (product != expr).then_some(product);
         }
-        // The remaining sum is opened by the canonical form again: hide the product behind a symbol.
+        // The product is hidden behind a symbol, as the canonical form would expand it again.
         let hidden = self.graph.new_symbol("");
         self.definitions.insert(hidden, product);
         let one = self.graph.integer(1);
@@ -205,7 +205,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `term / factor^shared`, if the term has as many of them.
+    /// `term / factor^shared`, if the term has that power.
     fn without_factor(&mut self, term: Expr, factor: Expr, shared: Rational) -> Option<Expr> {
         if term == factor && shared.is_one() {
             return Some(self.graph.integer(1));
@@ -302,7 +302,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The sum of `values`, begun with a positive one where there is any.
+    /// The sum of `values`, starting with a positive one if there is any.
     fn add_up(&mut self, values: &[Signed]) -> Option<Signed> {
         let first = values.iter().position(|value| !value.negative).unwrap_or(0);
         let &start = values.get(first)?;
@@ -391,7 +391,7 @@ impl<'a> Lowering<'a> {
         power
     }
 
-    /// `base^size`, through shared squares and one square root.
+    /// `base^size`, by shared squares and one square root.
     fn lower_power(&mut self, base: Op, size: Rational) -> Op {
         let whole = size.numerator() / size.denominator();
         let fraction = Rational::new(whole.into(), 1).and_then(|whole| size.add(whole.negate()));
@@ -417,7 +417,7 @@ impl<'a> Lowering<'a> {
             Ok(exponent) if i64::from(exponent) > LARGEST_SPELLED_POWER => {
                 self.program.push(Operation::Power(base, exponent))
             }
-            // Spelled out, or larger than `powi` takes.
+            // Expanded, or too large for `powi`.
             _ => {
                 let half = self.lower_integer_power(base, exponent / 2);
                 let square = self.program.push(Operation::Multiply(half, half));

@@ -1,4 +1,4 @@
-//! One scheme lowered: its operations, block by block, before they become tokens.
+//! One lowered scheme: its operations, block by block.
 
 use std::collections::HashMap;
 
@@ -7,18 +7,18 @@ use crate::emit::program::{Level, Lowering, Op, Program};
 use crate::model::Parameter;
 use crate::symbolic::{Expr, Graph, Rational, Relation, Symbol};
 
-/// Pivots above this lose a digit of the points to which they contribute.
+/// Larger pivots cost a digit of the points to which they contribute.
 const STIFF: i32 = 2;
 
-/// How a block is solved.
+/// The solution method of a block.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Method {
     /// One linear unknown whose pivot never changes: its reciprocal is an input that `prepare` computes.
     Inverted,
-    /// One linear unknown whose pivot does not read the state: its reciprocal is computed once per step, off the path
-    /// from one state to the next.
+    /// One linear unknown whose pivot does not read the state: its reciprocal is computed once per step, off the
+    /// critical path from state to state.
     Reciprocal {
-        /// At least 1 wherever it is defined.
+        /// Whether the pivot is at least 1 wherever it is defined.
         is_safe: bool,
     },
     /// One linear unknown.
@@ -35,14 +35,14 @@ pub(crate) enum Method {
 pub(crate) struct Solve {
     pub(crate) method: Method,
     pub(crate) matrix: Vec<Vec<Op>>,
-    /// None where only the reciprocal of a pivot is wanted: what it multiplies is assigned.
+    /// Empty if only the reciprocal of a pivot is needed, for assigned unknowns.
     pub(crate) rhs: Vec<Op>,
     /// `x`, or the reciprocal.
     pub(crate) unknowns: Vec<Op>,
 }
 
 impl Solve {
-    /// Whether the matrix is read by `prepare`, and not by the step.
+    /// Whether the matrix is used by `prepare` only.
     pub(crate) fn is_prepared(&self) -> bool {
         matches!(self.method, Method::Inverted | Method::Factored)
     }
@@ -51,14 +51,14 @@ impl Solve {
         self.matrix.concat()
     }
 
-    /// What the step reads: the matrix by rows, and the right side.
+    /// The operations read by the step: the matrix by rows, and the right side.
     pub(crate) fn read(&self) -> Vec<Op> {
         let entries = if self.is_prepared() { Vec::new() } else { self.entries() };
         [entries.as_slice(), &self.rhs].concat()
     }
 }
 
-/// The program of one step with the operations that have a role.
+/// The program of one step, with the operations by role.
 pub(crate) struct Flow {
     pub(crate) program: Program,
     pub(crate) hints: HashMap<Op, String>,
@@ -69,7 +69,7 @@ pub(crate) struct Flow {
     pub(crate) p0: Vec<Op>,
     pub(crate) dw: Vec<Op>,
     pub(crate) solves: Vec<Solve>,
-    /// The reciprocals that isolated unknowns of Newton blocks are assigned with.
+    /// The reciprocals for isolated unknowns of Newton blocks.
     pub(crate) isolated: Vec<Op>,
     pub(crate) dq: Vec<Op>,
     pub(crate) dp: Vec<Op>,
@@ -123,8 +123,8 @@ impl Flow {
         Self { program, hints, parameters, h, t, q0, p0, dw, solves, isolated, dq, dp, is_deterministic }
     }
 
-    /// Whether compensated sums, six additions per component, are less than 5 % of the step; a Newton step iterates
-    /// about twice.
+    /// Whether compensated sums, six additions per component, cost less than 5 % of the step, with about two Newton
+    /// iterations.
     pub(crate) fn affords_compensation(&self) -> bool {
         let price: usize =
             self.program.needed(&self.roots(), &|_| false).iter().map(|&op| self.program.price(op)).sum();
@@ -132,7 +132,7 @@ impl Flow {
         step > 20 * 6 * 2 * self.q0.len()
     }
 
-    /// Sizes of the Newton blocks.
+    /// The sizes of the Newton blocks.
     pub(crate) fn newton_sizes(&self) -> Vec<usize> {
         let is_newton = |solve: &&Solve| matches!(solve.method, Method::Newton { .. });
         self.solves.iter().filter(is_newton).map(|solve| solve.unknowns.len()).collect()
@@ -154,7 +154,7 @@ impl Flow {
         constants
     }
 
-    /// What `prepare` computes, with multiplicity.
+    /// The values computed by `prepare`, with multiplicity.
     pub(crate) fn prepared_roots(&self, constants: &[Op]) -> Vec<Op> {
         let prepared = self.solves.iter().filter(|solve| solve.is_prepared());
         constants.iter().copied().chain(prepared.flat_map(Solve::entries)).collect()
@@ -219,8 +219,8 @@ struct Quotient {
 }
 
 /// Gives every point `base + w x` that reads the unknown `x = rhs / pivot` a second form, `(w rhs + pivot base) / pivot`,
-/// for pivots above [`STIFF`]: a stiff force turns the state back within the step, `w x` is nearly `-base`, and their sum
-/// would have no digits left. Only where the pivot cancels in the sum, so that it is made without rounding.
+/// for pivots above [`STIFF`]: a stiff force reverses the state within the step, `w x` is nearly `-base`, and their sum
+/// would lose all digits. Only if the pivot cancels in the sum, so that the sum is formed without rounding.
 fn solve_for_points(
     graph: &mut Graph,
     symbols: &StepSymbols,
@@ -246,8 +246,8 @@ fn solve_for_points(
     }
 }
 
-/// `q_{i+1} - q_i = u` and `p_{i+1} - p_i`. The increments stay apart from the state: whoever adds them may keep
-/// what rounding takes.
+/// `q_{i+1} - q_i = u` and `p_{i+1} - p_i`. The increments stay separate from the state, for compensated
+/// summation.
 fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 2] {
     let symbols = &scheme.lagrangian.symbols;
     let mut ends = [Vec::new(), Vec::new()];
@@ -304,7 +304,7 @@ fn reciprocal(lowering: &mut Lowering<'_>, pivot: Expr, inverse: &Inverse) -> So
     Solve { method, matrix, rhs: Vec::new(), unknowns: vec![lowering.program.input(symbol)] }
 }
 
-/// Names for what a reader knows from the formulas.
+/// Names from the formulas.
 fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme, solves: &[Solve]) -> HashMap<Op, String> {
     let symbols = &scheme.lagrangian.symbols;
     let mut named: Vec<(Symbol, String)> = Vec::new();

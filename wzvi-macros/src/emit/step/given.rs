@@ -1,4 +1,4 @@
-//! The values that the equations of a block read besides its unknowns.
+//! The values in the equations of a block other than its unknowns.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
@@ -38,13 +38,13 @@ impl Given {
         [&self.numbers, &self.masks, &self.constants, &self.truths]
     }
 
-    /// As a value, and as the pattern that takes it apart.
+    /// As a value, and as a pattern.
     pub(super) fn tokens(&self) -> TokenStream {
         let lists = self.lists().map(|names| quote!([#(#names),*]));
         quote!((#(#lists),*))
     }
 
-    /// How many of each there are.
+    /// The number of each.
     pub(super) fn lengths(&self) -> [Literal; 4] {
         self.lists().map(|names| count(names.len()))
     }

@@ -1,11 +1,11 @@
-//! What the Newton blocks of a step leave for the next: one extrapolation each.
+//! The memory of the Newton blocks of a step: one extrapolation each.
 
 use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::emit::system::count;
 
-/// The standard library knows tuples of up to so many parts.
+/// The largest tuples with trait implementations in the standard library.
 const PARTS: usize = 12;
 
 /// The type for numbers `__S`.

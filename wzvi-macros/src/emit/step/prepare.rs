@@ -1,4 +1,4 @@
-//! The values that are computed once for all steps, and the body that computes them.
+//! The values computed once for all steps, and the code that computes them.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -12,19 +12,19 @@ use crate::emit::system::{count, parameter_names};
 use crate::model::Parameter;
 use crate::symbolic::Graph;
 
-/// The parts of `__Prepared` that a step reads, by the names that they have there.
+/// The parts of `__Prepared` that a step reads, with their names in the step.
 pub(super) struct Prepared {
     /// Numbers.
     pub(super) constants: Vec<(Op, Ident)>,
     pub(super) truths: Vec<(Op, Ident)>,
     /// One for each matrix that never changes, with its size.
     pub(super) factors: Vec<(usize, Ident)>,
-    /// The body of a method that makes them of `self` and `__h`, in constants `__K`.
+    /// The body of the method that computes them from `self` and `__h`, in constants `__K`.
     pub(super) body: TokenStream,
 }
 
 impl Prepared {
-    /// Takes the names of its parts from those of the step.
+    /// Names the parts as in the step.
     pub(super) fn new(flow: &Flow, graph: &Graph, parameters: &[Parameter], names: &mut Names) -> Self {
         let is_truth = |&op: &Op| flow.program.operation(op).is_truth();
         let (truths, constants): (Vec<Op>, Vec<Op>) = flow.constants().into_iter().partition(is_truth);
@@ -89,7 +89,7 @@ impl Prepared {
         prepared
     }
 
-    /// What it is, for constants of any type.
+    /// The type for constants of any type.
     pub(super) fn ty(&self) -> TokenStream {
         let (constants, truths) = (count(self.constants.len()), count(self.truths.len()));
         let factors = self.factors.iter().map(|(size, _)| {
@@ -114,7 +114,7 @@ impl Prepared {
         }
     }
 
-    /// What is prepared, as a type, a value or a pattern: an array of numbers, and where there are others, a tuple of
+    /// The prepared data as a type, value or pattern: an array of numbers, or, if there are others, a tuple of
     /// numbers, truths and factors.
     fn parts(&self, numbers: TokenStream, flags: TokenStream, factors: Vec<TokenStream>) -> TokenStream {
         if self.truths.is_empty() && factors.is_empty() {

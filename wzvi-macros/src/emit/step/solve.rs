@@ -12,7 +12,7 @@ use crate::emit::names::Names;
 use crate::emit::program::Op;
 use crate::emit::system::count;
 
-/// What the arguments of a step are called.
+/// The names of the arguments of a step.
 pub(super) struct Arguments {
     pub(super) q: Vec<Ident>,
     pub(super) p: Vec<Ident>,
@@ -60,11 +60,11 @@ struct SolveBody<'f> {
     flow: &'f Flow,
     uses: Vec<u32>,
     printer: Printer<'f>,
-    /// Those of the matrices that never change, in their order.
+    /// The names of the constant matrices, in order.
     factors: std::vec::IntoIter<Ident>,
-    /// What was spent on each Newton block.
+    /// The effort of each Newton block.
     efforts: Vec<TokenStream>,
-    /// `memory.i.record_where(taken, solution)`, of the paths of which the whole step succeeds.
+    /// `memory.i.record_where(taken, solution)`, for paths whose whole step succeeds.
     records: Vec<TokenStream>,
     /// The equations of each Newton block.
     functions: TokenStream,
@@ -96,7 +96,7 @@ impl SolveBody<'_> {
         }
     }
 
-    /// The statements of a block without iteration, by what its unknowns are made of its matrix and its right side.
+    /// The statements of a block without iteration, given the formula of its unknowns from matrix and right side.
     fn linear(
         &mut self,
         solve: &Solve,
@@ -122,7 +122,7 @@ impl SolveBody<'_> {
         ops.iter().map(|&op| self.printer.name(op)).collect()
     }
 
-    /// What does not read the iterates is computed before the iteration, once.
+    /// Values that do not read the iterates are computed once, before the iteration.
     fn newton(&mut self, solve: &Solve, symmetric: bool) -> TokenStream {
         let (program, roots) = (&self.flow.program, solve.read());
         let readers = program.readers_of(&solve.unknowns);
@@ -133,8 +133,8 @@ impl SolveBody<'_> {
         let names = self.names(&solve.unknowns);
         let given = Given::new(program, &self.printer, &roots, &solve.unknowns);
         let equations = self.equations(&given, &names, solve);
-        // Without noise the last steps are extrapolated; with it the increments decide, and zero is as good a start, but
-        // where a solution is followed along its step.
+        // Without noise the last steps are extrapolated. With noise the increments dominate, and zero is as good a
+        // start, except when a solution is followed along its step.
         let used = if self.flow.is_deterministic { quote!(true) } else { quote!(__CAREFUL) };
         let memory = part(self.records.len(), self.flow.newton_sizes().len());
         self.records.push(quote!(#memory.record_where::<#used>(__taken, [#(#names),*]);));

@@ -3,8 +3,9 @@
 //! results for a second slice of the same vector, which may overlap the first, wait in a buffer. A bond of neighbours
 //! needs no buffer: its slope at the right end is carried to the next bond, which has its left end there.
 //!
-//! Every place gets its terms in the order of the placements, wherever chunks begin: the slice that is furthest ahead is added to
-//! at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an earlier one.
+//! Terms are added to every place in the order of the placements, independent of where chunks begin: the slice furthest ahead is
+//! added to at once, those behind it after the chunk, which ends before it would reach a slice that is further ahead than an
+//! earlier one.
 
 mod beside;
 mod motion;
@@ -37,21 +38,21 @@ pub(super) struct Chunk<'a> {
     pub(super) element: &'a Element,
     /// The variable of the innermost loop, its start and its end.
     pub(super) inner: Option<(u32, [TokenStream; 2])>,
-    /// Its start, unless noises that act decide it.
+    /// Its start, unless it depends on the active noises.
     pub(super) start: Option<Index>,
     pub(super) outputs: &'a [(Expr, Target)],
-    /// What the local variables are called.
+    /// The names of the local variables.
     pub(super) locals: &'a [Ident],
     /// Components of a point.
     pub(super) components: i128,
-    /// Whether places are asked for before they are added to.
+    /// Whether the loop is restricted to wanted places.
     pub(super) has_windows: bool,
     pub(super) wanted: Wanted,
-    /// Where placements are taken beside each other that are not next to each other.
+    /// Set if placements that are not adjacent in the state are evaluated in lanes.
     pub(super) beside: Option<Beside<'a>>,
 }
 
-/// The loop as it is put together.
+/// The loop during assembly.
 #[derive(Default)]
 struct Code {
     /// Before the outermost loop.
@@ -60,17 +61,17 @@ struct Code {
     before: TokenStream,
     /// Ends the chunk early, by `__len`, where an index wraps around.
     limits: TokenStream,
-    /// The same where a place would get its terms in another order.
+    /// The same, where a place would otherwise get its terms in another order.
     ordering: TokenStream,
-    /// Indices that have their limit.
+    /// Indices whose limit has been emitted.
     limited: Vec<Index>,
-    /// Where the stretches that the loop goes through begin, by `__first` and a number: of the piece, and then of the chunk.
+    /// The beginnings of the stretches of the loop, named `__first` and a number: of the piece, then of the chunk.
     firsts: Vec<Stretch>,
     /// Slices of this chunk.
     opening: TokenStream,
     reads: TokenStream,
     stores: TokenStream,
-    /// Gives back the slices that are written to.
+    /// Releases the slices that are written to.
     release: TokenStream,
     /// After the arithmetic of a chunk.
     closing: TokenStream,
@@ -91,7 +92,7 @@ struct Stretch {
     name: Ident,
 }
 
-/// A loop, and what stands before and after the outermost one around it.
+/// A loop, with the code before and after the outermost loop around it.
 pub(super) struct Emitted {
     pub(super) buffers: TokenStream,
     pub(super) body: TokenStream,
@@ -190,7 +191,7 @@ impl Chunk<'_> {
         self.element.locals.iter().enumerate().filter(|(k, _)| is_read(&self.locals[*k])).collect()
     }
 
-    /// An element without loops, left out where it adds to nothing.
+    /// An element without loops, skipped if it adds to nothing.
     fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let mut statements = TokenStream::new();
         for (k, local) in self.read_locals(inside, values) {
@@ -281,7 +282,7 @@ impl Chunk<'_> {
         name
     }
 
-    /// The name of where a stretch begins.
+    /// The name of the beginning of a stretch.
     fn first(&self, code: &mut Code, index: &Index, stride: i128) -> Ident {
         if let Some(known) = code.firsts.iter().find(|known| known.index == *index && known.stride == stride)
         {
@@ -304,7 +305,7 @@ impl Chunk<'_> {
     }
 
     fn motion(&self, slot: &Slot, inner: u32) -> Motion {
-        // Parts of lists are open where placements are taken beside each other.
+        // Parts of lists are open if placements are evaluated in lanes.
         let is_open = |index: &Index| self.beside.is_some() && index.slope(inner) == Some(1);
         match (moves(slot, inner, self.components), slot) {
             (Motion::Run, Slot::Entry(table, indices))
@@ -325,7 +326,7 @@ impl Chunk<'_> {
             Slot::State(Half::Coordinates, _) => quote!(__at.q),
             Slot::State(Half::Momenta, _) => quote!(__at.p),
             Slot::Entry(table, _) => self.indices.entry(*table, &[]),
-            // No derivative reads displacements.
+            // Derivatives do not read displacements.
             Slot::Number(_) | Slot::State(Half::Displacements, _) => TokenStream::new(),
         }
     }

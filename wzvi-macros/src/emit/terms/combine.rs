@@ -1,6 +1,6 @@
-//! Elements in the variables that they depend on. A bond `V(q[i + 1] - q[i])` has two locals and is a function of one
-//! number `d`: its slopes are `V'(d)` and `-V'(d)`, its curvatures `±V''(d)`. Derivatives by such combinations are fewer
-//! than those by the locals, and those by the locals are sums of them by the chain rule
+//! Elements in reduced variables. A bond `V(q[i + 1] - q[i])` has two locals and is a function of one number `d`: its
+//! slopes are `V'(d)` and `-V'(d)`, its curvatures `±V''(d)`. Derivatives by such combinations are fewer than those by
+//! the locals, and those by the locals are sums of them by the chain rule
 //!
 //! ```text
 //! d_k = Σ_j a_kj x_j,   ∂f/∂x_j = Σ_k a_kj ∂F/∂d_k,   ∂²f/∂x_i ∂x_j = Σ_kl a_ki a_lj ∂²F/∂d_k ∂d_l
@@ -17,12 +17,12 @@ type Variable = (Symbol, Vec<(Symbol, Rational)>);
 pub(super) struct Combined {
     value: Expr,
     variables: Vec<Variable>,
-    /// What the symbols of variables and derivatives stand for.
+    /// The definitions of the symbols of variables and derivatives.
     pub(super) definitions: HashMap<Symbol, Expr>,
 }
 
 impl Combined {
-    /// `value` in combinations of `locals`; `None` if that takes as many variables.
+    /// `value` in combinations of `locals`; `None` if these are not fewer.
     pub(super) fn new(graph: &mut Graph, value: Expr, locals: &[Symbol]) -> Option<Self> {
         let mut value = value;
         let mut variables: Vec<Variable> = locals.iter().map(|&x| (x, vec![(x, Rational::ONE)])).collect();
@@ -44,7 +44,7 @@ impl Combined {
             variables.push((d, row));
         }
         variables.retain(|(symbol, _)| graph.depends_on(value, &[*symbol]));
-        // A sum of variables that is left may cancel what was added to make them.
+        // A remaining sum of variables may cancel terms of their definitions.
         let is_simple = reachable_sums(graph, value, &variables).is_empty();
         if variables.len() >= locals.len() || !is_simple {
             return None;
@@ -98,7 +98,7 @@ impl Combined {
         Some(all)
     }
 
-    /// A symbol for `value`, so that no sum takes it apart: it is computed once.
+    /// A symbol for `value`, which keeps it from being expanded in sums: it is computed once.
     fn named(&mut self, graph: &mut Graph, value: Expr) -> Expr {
         if matches!(graph.node(value), Node::Number(_) | Node::Symbol(_)) {
             return value;
@@ -153,7 +153,7 @@ fn reachable_sums(graph: &Graph, value: Expr, variables: &[Variable]) -> Vec<Ter
     graph.reachable(&[value]).into_iter().filter_map(terms_of).collect()
 }
 
-/// A combination of variables that `value` reads, and the local among them that it can stand for.
+/// A combination of variables that `value` reads, and the local that it can replace.
 fn combination(
     graph: &Graph,
     value: Expr,
@@ -213,7 +213,7 @@ mod tests {
         let curvatures = combined.curvatures(&mut graph, &x).unwrap();
         let slopes = followed(&mut graph, &combined, &slopes);
         let curvatures = followed(&mut graph, &combined, &curvatures);
-        // At a point of small integers, where all is exact.
+        // At a point with small integer coordinates, where arithmetic is exact.
         let at: HashMap<Symbol, Expr> = x
             .iter()
             .enumerate()
@@ -253,7 +253,7 @@ mod tests {
         let own = graph.power(own, Rational::integer(3));
         let value = graph.add(bond, own);
         assert!(Combined::new(&mut graph, value, &x).is_none());
-        // Sums and differences of the same: one from the other would cancel.
+        // Sums and differences of the same locals: expressing one by the other would cancel.
         let (a, b) = (graph.symbol(x[0]), graph.symbol(x[1]));
         let (sum, difference) = (graph.add(a, b), graph.subtract(a, b));
         let value = graph.multiply(sum, difference);

@@ -36,7 +36,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
     }
 }
 
-/// What acts on the system besides its Hamiltonians, if anything does.
+/// Friction, forces and explicit time of the system, if any.
 pub(super) fn kind(model: &System) -> Option<TokenStream> {
     let reads_time = split::reads_time(&model.graph, &model.drift, model.t);
     let acting = [
@@ -50,7 +50,7 @@ pub(super) fn kind(model: &System) -> Option<TokenStream> {
     (!fields.is_empty()).then(|| quote!(#kind { #(#fields: true,)* ..#kind::AUTONOMOUS }))
 }
 
-/// `Hamiltonian::validate` of a system whose steps have friction and no bath; with a bath that is done where its steps are prepared.
+/// `Hamiltonian::validate` of a system with friction but no bath; a bath is checked when its steps are prepared.
 fn validate(embeddings: &[Located<Embedding>], has_friction: bool) -> Option<TokenStream> {
     let is_bare = embeddings.iter().all(|known| !known.value.is_thermostat());
     (has_friction && is_bare).then(|| {
@@ -74,7 +74,7 @@ fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> Tok
     }
 }
 
-/// A method that says how many there are; the trait says none.
+/// A method that returns a count; the default of the trait is zero.
 fn number_of(name: &str, number: &TokenStream) -> TokenStream {
     let name = format_ident!("{name}");
     quote! {

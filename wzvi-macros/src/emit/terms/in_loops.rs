@@ -30,7 +30,8 @@ pub(crate) fn emit(
     quote!(#step #listed)
 }
 
-/// What the run time needs to know of the scheme, and whether past steps start its iteration.
+/// The parameters of the scheme for the run time, and whether past steps predict the
+/// iteration's start.
 pub(crate) fn quadrature(
     facts: &Facts,
     embedding: &Embedding,
@@ -60,7 +61,7 @@ pub(crate) fn quadrature(
     if fields.is_empty() { straight } else { quote!(#quadrature { #fields ..#straight }) }
 }
 
-/// A quadrature point, as the run time reads it.
+/// A quadrature point for the run time.
 fn stage(stage: &Stage) -> TokenStream {
     let [point, start, end] =
         [stage.l, stage.start(), stage.end()].map(|weight| Literal::f64_unsuffixed(weight.to_f64()));

@@ -1,4 +1,4 @@
-//! Integer expressions as Rust: `isize` arithmetic, which [`super::places`] has checked, or checked on the way.
+//! Integer expressions as Rust: `isize` arithmetic, checked in advance by [`super::places`] or during evaluation.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -10,14 +10,14 @@ pub(crate) fn variable(id: u32) -> Ident {
     format_ident!("__i{id}")
 }
 
-/// A part of a list that is open under a name: the list as it is read, the index of its first entry.
+/// A part of a list bound to a name, with the expression of the list and the index of the first entry.
 pub(crate) struct OpenList {
     pub(super) tokens: TokenStream,
     pub(super) first: Index,
     pub(super) name: Ident,
 }
 
-/// Prints indices. `checked` ones stand in a function that returns an `Option`.
+/// Prints indices. `checked` ones occur in a function that returns an `Option`.
 #[derive(Clone, Copy)]
 pub(crate) struct Indices<'a> {
     pub(crate) tables: &'a [Table],
@@ -33,7 +33,7 @@ impl<'a> Indices<'a> {
 }
 
 impl Indices<'_> {
-    /// The index as an `isize`, to stand anywhere in an expression.
+    /// The index as an `isize`, for any place in an expression.
     pub(crate) fn value(&self, index: &Index) -> TokenStream {
         let sum = self.sum(index);
         let is_atom = match (index.terms.as_slice(), index.constant) {
@@ -44,7 +44,7 @@ impl Indices<'_> {
         if is_atom { sum } else { quote!((#sum)) }
     }
 
-    /// The index as an `isize`, to stand alone.
+    /// The index as an `isize`, as a complete expression.
     pub(crate) fn sum(&self, index: &Index) -> TokenStream {
         if let Some(entry) = self.given(index) {
             return quote!(#entry as __wzvi::isize);
@@ -71,7 +71,7 @@ impl Indices<'_> {
         }
     }
 
-    /// The entry of a table that the index is.
+    /// The index as an entry of a table.
     fn given(&self, index: &Index) -> Option<TokenStream> {
         match (index.terms.as_slice(), index.constant) {
             ([(Atom::Given(table, indices), 1)], 0) => Some(self.entry(*table, indices)),
@@ -101,7 +101,7 @@ impl Indices<'_> {
         }
     }
 
-    /// The list `table` at `indices`, as it is read.
+    /// The expression of the list `table` at `indices`.
     pub(crate) fn entry(&self, table: u32, indices: &[Index]) -> TokenStream {
         let tokens = self.list(table, indices);
         if let Some(table) = self.tables.get(table as usize).filter(|table| !table.suffix.is_empty()) {
@@ -131,7 +131,7 @@ impl Indices<'_> {
         same.find(|list| list.tokens.to_string() == tokens.to_string()).map(|list| &list.name)
     }
 
-    /// An entry at known indices as an `f64`; not a number if it is not there, which the making of a stepper reports.
+    /// An entry at known indices as an `f64`; NaN if it does not exist, which is reported when a stepper is made.
     pub(crate) fn constant_entry(&self, table: u32, indices: &[Index]) -> TokenStream {
         let lengths = self.tables.get(table as usize).map_or(&[][..], |table| &table.lengths);
         let is_there = |(index, length): (&Index, Option<&Option<usize>>)| {
@@ -146,7 +146,7 @@ impl Indices<'_> {
         }
     }
 
-    /// A checked value, or not a number.
+    /// A checked value, or NaN.
     pub(crate) fn or_nan(&self, checked: &TokenStream) -> TokenStream {
         quote!((|| __wzvi::Some(#checked))().unwrap_or(__wzvi::f64::NAN))
     }

@@ -1,4 +1,4 @@
-//! One element in its loops, with values that do not change in a loop computed outside of it. [`Chunk`] is the innermost one.
+//! One element in its loops, with loop-invariant values hoisted. [`Chunk`] is the innermost one.
 
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ use crate::emit::{Level, Lowering, Names, Op, Printer, count, parameter_names};
 use crate::model::{Atom, Element, Half, Index, Loop, System};
 use crate::symbolic::{Expr, Symbol};
 
-/// Where a computed value goes.
+/// The target of a computed value.
 #[derive(Clone)]
 pub(super) enum Target {
     /// The value itself, times a factor.
@@ -24,12 +24,13 @@ pub(super) enum Target {
     Total,
     /// `vector[index] += value`
     Slope { vector: Ident, index: Index },
-    /// `into.method(row, column, is_diagonal, value)`, where a pair of variables may be one twice
+    /// `into.method(row, column, is_diagonal, value)`, where both variables of a pair may
+    /// coincide
     Curvature { method: Ident, row: Index, column: Index, is_diagonal: Option<bool> },
 }
 
 impl Target {
-    /// That of the slope by the place `index` of a half of the state.
+    /// The target of the slope by the place `index` of a half of the state.
     pub(super) fn slope(half: Half, index: Index) -> Self {
         let by = if half == Half::Momenta { "p" } else { "q" };
         Self::Slope { vector: format_ident!("__by_{by}"), index }
@@ -38,19 +39,19 @@ impl Target {
 
 /// The arithmetic of one placement of an element.
 struct Arithmetic {
-    /// What the state does not enter, before the loops.
+    /// Values independent of the state, computed before the loops.
     before: TokenStream,
     inside: TokenStream,
     /// One for each output.
     values: Vec<TokenStream>,
-    /// What the local variables are called.
+    /// The names of the local variables.
     locals: Vec<Ident>,
     /// Names of numbers that no loop changes.
     constants: Vec<Ident>,
 }
 
 impl Nests<'_> {
-    /// The loops of an element around what computes those of `outputs` that are not zero.
+    /// The loops of an element around the computation of its nonzero `outputs`.
     pub(super) fn computed(
         &mut self,
         weighted: &Weighted,
@@ -126,7 +127,8 @@ impl Nests<'_> {
             Some((inner, outer)) => (Some(inner), outer),
             None => (None, &[][..]),
         };
-        // The increments of a family whose members are the innermost loop change with it.
+        // If the innermost loop runs over the members of a family, its increments change with
+        // the loop.
         let is_own = |inner: &Loop| increments.iter().any(|number| number.loops().contains(&inner.variable));
         let bound = weight.map(|(_, weight)| quote!(let __factor = #weight;));
         let (fixed_weight, own_weight) =
@@ -190,7 +192,7 @@ impl Nests<'_> {
     }
 }
 
-/// A loop whose placements are taken beside each other if the sums say so, else one by one.
+/// A loop whose placements are evaluated in blocks if the sums allow it, else one by one.
 fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &TokenStream) -> Emitted {
     let (_, [start, end]) = chunk.inner.clone().promised("what is gathered has a loop");
     let Emitted { buffers, body, after } = beside;
@@ -204,7 +206,7 @@ fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &T
     Emitted { buffers, body, after }
 }
 
-/// The vector of slopes that an element adds to; where it adds to both, either.
+/// The vector of slopes that an element adds to; either, if it adds to both.
 pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
     let vector = outputs.iter().find_map(|(_, target)| match target {
         Target::Slope { vector, .. } => Some(quote!(#vector)),
@@ -213,7 +215,7 @@ pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
     vector.unwrap_or_default()
 }
 
-/// The members of a family that act.
+/// The active members of a family.
 fn acting_members(
     indices: &Indices<'_>,
     weighted: &Weighted,

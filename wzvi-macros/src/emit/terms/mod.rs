@@ -31,9 +31,9 @@ use crate::tokens::mentions;
 
 use self::weighted::Nests;
 
-/// Values and slopes of all terms, and what follows from them.
+/// Values and slopes of all terms, and the implementations that follow from them.
 pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> TokenStream {
-    // Where something is solved with second derivatives: the step in loops, or its momentum between its ends.
+    // Needed for solutions with second derivatives: the step in loops, or its momentum between its ends.
     let has_curvature = steps.iter().any(|step| {
         matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
             || !Quadrature::new(facts, step.embedding()).gives_momentum()
@@ -44,7 +44,7 @@ pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &T
     generated
 }
 
-/// What is read of the struct and of the constants around it.
+/// The expressions that read the struct and the constants around it.
 pub(crate) fn user_tokens(model: &System) -> Vec<TokenStream> {
     let parameters = model.parameters.iter().map(|parameter| parameter.tokens.clone());
     let tables = model.tables.iter().flat_map(|table| [table.tokens.clone(), table.suffix.clone()]);
@@ -55,7 +55,7 @@ pub(crate) fn user_tokens(model: &System) -> Vec<TokenStream> {
     parameters.chain(tables).chain(length).collect()
 }
 
-/// `SVector<f64, D>` where the type system can name `D`, else `DVector<f64>`.
+/// `SVector<f64, D>` if the type system can name `D`, else `DVector<f64>`.
 fn vector_type(model: &System) -> TokenStream {
     let f64 = f64_type();
     let dynamic = quote!(__wzvi::DVector<#f64>);
@@ -81,7 +81,7 @@ fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
     quote!(let __size = (#degrees / #components) as __wzvi::isize;)
 }
 
-/// How many noises there are.
+/// The number of noises.
 fn noise_count(model: &System) -> TokenStream {
     let all = model.noise_offsets().pop().promised("the last offset is the number of noises");
     match all.as_integer().and_then(|index| usize::try_from(index).ok()) {
@@ -102,7 +102,7 @@ fn parameters(model: &System, code: &TokenStream) -> TokenStream {
     quote!(#(#reads)*)
 }
 
-/// What is computed of an element.
+/// The quantity computed of an element.
 #[derive(Clone, Copy, PartialEq)]
 enum Wanted {
     Value,
@@ -111,7 +111,7 @@ enum Wanted {
 }
 
 impl Wanted {
-    /// The type that it is computed with.
+    /// The type of its arithmetic.
     fn number(self) -> TokenStream {
         match self {
             Self::Slopes => quote!(__T),
@@ -119,13 +119,13 @@ impl Wanted {
         }
     }
 
-    /// An `f64` as it is computed with.
+    /// An `f64` in the type of the arithmetic.
     fn constant(self, value: &TokenStream) -> TokenStream {
         let number = self.number();
         quote!(#number::from_f64(#value))
     }
 
-    /// A number of a vector as it is computed with.
+    /// A number of a vector in the type of the arithmetic.
     fn lifted(self, kept: TokenStream) -> TokenStream {
         match self {
             Self::Slopes => quote!(__T::of(#kept)),
@@ -215,13 +215,13 @@ fn arms(model: &mut System, parts: &[PartElements], wanted: Wanted) -> TokenStre
     arms.collect()
 }
 
-/// That of a part, if there is something to do.
+/// The code of a part, if any.
 fn arm(number: usize, condition: Option<TokenStream>, code: &TokenStream) -> TokenStream {
     let (number, condition) = (count(number), condition.map(|condition| quote!(if #condition)));
     if code.is_empty() { TokenStream::new() } else { quote!(#number #condition => { #code }) }
 }
 
-/// `Elements::curvature`: that of the parts where steps are solved with it, and of damping by a matrix; nothing if there is neither.
+/// `Elements::curvature`: of the parts whose steps are solved with it, and of damping by a matrix; empty if there is neither.
 fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
     let of_bath = self::parts::arms(model, Wanted::Curvature);
     let of_parts = has_curvature.then(|| arms(model, parts, Wanted::Curvature));
@@ -248,7 +248,7 @@ fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool
     })
 }
 
-/// What `code` reads of the struct and of `__at`.
+/// The reads by `code` of the struct and of `__at`.
 fn opened(model: &System, code: &TokenStream) -> TokenStream {
     let read = parameters(model, code);
     let size = mentions(code, "__size").then(|| sizes(model, &quote!(__at.degrees())));

@@ -10,7 +10,7 @@ use crate::discretise::{Kinetic, Part, unweighted};
 use crate::emit::{count, implementation};
 use crate::model::{Friction, System};
 
-/// The numbers of what stands behind the parts of the step Hamiltonian: the parts of the drift, friction, temperature, first integrals.
+/// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature, first integrals.
 pub(super) struct Numbers {
     pub(super) parts: usize,
     pub(super) friction: usize,
@@ -29,7 +29,7 @@ impl Numbers {
     }
 }
 
-/// The arms of values or slopes; of second derivatives that of damping by a matrix.
+/// The arms of values or slopes; for second derivatives only that of damping by a matrix.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     let weight = wanted.constant(&quote!(__at.h));
     let numbers = Numbers::of(model);
@@ -37,7 +37,7 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     let is_wanted = |friction: &Friction| (wanted == Wanted::Curvature) == friction.is_matrix;
     let friction = model.friction.clone().filter(is_wanted).map(|mut friction| {
         if !friction.is_matrix {
-            // Rates alone, without the momenta that they act on.
+            // The rates without the momenta they act on.
             let one = model.graph.integer(1);
             for element in &mut friction.term.elements {
                 let momenta = element.momenta().map(|(momentum, _)| (momentum, one)).collect();
@@ -60,7 +60,7 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     arms.collect()
 }
 
-/// `impl Parts`, if the user has parted the drift.
+/// `impl Parts`, if the drift is declared in two parts.
 pub(super) fn emit(model: &System, texts: &Texts) -> TokenStream {
     let Some(forms) = texts.parts else { return TokenStream::new() };
     let forms = forms.map(|form| {

@@ -1,4 +1,4 @@
-//! The places that elements read and that the compiler cannot prove to exist, as constants for the run time, which checks them by
+//! The places read by elements that the compiler cannot prove to exist, as constants for the run time, which checks them by
 //! interval arithmetic.
 
 use std::collections::BTreeMap;
@@ -10,11 +10,11 @@ use crate::diagnostics::Promised;
 use crate::emit::count;
 use crate::model::{Atom, Bounds, Element, Index, Loop, Operation, Slot, System, Table, Term};
 
-/// The largest `isize` of the smallest machine, and the most numbers that a state has there.
+/// The largest `isize` on the smallest machine, and the most numbers of a state there.
 const LARGEST: i128 = i32::MAX as i128;
 const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
 
-/// `Elements::PLACES` and `Elements::entries`; nothing where all is proven.
+/// `Elements::PLACES` and `Elements::entries`; empty if all places are proven.
 pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
     let mut nests = TokenStream::new();
@@ -25,7 +25,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
         return nests;
     }
     let components = count(usize::try_from(system.components).unwrap_or(1));
-    // Only what is asked about has a name.
+    // Only tables to be checked have a name.
     let tables = system.tables.iter().enumerate().map(|(id, table)| {
         let is_read = places.arms.keys().any(|(known, _)| *known == id);
         let (name, suffix) = if is_read { names(table) } else { Default::default() };
@@ -55,7 +55,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
     }
 }
 
-/// The name of a table, and what follows its indices.
+/// The name of a table, and the suffix after its indices.
 fn names(table: &Table) -> (String, String) {
     let suffix = table.suffix.to_string().replace(' ', "");
     let name = table.name.strip_suffix(&suffix).unwrap_or(&table.name);
@@ -64,12 +64,12 @@ fn names(table: &Table) -> (String, String) {
 
 struct Places<'s> {
     system: &'s System,
-    /// The tables that are asked about, by number and indices outside of the list, with the code that reads them.
+    /// The tables to be checked, by number and outer indices, with the code that reads them.
     arms: BTreeMap<(usize, usize), TokenStream>,
 }
 
 impl Places<'_> {
-    /// What is not proven of one element; nothing if all is.
+    /// The unproven places of one element; `None` if all are proven.
     fn nest(&mut self, element: &Element) -> TokenStream {
         let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
         let sizes = Sizes { system: self.system, loops: &element.loops };
@@ -150,7 +150,7 @@ impl Places<'_> {
         quote!(__wzvi::elements::places::Atom::#name(&[#a, #b]))
     }
 
-    /// The indices of a list; the code that reads it is kept. `wide` makes an `i128` of an entry that is an integer.
+    /// The indices of a list, whose reading code is recorded. `wide` converts integer entries to `i128`.
     fn positions(
         &mut self,
         table: u32,
@@ -189,7 +189,7 @@ impl Places<'_> {
                             #found
                         }
                     };
-                    // A list of which only the length was asked about may be asked about its entries as well.
+                    // A list recorded for its length only may be needed for its entries as well.
                     self.arms.insert((number, level), arm);
                     let at = quote::format_ident!("__o{level}");
                     list = quote! {
@@ -230,19 +230,19 @@ impl Places<'_> {
     }
 }
 
-/// How large integers may be.
+/// Bounds of integers.
 struct Sizes<'a> {
     system: &'a System,
     loops: &'a [Loop],
 }
 
 impl Sizes<'_> {
-    /// Whether the index and all sums on the way are an `isize` on any machine.
+    /// Whether the index and all intermediate sums fit an `isize` on any machine.
     fn is_integer(&self, index: &Index) -> bool {
         self.most(index).is_some()
     }
 
-    /// What no magnitude on the way to the index is above, if that is an `isize`.
+    /// A bound of all intermediate magnitudes of the index, if it fits an `isize`.
     fn most(&self, index: &Index) -> Option<i128> {
         let mut sum = index.constant.checked_abs()?;
         for (atom, coefficient) in &index.terms {

@@ -12,22 +12,22 @@ use crate::discretise::{PartElements, Weighted, family_of};
 use crate::model::{Element, Half, Index, Reads, System};
 use crate::symbolic::{Expr, Symbol};
 
-/// Values to compute, and where they go; and what symbols in them stand for.
+/// Values to compute with their targets, and the definitions of their symbols.
 pub(super) type Outputs = (Vec<(Expr, Target)>, HashMap<Symbol, Expr>);
 
-/// The code of the elements of a system that computes one thing.
+/// The code that computes one quantity of the elements of a system.
 pub(super) struct Nests<'m> {
     pub(super) model: &'m mut System,
     pub(super) wanted: Wanted,
 }
 
 impl Nests<'_> {
-    /// All elements of a part: its value, or what adds their derivatives; and where there is something to do, if that is asked at once.
+    /// All elements of a part: the value, or the code that adds their derivatives; first its condition, if there is a single one.
     pub(super) fn part(&mut self, part: &PartElements) -> (Option<TokenStream>, TokenStream) {
         let is_value = self.wanted == Wanted::Value;
         let sum = if is_value { &part.values } else { &part.elements };
         let mut code = Vec::new();
-        // Elements with the same increments stand together.
+        // Elements with the same increments are grouped.
         for group in sum.chunk_by(|a, b| a.increments == b.increments) {
             let Some(first) = group.first() else { continue };
             let weight = self.weight(part, first);
@@ -50,7 +50,7 @@ impl Nests<'_> {
         (None, if is_value { quote!(let mut __value = __S::from_f64(0.0); #groups __value) } else { groups })
     }
 
-    /// Elements with one weight, or none.
+    /// Elements with one common weight, or none.
     pub(super) fn group(&mut self, group: &[Weighted], weight: Option<&TokenStream>) -> TokenStream {
         match self.wanted {
             Wanted::Value => self.values(group, weight),
@@ -78,7 +78,7 @@ impl Nests<'_> {
         }
     }
 
-    /// The value of one element, with the weight `inside` of its loops, to where it goes. A covector is no gradient of anything.
+    /// The value of one element, with the weight `inside` its loops, and its target. A covector has no value.
     fn value(&mut self, weighted: &Weighted, inside: Option<&TokenStream>, to: Target) -> TokenStream {
         let (value, weight) = self.weighed(&weighted.element, inside);
         let outputs = if weighted.element.is_covector() { Vec::new() } else { vec![(value, to)] };
@@ -94,7 +94,7 @@ impl Nests<'_> {
         (graph.multiply(c, element.value), Some((symbol, weight)))
     }
 
-    /// The first or second derivatives of one element, if those by what it reads are wanted.
+    /// The first or second derivatives of one element, if derivatives by its variables are wanted.
     fn derivatives(&mut self, weighted: &Weighted, weight: Option<&TokenStream>) -> TokenStream {
         let element = &weighted.element;
         let condition = match element.reads() {
@@ -145,7 +145,7 @@ impl Nests<'_> {
         (outputs, combined.map(|combined| combined.definitions).unwrap_or_default())
     }
 
-    /// Of a covector `f`, which is in the place of `-∂H/∂q`: components of `-f`, or their derivatives.
+    /// For a covector `f`, which replaces `-∂H/∂q`: components of `-f`, or their derivatives.
     fn of_covector(&mut self, element: &Element, value: Expr) -> Vec<(Expr, Target)> {
         let graph = &mut self.model.graph;
         let mut outputs: Vec<(Expr, Target)> = Vec::new();
@@ -180,7 +180,7 @@ impl Nests<'_> {
         }
     }
 
-    /// Whether a noise acts that is no member of a family, whose loop knows.
+    /// Whether a noise is active, if it is not a member of a family, whose loop checks it.
     fn condition(&self, weighted: &Weighted) -> Option<TokenStream> {
         let [number] = weighted.increments.as_slice() else { return None };
         if self.wanted == Wanted::Curvature || family_of(weighted).is_some() {
@@ -191,10 +191,10 @@ impl Nests<'_> {
     }
 }
 
-/// The symbol of a weight, and what it is: a value of the scalar type, in scope of the loops.
+/// The symbol of a weight, with its definition: a value of the scalar type, in scope of the loops.
 pub(super) type Weight<'w> = Option<(Symbol, &'w TokenStream)>;
 
-/// Where the variables of the state are, in the order of [`Element::state`].
+/// The places of the variables of the state, in the order of [`Element::state`].
 fn places(element: &Element) -> Vec<(Half, Index)> {
     let of = |half| element.of_half(half).map(move |(_, index)| (half, index.clone()));
     of(Half::Coordinates).chain(of(Half::Momenta)).collect()

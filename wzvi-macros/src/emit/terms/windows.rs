@@ -1,4 +1,4 @@
-//! Whether the slopes of a system can be computed window by window, and in which number types.
+//! Conditions for computing slopes window by window, and the number types used.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -17,7 +17,7 @@ fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<I
     of_parts.chain(model.parts.iter().flat_map(|term| &term.elements))
 }
 
-/// Whether the system can be stepped window by window, and is large enough where its size is known when it is compiled; nothing if not.
+/// Whether the system can be stepped window by window, and is large enough if its size is known at compile time; empty if not.
 pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
     let has_loops = model.degrees_in_straight_lines().is_none();
     let are_local = has_loops && have_runs(model, parts) && move_what_they_read(model, parts);
@@ -30,10 +30,10 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<To
     }
 }
 
-/// Whether elements that read coordinates add to places or points next to each other, and those that read momenta read one place or
-/// point each, to which they add.
+/// Whether elements that read coordinates add to adjacent places or points, and those that read momenta read one place or point
+/// each and add to it.
 fn have_runs(model: &System, parts: &[PartElements]) -> bool {
-    // Where placements are, if they are next to each other.
+    // The places of placements, if they are adjacent.
     let stretch_of = |element: &Element, index: &Index| match element.loops.last() {
         None => Some((0, index.clone())),
         Some(inner) => stretch(index, inner.variable, model.components),
@@ -42,7 +42,7 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
         return false;
     }
     elements(model, parts).all(|element| match element.reads() {
-        // What stands in the place of a gradient reads anything.
+        // A covector may read anything.
         _ if element.is_covector() => false,
         Reads::Nothing => true,
         Reads::Coordinates => {
@@ -60,8 +60,8 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
     })
 }
 
-/// Whether elements have a slope by every coordinate that they read: whose slopes are added to a window reads of no other windows
-/// than its own are added to.
+/// Whether elements have a slope by every coordinate that they read: then an element that contributes to a window reads only
+/// windows to which it contributes.
 fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
     let read = |element: &Element| -> Vec<(Expr, Symbol)> {
         element.coordinates().map(|(symbol, _)| (element.value, symbol)).collect()
@@ -73,7 +73,7 @@ fn move_what_they_read(model: &mut System, parts: &[PartElements]) -> bool {
     })
 }
 
-/// Whether slopes of some elements are taken in rows of pairs.
+/// Whether slopes of some elements are computed in rows of pairs.
 pub(super) fn have_pairs(model: &System, parts: &[PartElements]) -> bool {
     let indices = Indices::unchecked(&model.tables);
     let of_parts = parts.iter().flat_map(|part| part.elements.iter().cloned());
@@ -81,7 +81,7 @@ pub(super) fn have_pairs(model: &System, parts: &[PartElements]) -> bool {
     of_parts.chain(of_drift).any(|weighted| partners(&weighted, &indices, model.components).is_some())
 }
 
-/// By what there are slopes of elements whose placements are gathered, if there are any.
+/// The halves of the phase space with slopes of gathered elements, if any.
 pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenStream> {
     let gathered = elements(model, parts).filter(|element| gathers(&model.graph, element, model.components));
     let (mut by_q, mut by_p) = (false, false);
@@ -108,8 +108,8 @@ pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool 
     is_kinetic && is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
 }
 
-/// The types that slopes are computed with where numbers are kept as `f64`: one by one, and in loops over neighbours. Where
-/// nothing but correctly rounded functions are called, that is `f64` itself.
+/// The types for slopes of `f64` states: one by one, and in loops over neighbours. If only correctly rounded functions are
+/// called, both are `f64` itself.
 pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2] {
     let values: Vec<Expr> = elements(model, parts).map(|element| element.value).collect();
     let reached = model.graph.reachable(&values);
@@ -119,10 +119,10 @@ pub(super) fn numbers(model: &System, parts: &[PartElements]) -> [TokenStream; 2
     }
 }
 
-/// Exponents up to here are multiplications and square roots, also where derivatives have raised them.
+/// The largest exponent that is computed by multiplications and square roots, also after derivatives have raised it.
 const SPELLED_OUT: i64 = 12;
 
-/// Whether the operation, and its derivatives, are made of correctly rounded ones.
+/// Whether the operation and its derivatives consist of correctly rounded ones.
 pub(super) fn is_correctly_rounded(node: &Node) -> bool {
     match node {
         Node::Apply(function, _) => matches!(

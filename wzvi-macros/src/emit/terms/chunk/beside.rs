@@ -1,6 +1,6 @@
-//! Placements beside each other that are not next to each other in the state: they read where a table says, or places that are far
-//! apart. Their inputs are gathered one by one, and their results are added one by one, in their order. The arithmetic in between is done
-//! for a block of placements at once, in any number type.
+//! Vectorised placements that are not adjacent in the state: they read places from a table, or places far apart. Inputs are gathered one
+//! by one, and results are added one by one, in order. The arithmetic in between is done for a block of placements at once, in any number
+//! type.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -12,7 +12,7 @@ use crate::emit::terms::windows::is_correctly_rounded;
 use crate::model::{Atom, Element, Half, Index, Slot, Table};
 use crate::symbolic::{Expr, Graph};
 
-/// What a chunk needs to know for that.
+/// The additional data of a chunk.
 pub(in crate::emit::terms) struct Beside<'a> {
     /// Names of numbers that no loop changes.
     pub(in crate::emit::terms) constants: &'a [Ident],
@@ -22,7 +22,7 @@ pub(in crate::emit::terms) struct Beside<'a> {
     pub(in crate::emit::terms) lists: &'a [OpenList],
 }
 
-/// The parts of lists that the innermost loop of an element goes through entry by entry.
+/// The parts of lists that the innermost loop of an element reads entry by entry.
 pub(in crate::emit::terms) fn lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
     let mut open = Vec::new();
     let Some(inner) = element.loops.last() else { return open };
@@ -51,7 +51,7 @@ fn open_lists_of(index: &Index, inner: u32, tables: &[Table], open: &mut Vec<Ope
     }
 }
 
-/// That of the first index that changes with the loop.
+/// Opens the list at the first index that changes with the loop.
 fn open_list(table: u32, indices: &[Index], inner: u32, tables: &[Table], open: &mut Vec<OpenList>) {
     for index in indices {
         open_lists_of(index, inner, tables, open);
@@ -69,7 +69,7 @@ fn open_list(table: u32, indices: &[Index], inner: u32, tables: &[Table], open: 
     }
 }
 
-/// The code of placements beside each other.
+/// The code of a block of placements.
 pub(super) struct Block {
     /// Before the loop over their chunks.
     pub(super) items: TokenStream,
@@ -77,17 +77,17 @@ pub(super) struct Block {
     pub(super) values: Vec<TokenStream>,
     /// Opens lists for a chunk.
     pub(super) opening: TokenStream,
-    /// Those of `__few` placements.
+    /// The lists of `__few` placements.
     lists: TokenStream,
-    /// What they read, and the computation of all.
+    /// The gathering of inputs, and the computation of all placements.
     read: TokenStream,
     compute: TokenStream,
-    /// Binds the names to the slopes of one of them.
+    /// Binds the names to the slopes of one placement.
     open: TokenStream,
 }
 
-/// Whether the innermost loop of an element reads the state at places that are not next to each other, and calls functions, so that gathering
-/// pays. Products and quotients alone take less time than gathering their operands.
+/// Whether the innermost loop of an element reads the state at places that are not adjacent, and calls functions, so that gathering pays.
+/// Products and quotients alone are cheaper than gathering their operands.
 pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
     let is_free = |slot: &Slot| {
@@ -105,7 +105,7 @@ pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, componen
 }
 
 impl Chunk<'_> {
-    /// The arithmetic `inside` that ends in `values`, of placements beside each other.
+    /// The block with the arithmetic `inside`, whose results are `values`.
     pub(super) fn beside(
         &self,
         inner: u32,

@@ -7,7 +7,7 @@ pub(super) enum Motion {
     Fixed,
     /// By one, perhaps wrapping around.
     Run,
-    /// By a point: to the component `part` of points from the index `base` on.
+    /// By a point: component `part` of points from the index `base` on.
     Points {
         base: Index,
         part: usize,
@@ -15,8 +15,8 @@ pub(super) enum Motion {
     Free,
 }
 
-/// Where the first placement of the loop reads or writes, if each one after it does so `stride` places further on: in the next place,
-/// or in the next point. Components of one point have the same.
+/// Stride and first index of the places that successive placements of the loop read or write: the stride is one place or one point.
+/// Components of one point have the same first index.
 pub(in crate::emit::terms) fn stretch(index: &Index, inner: u32, components: i128) -> Option<(i128, Index)> {
     match motion(index, inner, components) {
         Motion::Run => Some((1, index.clone())),
@@ -25,7 +25,7 @@ pub(in crate::emit::terms) fn stretch(index: &Index, inner: u32, components: i12
     }
 }
 
-/// How what a local variable is moves.
+/// How the value of a local variable moves with the loop.
 pub(super) fn moves(slot: &Slot, inner: u32, components: i128) -> Motion {
     let is_fixed = !slot.indices().iter().any(|index| index.loops().contains(&inner));
     match slot {
@@ -43,7 +43,7 @@ pub(super) fn motion(index: &Index, inner: u32, components: i128) -> Motion {
     if runs(index, inner) {
         return Motion::Run;
     }
-    // All points from the first to the last are in the vector if the index is.
+    // Complete points from the first to the last are in the vector if the index is.
     let moves_on = index.slope(inner) == Some(components) || wrap(index, inner, components).is_some();
     let is_point = components > 1
         && moves_on
@@ -73,7 +73,7 @@ pub(super) fn wrap(index: &Index, inner: u32, stride: i128) -> Option<&(Index, I
     }
 }
 
-/// The index without wrapping around, and after how many places it does.
+/// The index without wrapping around, and the length after which it wraps.
 pub(super) fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
     match wrap(index, inner, 1) {
         None => Some((index.clone(), Index::default())),
@@ -84,7 +84,7 @@ pub(super) fn unwrapped(index: &Index, inner: u32) -> Option<(Index, Index)> {
     }
 }
 
-/// Whether `ahead` is `own + 1` but for wrapping around, which the loop looks for itself.
+/// Whether `ahead` is `own + 1` up to wrapping around, which the loop itself checks.
 pub(super) fn follows(ahead: &Index, own: &Index, inner: u32) -> bool {
     let distance = || -> Option<[Index; 3]> {
         let ((ahead, size), (own, other)) = (unwrapped(ahead, inner)?, unwrapped(own, inner)?);

@@ -1,5 +1,5 @@
-//! The loop over the chunks of an innermost loop: as many placements as no index wraps around in and no place gets its terms in
-//! another order, and of them those that write to what is wanted.
+//! The loop over the chunks of an innermost loop: runs of placements without wrapping of an index and without change of the
+//! order of terms at a place, restricted to those that write to wanted places.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
@@ -9,22 +9,22 @@ use crate::emit::count;
 use crate::emit::terms::indices::Indices;
 use crate::tokens::mentions;
 
-/// Placements in one chunk, if there are buffers.
+/// The number of placements in one chunk, if there are buffers.
 pub(super) const CHUNK: usize = 256;
 
-/// Where the first placement of a loop writes, if that of each one after it is the place after, or the point after.
+/// The first place that a loop writes to, if successive placements write to successive places or points.
 pub(super) struct Places {
     /// From one placement to the next.
     pub(super) stride: Literal,
-    /// By the variable of the loop.
+    /// In terms of the loop variable.
     pub(super) at: TokenStream,
-    /// By the start of the loop, where that is simple.
+    /// In terms of the start of the loop, if that is simple.
     pub(super) at_start: Option<TokenStream>,
-    /// Whether that can be asked of a loop without placements.
+    /// Whether it can be evaluated for an empty loop.
     pub(super) is_safe: bool,
 }
 
-/// What the loop is put together from.
+/// The ingredients of the loop.
 pub(super) struct Nest<'n> {
     pub(super) indices: Indices<'n>,
     /// The loop variable, its start and its end.
@@ -32,9 +32,9 @@ pub(super) struct Nest<'n> {
     pub(super) start: &'n TokenStream,
     pub(super) end: &'n TokenStream,
     pub(super) code: &'n Code,
-    /// A chunk, whose stretches are known to begin at their `__first`.
+    /// The code of a chunk, whose stretches begin at their `__first`.
     pub(super) chunk: TokenStream,
-    /// Where it writes, and to what.
+    /// The places it writes to, and the sums.
     pub(super) places: Option<Places>,
     pub(super) sums: TokenStream,
 }
@@ -73,8 +73,8 @@ impl Nest<'_> {
         quote!(#before #code #after)
     }
 
-    /// Pieces in which no index wraps around: what a stretch of such a piece leaves out is left out at once, and where its slices begin is
-    /// found once. Chunks begin where they do without that, because sums are parted there.
+    /// Pieces without wrapping of an index: unwanted placements are skipped once per piece, and the beginnings of slices are computed
+    /// once. Chunks begin at the same placements as otherwise, because they determine the grouping of sums.
     fn in_pieces(&self, stride: &Literal, places: &TokenStream) -> TokenStream {
         let Self { name, code: Code { limits, ordering, firsts, .. }, chunk, sums, .. } = self;
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
@@ -117,7 +117,7 @@ impl Nest<'_> {
         })
     }
 
-    /// Each chunk finds out where it ends.
+    /// The end is determined for each chunk.
     fn in_chunks(&self) -> TokenStream {
         let Self { name, sums, .. } = self;
         let (isize, limited, pass) = (quote!(__wzvi::isize), self.limited(), self.pass());
@@ -137,7 +137,7 @@ impl Nest<'_> {
         self.going_through(&quote!(#limited #pass))
     }
 
-    /// The loop while there are placements left.
+    /// Loops while placements remain.
     fn going_through(&self, body: &TokenStream) -> TokenStream {
         let Self { name, start, end, code: Code { before, after, .. }, .. } = self;
         quote! {
@@ -151,7 +151,7 @@ impl Nest<'_> {
         }
     }
 
-    /// How many placements the chunk has.
+    /// The number of placements in the chunk.
     fn limited(&self) -> TokenStream {
         let Self { name, code: Code { limits, ordering, has_buffers, .. }, .. } = self;
         let (usize, is_limited) = (quote!(__wzvi::usize), mutable(&quote!(#limits #ordering)));
@@ -167,7 +167,7 @@ impl Nest<'_> {
         }
     }
 
-    /// Where stretches begin.
+    /// The beginnings of stretches.
     fn opened(&self) -> TokenStream {
         let opened = self.code.firsts.iter().map(|Stretch { index, name, .. }| {
             let position = self.indices.position(index);
@@ -182,7 +182,7 @@ impl Nest<'_> {
     }
 }
 
-/// Of a number that may become less.
+/// `mut` for a number that `limits` may reduce.
 fn mutable(limits: &TokenStream) -> TokenStream {
     if limits.is_empty() { quote!() } else { quote!(mut) }
 }

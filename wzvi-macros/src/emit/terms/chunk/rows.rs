@@ -1,5 +1,5 @@
-//! Pairs: an element whose innermost loop goes through partners of a body that is the same in it. The run time has the loop; what is
-//! emitted is the arithmetic of one pair, whatever numbers it is done in.
+//! Pairs: an element whose innermost loop runs over the partners of a fixed body. The loop is in the run time; only the arithmetic
+//! of one pair is emitted, for any number type.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -14,11 +14,11 @@ use crate::emit::terms::kernel::Target;
 use crate::model::{Half, Index, Reads, Slot};
 use crate::tokens::mentions;
 
-/// Rows with less partners gain nothing: the run time takes as many at once.
+/// The fewest partners that pay: the run time computes this many at once.
 const SHORT: i128 = 8;
 
-/// The place of the first component of the first partner, if the innermost loop of an element goes through partners: points next to each
-/// other, of whose coordinates and of those of a body that the loop does not change the element is a function.
+/// The place of the first component of the first partner, if the innermost loop of an element runs over partners: adjacent points, such
+/// that the element is a function of their coordinates and of those of a body fixed in the loop.
 pub(in crate::emit::terms) fn partners(
     weighted: &Weighted,
     indices: &Indices<'_>,
@@ -55,31 +55,31 @@ pub(in crate::emit::terms) fn partners(
     first.filter(|_| has_body)
 }
 
-/// How what a local variable is moves with a loop; freely where it wraps around.
+/// How the value of a local variable moves with a loop; free if it wraps around.
 fn moves_on(slot: &Slot, inner: u32, components: i128) -> Motion {
     let wraps = |index: &Index| wrap(index, inner, 1).or_else(|| wrap(index, inner, components)).is_some();
     if slot.indices().iter().any(wraps) { Motion::Free } else { moves(slot, inner, components) }
 }
 
-/// The arithmetic of one placement: of a pair, or beside others.
+/// The arithmetic of one placement, of a pair or in a block.
 pub(super) struct Interaction<'a> {
     pub(super) inside: &'a TokenStream,
-    /// The names of what is the same for all.
+    /// The names of values common to all placements.
     pub(super) own: Vec<Ident>,
-    /// That of the weight, if it is read: the same for all, or not.
+    /// The name of the weight, if it is read; it may be common or not.
     pub(super) factor: Option<Ident>,
     pub(super) constants: Vec<&'a Ident>,
     /// Patterns of the components of a partner.
     pub(super) partner: Vec<TokenStream>,
-    /// The names of what each placement has besides.
+    /// The names of the other values of each placement.
     pub(super) entries: Vec<Ident>,
-    /// What it ends in.
+    /// The results.
     pub(super) by_own: Vec<TokenStream>,
     pub(super) by_partner: Vec<TokenStream>,
 }
 
 impl<'a> Interaction<'a> {
-    /// That of `inside`, which ends in `values` and reads some of `constants`.
+    /// The arithmetic `inside`, with results `values`, which reads some of `constants`.
     pub(super) fn new(inside: &'a TokenStream, values: &[TokenStream], constants: &'a [Ident]) -> Self {
         let code = quote!(#inside #(#values)*);
         let is_read = |name: &&Ident| mentions(&code, &name.to_string());
@@ -94,7 +94,7 @@ impl<'a> Interaction<'a> {
         [own.len(), constants.len(), partner.len(), entries.len(), by_own.len()].map(count)
     }
 
-    /// What implements it.
+    /// The type that implements it.
     pub(super) fn emit(&self, number: &TokenStream) -> TokenStream {
         let Self { own, constants, partner, entries, inside, by_own, by_partner, .. } = self;
         let (elements, sizes, f64) = (quote!(__wzvi::elements), self.sizes(), quote!(__wzvi::f64));
@@ -155,7 +155,7 @@ impl Chunk<'_> {
         Emitted { buffers, body, after: quote!(__by_q.end_rows::<#of_partner>();) }
     }
 
-    /// What a pair reads: what is the same for the row, before it, and the lists with an entry for each partner.
+    /// The inputs of a pair: values common to the row, read before it, and lists with an entry for each partner.
     fn open_pair(
         &self,
         pair: &mut Interaction<'_>,
@@ -184,7 +184,7 @@ impl Chunk<'_> {
         (before, lists)
     }
 
-    /// What a pair ends in: the slopes by the body, with their places, and those by the partner.
+    /// The results of a pair: the slopes by the body, with their places, and those by the partner.
     fn slopes_of_pair(
         &self,
         pair: &mut Interaction<'_>,

@@ -1,4 +1,4 @@
-//! Where a chunk adds what it computes.
+//! The stores of a chunk.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -12,11 +12,11 @@ use crate::emit::terms::kernel::Target;
 use crate::model::Index;
 
 impl Chunk<'_> {
-    /// Where the computed values go. Slices first: what is left knows then which vectors are taken.
+    /// Stores the computed values. Slices first, which determine the vectors in use for the rest.
     pub(super) fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
         let mut left: Vec<usize> = Vec::new();
         let order = self.furthest_first(inner);
-        // Pairs of neighbours before others, which would take their vector.
+        // Pairs of neighbours before others, which would occupy their vector.
         let pairs: Vec<(usize, usize)> =
             order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
         let mut carried: Vec<usize> = Vec::new();
@@ -64,7 +64,7 @@ impl Chunk<'_> {
             left.chunk_by(|a, b| self.point(*a, inner).is_some_and(|a| self.point(*b, inner) == Some(a)))
         {
             match group {
-                // While the arithmetic runs, another stretch of the same vector is written to.
+                // Another stretch of the same vector is written during the arithmetic.
                 [first, ..]
                     if self.point(*first, inner).is_some_and(|(vector, ..)| code.direct.contains(vector)) =>
                 {
@@ -75,7 +75,7 @@ impl Chunk<'_> {
         }
     }
 
-    /// The outputs, so that of slopes whose places differ by a constant the one furthest ahead comes first.
+    /// The outputs, ordered so that among slopes whose places differ by a constant the one furthest ahead comes first.
     fn furthest_first(&self, inner: u32) -> Vec<usize> {
         let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
             let (vector, index) = self.slope(*j)?;
@@ -97,8 +97,8 @@ impl Chunk<'_> {
         order
     }
 
-    /// A chunk ends before it would reach, with a slice that is added after others, where one of those is: places get their
-    /// terms in the order of the placements.
+    /// Ends a chunk before a slice that is added later reaches one that is added earlier, so that places get their terms in
+    /// the order of the placements.
     fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
         let place = |j: usize| self.point(j, inner);
         let Some((vector, stride, own)) = place(j) else { return };
@@ -125,14 +125,14 @@ impl Chunk<'_> {
         code.added.push(j);
     }
 
-    /// Another slope whose place is that of slope `j` in the next round of the loop.
+    /// Another slope at the place of slope `j` in the next iteration of the loop.
     fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
         let (vector, own) = self.slope(j)?;
         let is_next = |(known, index): (&Ident, &Index)| known == vector && follows(index, own, inner);
         (0..self.outputs.len()).find(|&other| other != j && self.slope(other).is_some_and(is_next))
     }
 
-    /// Adds slope `j` to its slice, and with it what the round before left for the same place.
+    /// Adds slope `j` to its slice, together with the term carried from the last iteration for the same place.
     fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
         let Some((vector, index)) = self.slope(j) else { return };
         let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
@@ -144,7 +144,7 @@ impl Chunk<'_> {
             self.limit(code, ahead, inner);
             let (first_ahead, value_ahead) = (self.first(code, ahead, 1), &values[next]);
             let zero = self.zero();
-            // One by one where the next place is another one after all.
+            // One placement at a time where wrapping makes the next place another one.
             if wrap(index, inner, 1).is_some() || wrap(ahead, inner, 1).is_some() {
                 let [base, base_ahead] = [index, ahead].map(|index| self.indices.position(index));
                 code.limits.extend(quote! {
@@ -157,7 +157,7 @@ impl Chunk<'_> {
                 let #at = #first_ahead + (__len - 1);
                 let mut #carried = #zero;
             });
-            // Computed first: only then can the compiler keep what is carried in a vector register.
+            // Computed first, so that the compiler can keep the carried term in a vector register.
             code.stores.extend(quote! {
                 let __ahead = #value_ahead;
                 #slice.add(__place, #value + #carried);
@@ -171,7 +171,7 @@ impl Chunk<'_> {
         code.release.extend(quote!(__wzvi::drop(#slice);));
     }
 
-    /// Keeps a value of each placement of a chunk.
+    /// Buffers a value of each placement of a chunk.
     fn store_in_buffer(&self, code: &mut Code, buffer: &Ident, value: &TokenStream) {
         let (zero, most) = (self.zero(), count(CHUNK));
         code.has_buffers = true;
@@ -195,7 +195,7 @@ impl Chunk<'_> {
         Some((vector, stride, base))
     }
 
-    /// Outputs of one stretch, which wait in buffers until the arithmetic of the chunk is done.
+    /// Outputs of one stretch, buffered until the arithmetic of the chunk is done.
     fn store_waiting(&self, code: &mut Code, inner: u32, group: &[usize], values: &[TokenStream]) {
         let Some((vector, stride, base)) = group.first().and_then(|&j| self.point(j, inner)) else { return };
         let size = Literal::i128_unsuffixed(stride);
@@ -224,7 +224,7 @@ impl Chunk<'_> {
         }});
     }
 
-    /// What does not go to a slice of its own: sums, buffers, single places.
+    /// Outputs without a slice of their own: sums, buffers, single places.
     fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
         let Some((_, target)) = self.outputs.get(j) else { return };
         let (buffer, zero) = (format_ident!("__b{j}"), self.zero());
