@@ -11,7 +11,7 @@ use super::{Library, embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, Located, messages};
 use crate::embedding::Embedding;
 
-/// How steps are emitted, whatever costs less: for tests that compare one way with the other.
+/// Forces a form of the emitted steps: for tests that compare both forms.
 const STRATEGY: &str = "__strategy";
 
 /// The role of a closure over phase space, in the order in which phase spaces are checked.
@@ -20,7 +20,7 @@ pub(crate) enum Role {
     /// One, or the two parts of `drift = [H_A, H_B]`.
     Drift,
     Noise,
-    /// A covector beside the drift.
+    /// A force beside the drift, a covector.
     Force,
     /// A covector that drives a Wiener process.
     NoiseForce,
@@ -37,21 +37,21 @@ const ROLES: [(&str, Role); 5] = [
 ];
 
 impl Role {
-    /// Whether its value is a covector, and no number.
+    /// Whether its value is a covector, not a number.
     pub(crate) fn is_covector(self) -> bool {
         matches!(self, Self::Force | Self::NoiseForce)
     }
 }
 
-/// The parsed attribute. Missing and wrong parts have been reported.
+/// The parsed attribute; missing and wrong parts have been reported.
 pub(crate) struct Declaration {
     pub(crate) closures: Vec<Hamiltonian>,
     pub(crate) friction: Option<Friction>,
     /// `kT`
     pub(crate) temperature: Option<Given>,
-    /// With the types that were read as such.
+    /// The embeddings, with the types as written.
     pub(crate) embeddings: Vec<(Located<Embedding>, syn::Type)>,
-    /// Whether there are no others than `embeddings`: none was misspelled.
+    /// Whether `embeddings` is complete: none was misspelled.
     pub(crate) all_embeddings_known: bool,
     pub(crate) crate_path: Path,
     /// The form of emitted steps, where a test fixes it.
@@ -74,21 +74,21 @@ impl Declaration {
     }
 }
 
-/// What draws on the momenta: `friction` or `damping`.
+/// `friction` or `damping`.
 pub(crate) struct Friction {
     /// Whether it is `damping`, a matrix.
     pub(crate) is_matrix: bool,
     pub(crate) given: Given,
 }
 
-/// An expression of fields, or of fields and coordinates: a closure.
+/// An expression of fields, or a closure of the coordinates.
 pub(crate) struct Given {
     pub(crate) value: syn::Expr,
     /// As it was written.
     pub(crate) tokens: TokenStream,
 }
 
-/// How a system is emitted.
+/// The form of the emitted code.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Emission {
     /// As straight-line code, each degree of freedom a variable of its own.
@@ -119,7 +119,7 @@ fn is_key(name: &str) -> bool {
     messages::is_key(name) || name == STRATEGY
 }
 
-/// Reads the arguments of the attribute, each on its own: a mistake in one does not hide the others.
+/// Reads the arguments of the attribute independently, so that a mistake in one does not hide others.
 pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
     nesting::check(&attribute, diagnostics)?;
     let attribute = groups::without_single(attribute);
@@ -321,7 +321,7 @@ fn hamiltonian_list(input: ParseStream<'_>) -> syn::Result<Vec<Hamiltonian>> {
     Ok(list)
 }
 
-/// `closure`, `name = closure`, or `closure; count` where nothing stands beside it.
+/// `closure`, `name = closure`, or `closure; count` if it is the only entry.
 fn member(input: ParseStream<'_>, may_be_family: bool) -> syn::Result<Hamiltonian> {
     let mut name: Option<Ident> = None;
     if input.peek(syn::Ident) && input.peek2(Token![=]) {

@@ -66,7 +66,7 @@ fn read_declared(schemes: Vec<Scheme>, diagnostics: &mut Diagnostics) -> (Vec<De
     (declared, types)
 }
 
-/// The type of the program that stands in `Rule` or `Corrected<Rule>`.
+/// The user's type `Rule` in `Rule` or `Corrected<Rule>`.
 fn of_program(ty: &Type) -> syn::Result<Path> {
     let (name, arguments) = parts(ty)?;
     match (name.to_string().as_str(), arguments.as_deref(), ty) {
@@ -90,7 +90,7 @@ enum Inside {
     Mixed,
 }
 
-/// The scheme inside a wrapper has quadrature points for each term.
+/// Checks that the scheme inside a wrapper has quadrature points for each term.
 fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {
     if let Type::Path(path) = ty
         && let Some(known) = declared.iter().find(|known| known.path == path.path)

@@ -1,4 +1,4 @@
-//! Groups without delimiters, in which `macro_rules!` hands over its fragments: one token in such a group is that token.
+//! Invisible groups, in which `macro_rules!` passes its fragments: a group of one token equals that token.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::Expr;

@@ -1,4 +1,4 @@
-//! What is known of shared functions.
+//! Shared functions known so far.
 
 use syn::{Block, Signature};
 
@@ -8,7 +8,7 @@ pub(crate) struct Library {
     pub(crate) functions: Vec<Function>,
     /// Those of the struct, called as `self.name(...)`.
     pub(crate) methods: Vec<Function>,
-    /// Whether definitions are still to come: calls of functions that are not known are no mistakes yet.
+    /// Whether definitions are still to come, so that calls of unknown functions are not yet mistakes.
     pub(crate) is_pending: bool,
 }
 
@@ -20,6 +20,6 @@ pub(crate) struct Function {
     pub(crate) block: Block,
     /// What it calls itself.
     pub(crate) library: Library,
-    /// Whether it means something else where it is called from another type.
+    /// Whether its meaning depends on the type from which it is called.
     pub(crate) reads_self: bool,
 }

@@ -1,4 +1,4 @@
-//! What the user declared: the struct, the attribute and the phase space, checked for what can be seen before any
+//! The user's declaration: the struct, the attribute and the phase space, checked as far as possible before any
 //! Hamiltonian is read.
 
 mod attribute;

@@ -17,7 +17,7 @@ const BRACE: usize = 34;
 const ANGLE: usize = 50;
 const PREFIX: usize = 6;
 
-/// Reports tokens that nest too deeply; then nothing may read them.
+/// Reports tokens that nest too deeply; they must not be read then.
 pub(crate) fn check(tokens: &TokenStream, diagnostics: &mut Diagnostics) -> Option<()> {
     let error = too_deep(tokens).map(messages::nested_too_deeply);
     diagnostics.accept(error.map_or(Ok(()), Err))
@@ -25,7 +25,7 @@ pub(crate) fn check(tokens: &TokenStream, diagnostics: &mut Diagnostics) -> Opti
 
 /// The innermost token at which `tokens` nest too deeply, if they do.
 fn too_deep(tokens: &TokenStream) -> Option<TokenTree> {
-    // An explicit stack: this function has to survive what the others are guarded from.
+    // An explicit stack: this function itself must not overflow.
     let mut pending = vec![(tokens.clone(), 0)];
     while let Some((stream, outer)) = pending.pop() {
         let mut runs = Runs::default();
@@ -55,7 +55,7 @@ struct Runs {
     /// Costs of the runs before.
     finished: Vec<usize>,
     nested: usize,
-    /// Tokens in a row that end no operand: a chain of prefix operators.
+    /// The length of the current chain of prefix operators.
     prefixes: usize,
     longest: usize,
     /// A type may have begun, in which `<` nests.
@@ -112,7 +112,7 @@ impl Runs {
         self.longest = self.longest.max(self.prefixes);
     }
 
-    /// What comes next is inside: prefix operators so far and from here add up.
+    /// What follows is nested: prefix operators before and after add up.
     fn nest(&mut self, cost: usize) {
         self.nested += cost + PREFIX * std::mem::take(&mut self.longest);
     }

@@ -1,4 +1,4 @@
-//! The phase space that the patterns of the drift declare, and that every other closure has to repeat.
+//! The phase space, declared by the patterns of the drift and repeated by all other closures.
 
 use std::fmt;
 
@@ -14,14 +14,14 @@ use crate::diagnostics::{Diagnostics, messages, source};
 /// Degrees of freedom that are variables of their own in the symbolic graph.
 const DEGREES: usize = 1024;
 
-/// How coordinates (and momenta) are arranged.
+/// The arrangement of coordinates (and momenta).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Shape {
     Real,
     Array(Box<Shape>, Length),
 }
 
-/// How many elements an array has.
+/// The number of elements of an array.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Length {
     Literal(usize),
@@ -36,7 +36,7 @@ pub(crate) enum Length {
 pub(crate) enum Labels {
     /// A name each.
     Each(Vec<String>),
-    /// Elements of an array with a name, whose elements are arrays of these lengths.
+    /// Elements of a named array, which are arrays of these lengths.
     Array(String, Vec<usize>),
 }
 
@@ -65,7 +65,7 @@ impl Bound {
         }
     }
 
-    /// A name for each number of a known size, made of `fallback` where there is none.
+    /// A name for each number if the size is known, derived from `fallback` if there is none.
     fn components(&self, shape: &Shape, fallback: &str) -> Vec<String> {
         let name = self.name(fallback);
         let Shape::Array(element, Length::Literal(length)) = shape else { return vec![name] };
@@ -80,7 +80,7 @@ impl Bound {
 
 /// The arrangement and the names of coordinates, momenta and time.
 pub(crate) struct PhaseSpace {
-    /// Whether the drift declares it: if not, the drift is mistaken.
+    /// Whether the drift declares it; otherwise the drift has a mistake.
     pub(crate) is_of_drift: bool,
     pub(crate) shape: Shape,
     /// Names of the coordinates and the momenta as a whole.
@@ -88,7 +88,7 @@ pub(crate) struct PhaseSpace {
     /// Names in the order of the state vector (row-major), if the compiler knows the size.
     pub(crate) q: Vec<String>,
     pub(crate) p: Vec<String>,
-    /// The same for people, whatever the size.
+    /// The displayed names, for any size.
     pub(crate) labels: [Labels; 2],
     pub(crate) t: String,
 }
@@ -118,7 +118,7 @@ impl Shape {
         }
     }
 
-    /// The Rust type, whatever the user's names mean.
+    /// The Rust type, independent of the user's names.
     pub(crate) fn tokens(&self) -> TokenStream {
         match self {
             Self::Real => quote! { ::core::primitive::f64 },
@@ -146,8 +146,8 @@ impl fmt::Display for Shape {
 }
 
 /// Reads the phase space from the drift and checks that the other closures agree with it. Closures that do not are
-/// reported and removed: what they would say about their bodies follows from it. If the drift declares none, the next
-/// closure does, so that the others are read all the same.
+/// reported and removed, to avoid consequential errors in their bodies. If the drift declares none, the next closure
+/// does, so that the others are still read.
 pub(crate) fn read_phase_space(
     declaration: &mut Declaration,
     diagnostics: &mut Diagnostics,
@@ -216,7 +216,7 @@ fn repeats(closure: &Hamiltonian, known: &PhaseSpace) -> syn::Result<()> {
     let (q, p, t) = parameters(closure)?;
     let expected = &known.shape;
     for pattern in [q, p] {
-        // What is an array was said once.
+        // One mention of an array is enough.
         if bare_name(pattern).is_some() {
             continue;
         }
@@ -260,7 +260,7 @@ fn parameters(closure: &Hamiltonian) -> syn::Result<(&Pat, &Pat, Option<&Pat>)> 
 }
 
 /// Whether the coordinates have the names of momenta and the momenta those of coordinates: `|p, q|`, `|p1, q1|`,
-/// `|[px, py], [x, y]|`. The equations of motion would have the wrong sign, and nothing else would reveal it.
+/// `|[px, py], [x, y]|`. The equations of motion would silently have the wrong sign.
 fn are_swapped(q: &Pat, p: &Pat) -> bool {
     match (peeled(q), peeled(p)) {
         (Pat::Type(typed), p) => are_swapped(&typed.pat, p),

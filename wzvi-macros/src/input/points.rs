@@ -7,7 +7,7 @@ use crate::diagnostics::messages;
 use crate::embedding::Points;
 use crate::symbolic::Rational;
 
-/// As many as the stages of Gauss.
+/// The most points, as for the stages of `Gauss`.
 const MOST: usize = 16;
 
 pub(super) fn read_points(list: &Expr) -> syn::Result<Points> {

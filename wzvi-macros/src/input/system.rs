@@ -1,4 +1,4 @@
-//! The struct: its fields by what a Hamiltonian may do with them.
+//! The struct, with its fields by their use in Hamiltonians.
 
 use std::rc::Rc;
 
@@ -24,14 +24,14 @@ pub(crate) struct Field {
     pub(crate) conditions: Vec<syn::Attribute>,
 }
 
-/// What a field, or an element of one, is to a Hamiltonian.
+/// The kind of a field, or of an element of one.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
     Real,
     Integer,
     /// An array, slice or `Vec`; its length where it is a literal.
     List(Rc<Kind>, Option<usize>),
-    /// Numbers side by side, and the type as written: as an element of a list.
+    /// A tuple of numbers as an element of a list, with its type as written.
     Tuple(Rc<[Kind]>, String),
     /// A path to a constant, whose type only `rustc` knows.
     Constant,

@@ -13,11 +13,11 @@ use crate::input::Kind;
 use crate::model::{Atom, Half, Index, Slot};
 use crate::symbolic::Expr;
 
-/// Where the numbers of an [`Array`] are.
+/// The storage of the numbers of an [`Array`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Origin {
     State(Half),
-    /// A list of the struct, by its number among the tables, with what its elements are.
+    /// A list of the struct, by its table number, with the kind of its elements.
     Table(u32, Rc<Kind>),
 }
 
@@ -89,7 +89,7 @@ impl<'a> Interpreter<'a, '_> {
         Some(list(Array::whole(array.origin.clone(), vec![offset], length, inner.to_vec())))
     }
 
-    /// What a list of the struct holds at `indices`.
+    /// The entry of a list of the struct at `indices`.
     fn entry(&mut self, id: u32, kind: &Kind, indices: Vec<Index>, at: &dyn ToTokens) -> Option<Value> {
         match kind {
             Kind::Real | Kind::Constant => Some(Value::Real(self.local(Slot::Entry(id, indices)))),
@@ -120,7 +120,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// An index that is certainly out of range is a mistake; whether another is, the making of a stepper finds out.
+    /// An index that is certainly out of range is a mistake; others are checked when a stepper is made.
     fn check_range(&mut self, array: &Array, k: &Index, at: &dyn ToTokens) -> Option<()> {
         if let (Some(k), Some(length)) = (k.as_integer(), array.length.as_integer()) {
             if (0..length).contains(&k) {
@@ -169,13 +169,13 @@ impl<'a> Interpreter<'a, '_> {
         Some(list(Array { start: array.start.add(start)?, length, ..array.clone() }))
     }
 
-    /// The variable at `slot`, the same wherever it is named.
+    /// The variable at `slot`, one per slot.
     pub(super) fn local(&mut self, slot: Slot) -> Expr {
         let symbol = self.symbols.local(&mut self.graph, slot, self.tables.as_list());
         self.graph.symbol(symbol)
     }
 
-    /// An index for a reader.
+    /// An index as text.
     pub(super) fn display(&self, index: &Index) -> String {
         self.symbols.reader(self.tables.as_list(), |names| names.index(index))
     }

@@ -34,7 +34,7 @@ impl<'a> Interpreter<'a, '_> {
             return self.apply_shared(function, &syntax.args, syntax);
         }
         let function = match &*syntax.func {
-            // A single name is a variable; as a function it is not one that can be seen into.
+            // A single name is a variable; as a function it is opaque.
             Syntax::Path(path) => match path.path.get_ident() {
                 Some(name) => match self.now.scope.find_from_anywhere(name) {
                     Some(binding) => binding.value.borrow().clone().known(),
@@ -60,14 +60,14 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// A path that is that of no variable.
+    /// A path that does not name a variable.
     fn path_of_function<'s>(&self, function: &'s Syntax) -> Option<&'s ExprPath> {
         let Syntax::Path(path) = function else { return None };
         let variable = path.path.get_ident().and_then(|name| self.now.scope.find_from_anywhere(name));
         variable.is_none().then_some(path)
     }
 
-    /// The shared function behind a path that no variable has.
+    /// The shared function of a path that does not name a variable.
     fn shared(&self, function: &Syntax) -> Option<&'a Function> {
         let path = self.path_of_function(function)?;
         let name = key(&path.path);
@@ -78,13 +78,13 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// Whether this is the path of a function whose definition is still to come.
+    /// Whether the path names a function that is yet to be defined.
     fn is_pending(&self, function: &Syntax) -> bool {
         let path = self.path_of_function(function);
         self.awaits_definitions() && path.is_some_and(may_be_shared)
     }
 
-    /// Whether calls of functions that are not known yet are no mistakes.
+    /// Whether calls of unknown functions are allowed for now.
     pub(super) fn awaits_definitions(&self) -> bool {
         self.root.is_pending
     }
@@ -93,7 +93,7 @@ impl<'a> Interpreter<'a, '_> {
         self.root.methods.iter().find(|function| function.name == name)
     }
 
-    /// The body of a shared function at the place of its call: it sees its parameters, and what its author's names mean.
+    /// Inlines the body of a shared function: it sees its parameters and the names at its definition.
     fn apply_shared(
         &mut self,
         function: &'a Function,
@@ -132,7 +132,7 @@ impl<'a> Interpreter<'a, '_> {
         value
     }
 
-    /// What `body` is where a function has these parameters and captured this scope.
+    /// The value of `body` with these parameters and this captured scope.
     fn inside_function(
         &mut self,
         captured: Scope,

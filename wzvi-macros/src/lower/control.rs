@@ -15,7 +15,7 @@ use super::value::{Items, Value};
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Symbol};
 
-/// A variable that a loop adds to, with what it holds.
+/// A variable that a loop adds to, with its value.
 type Total = (Rc<Binding>, Expr);
 
 impl<'a> Interpreter<'a, '_> {
@@ -100,7 +100,7 @@ impl<'a> Interpreter<'a, '_> {
                 None => Value::unit(),
             }),
             Value::Condition(condition) => self.undecided(syntax, Some(condition)),
-            // The branches may have mistakes of their own.
+            // Report mistakes in the branches, too.
             Value::Poison => self.undecided(syntax, None),
             other => self.mismatch(&syntax.cond, "a condition", &other),
         }
@@ -178,12 +178,12 @@ impl<'a> Interpreter<'a, '_> {
         items.map(Items::new)
     }
 
-    /// A loop that only adds to its variables is a sum for each of them; another goes item by item.
+    /// A loop that only adds to its variables becomes a sum for each of them; any other is evaluated item by item.
     pub(super) fn for_loop(&mut self, syntax: &'a ExprForLoop) -> Option<Value> {
         let value = self.evaluate(&syntax.expr);
         let sequence = self.as_sequence(&value, &syntax.expr)?;
         let totals = self.totals(&syntax.body)?;
-        // What a closure assigns to is not seen here.
+        // Assignments in closures are not seen here.
         let goes_by_items = self.now.has_mutation && self.has_known_items(&sequence);
         if let Some(totals) = totals.as_ref().filter(|_| !goes_by_items) {
             match self.summing_loop(&sequence, totals, syntax) {
@@ -217,7 +217,7 @@ impl<'a> Interpreter<'a, '_> {
         self.now.scope.leave(outer);
     }
 
-    /// The variables from outside that a block assigns to, with what they hold: `None` inside if that is not real numbers.
+    /// The outer variables that a block assigns to, with their values: `Some(None)` if some are not real numbers.
     fn totals(&mut self, body: &Block) -> Option<Option<Vec<Total>>> {
         let mut targets = Assigned::default();
         targets.visit_block(body);
@@ -237,7 +237,7 @@ impl<'a> Interpreter<'a, '_> {
         Some(Some(totals))
     }
 
-    /// What a loop adds to each of `totals`.
+    /// The sums that a loop adds to each of `totals`.
     fn summing_loop(
         &mut self,
         sequence: &Sequence,
@@ -247,12 +247,12 @@ impl<'a> Interpreter<'a, '_> {
         let placeholders: Vec<Symbol> =
             totals.iter().map(|(binding, _)| self.graph.new_symbol(binding.name.to_string())).collect();
         let mut added = Vec::new();
-        // One pass for each total, so that each has sums of its own; one pass for the mistakes of a loop without any.
+        // One pass per total, so that each has its own sums; without totals one pass, to report mistakes.
         for wanted in 0..totals.len().max(1) {
             let mut is_sum = true;
             let sum = self.through(sequence, false, &syntax.for_token, &mut |this, item| {
                 let outer = this.now.scope.len();
-                // The body has the totals for itself.
+                // The body gets its own copies of the totals.
                 for ((binding, _), &placeholder) in totals.iter().zip(&placeholders) {
                     let total = Value::Real(this.graph.symbol(placeholder));
                     this.declare(binding.name.clone(), total);
@@ -297,7 +297,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 }
 
-/// What a loop adds to its variables.
+/// The effect of a loop on its variables.
 enum Added {
     All(Vec<Expr>),
     /// It does something else.

@@ -11,7 +11,7 @@ use crate::input;
 use crate::model::{Friction, Half, Index, Slot, Term};
 use crate::symbolic::Expr;
 
-/// What is made of the entry for the component at an index.
+/// Maps the entry for the component at an index.
 type Leaf<'l, 'a, 'd> = &'l mut dyn FnMut(&mut Interpreter<'a, 'd>, Value, &Index) -> Option<Expr>;
 
 impl<'a, 'd> Interpreter<'a, 'd> {
@@ -106,8 +106,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         Some(self.graph.product(&[entry, displacement, momentum]))
     }
 
-    /// The sum of what `leaf` makes of every entry of `value`, which has these lengths; where numbers `spread`, one stands for the entries of
-    /// a whole array.
+    /// The sum of `leaf` over the entries of `value`, which has these lengths; with `spread`, a single number applies to all entries of an
+    /// array.
     fn paired(
         &mut self,
         value: Value,

@@ -1,5 +1,5 @@
-//! Fields are references where a user destructures the struct, and copies where the closures are type-checked. This
-//! turns the `*a` of the first spelling into the `a` of the second, wherever `a` is the field.
+//! Fields are references if the user destructures the struct, but copies where the closures are type-checked. This
+//! replaces `*a` by `a` wherever `a` is the field.
 
 use proc_macro2::TokenStream;
 use syn::visit::Visit;
@@ -9,7 +9,7 @@ use syn::{Block, Expr, ExprClosure, ExprForLoop, Ident, Pat, Stmt, UnOp};
 use super::patterns::Names;
 use crate::input::peeled;
 
-/// The closure with `*a` written `a` for `scalars`, if there is such a thing. It is read again: copies of long sums take more of the stack.
+/// The closure with `*a` replaced by `a` for `scalars`, if there is any. It is parsed again, as copying long sums takes more stack.
 pub(super) fn dereferenced(closure: &TokenStream, scalars: &[&Ident]) -> Option<ExprClosure> {
     let mut closure = syn::parse2(closure.clone()).ok()?;
     let mut pass = Dereference { scalars, shadowed: Names::default(), is_needed: false };

@@ -8,10 +8,10 @@ use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::symbolic::{Expr, Function, Graph, Rational};
 
-/// What a function that is made of others is made of.
+/// The definition of a function in terms of others.
 type Composed = fn(&mut Graph, &[Expr]) -> Expr;
 
-/// The functions that are made of others, with their numbers of arguments. Without `None`: [`Interpreter::real_call`] reads them.
+/// The functions defined in terms of others, with their numbers of arguments. `None`: [`Interpreter::real_call`] reads them.
 const COMPOSED: [(&str, usize, Option<Composed>); 12] = [
     ("powi", 2, None),
     ("recip", 1, Some(|graph, x| graph.power(x[0], Rational::MINUS_ONE))),
@@ -58,7 +58,7 @@ pub(crate) fn is_real_method(name: &str) -> bool {
     arity(name).is_some()
 }
 
-/// The method of `f64` that a name of a function means.
+/// The method of `f64` with this name.
 pub(super) fn meant_method(name: &str) -> Option<&str> {
     match name {
         "log" => Some("ln"),

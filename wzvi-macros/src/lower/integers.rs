@@ -1,4 +1,4 @@
-//! Integers: exact arithmetic on what is known, and on loop variables, sizes and integers of the struct.
+//! Integers: exact arithmetic on known values, loop variables, sizes and integers of the struct.
 
 use quote::ToTokens;
 use syn::{BinOp, ExprMethodCall};
@@ -33,8 +33,8 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// `value` as an integer that is known: for an exponent, a number of items, a position among different things. A loop
-    /// variable in it has the loop evaluated by turns.
+    /// `value` as a known integer: for an exponent, a number of items, a position in a heterogeneous list. If it contains
+    /// a loop variable, the loop is evaluated iteration by iteration.
     pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
         match &value {
             Value::Poison => None,
@@ -62,14 +62,14 @@ impl<'a> Interpreter<'a, '_> {
             BinOp::Sub(_) => a.subtract(&b),
             BinOp::Mul(_) => a.multiply(&b),
             BinOp::Div(_) => a.divide(&b),
-            // What is known to be below the modulus wraps nowhere.
+            // A value known to be below the modulus does not wrap.
             _ if a.as_integer().is_none() && self.bounded(|bounds| bounds.is_below(&a, &b)) => Some(a),
             _ => a.remainder(&b),
         };
         self.integer(result, at)
     }
 
-    /// What integer arithmetic made, if it did.
+    /// The result of integer arithmetic, if it did not overflow.
     pub(super) fn integer(&mut self, result: Option<Index>, at: &dyn ToTokens) -> Option<Value> {
         match result {
             Some(index) => Some(Value::index(index)),
@@ -129,7 +129,7 @@ impl<'a> Interpreter<'a, '_> {
             "rem_euclid" if self.is_nonnegative(own) => own.remainder(other),
             // a mod n for a down to -n.
             "rem_euclid" => own.add(other)?.remainder(other),
-            // Rounding towards zero is rounding down for what is not negative.
+            // For nonnegative values, rounding towards zero is rounding down.
             _ if self.is_nonnegative(own) => own.divide(other),
             _ => None,
         }

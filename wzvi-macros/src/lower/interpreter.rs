@@ -1,4 +1,4 @@
-//! The interpreter: its state, its budget, and which rule reads which expression.
+//! The interpreter: its state, its budget, and the dispatch on expressions.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -16,14 +16,14 @@ use crate::input::{Container, Function, Kind, Library, peeled};
 use crate::model::symbols::Symbols;
 use crate::symbolic::{Expr, Graph};
 
-/// Operations that one Hamiltonian may unroll to.
+/// The most operations of one unrolled Hamiltonian.
 const MAX_STEPS: usize = 200_000;
-/// Nesting of expressions and calls, which is nesting of stack frames here.
+/// The deepest nesting of expressions and calls, which nests stack frames.
 const MAX_DEPTH: usize = 128;
-/// Variables in scope: every closure keeps the scope it was made in.
+/// The most variables in scope: every closure keeps the scope in which it was made.
 const MAX_VARIABLES: usize = 1024;
 
-/// Integers that one integer may be made of.
+/// The most integers in the expression of one integer.
 const MAX_ATOMS: usize = 4096;
 
 /// The name of `while` and `loop` in messages, and what to write instead.
@@ -49,7 +49,7 @@ pub(super) struct Interpreter<'a, 'd> {
     diagnostics: &'d mut Diagnostics,
 }
 
-/// Where the evaluation of one Hamiltonian is.
+/// The state of the evaluation of one Hamiltonian.
 #[derive(Default)]
 pub(super) struct Evaluation<'a> {
     pub(super) scope: Scope,
@@ -58,9 +58,9 @@ pub(super) struct Evaluation<'a> {
     pub(super) library: Option<&'a Library>,
     /// The shared functions around the current expression.
     pub(super) calls: Vec<&'a Function>,
-    /// Where in the scope the variables of the closure that is called begin, after those that it captured.
+    /// The position in the scope of the first variable of the called closure, after the captured ones.
     pub(super) frame: usize,
-    /// Whether a closure assigns to what it captured: the items of what it maps have to be made in their order.
+    /// Whether a closure assigns to captured variables: then the items that it maps must be evaluated in order.
     pub(super) has_mutation: bool,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
@@ -80,26 +80,26 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         Self { graph, system, parameters, root, symbols, tables, space, now, diagnostics }
     }
 
-    /// Forgets everything but the graph and what its symbols stand for: the next Hamiltonian starts.
+    /// Starts the next Hamiltonian: clears everything but the graph and the meaning of its symbols.
     pub(super) fn start(&mut self) {
         self.now = Evaluation { library: Some(self.root), ..Evaluation::default() };
     }
 
-    /// Reports a mistake, unless it may be resolved later: in a loop that can be evaluated turn by turn, uses that a symbolic variable
-    /// does not allow are evaluated again with its values.
+    /// Reports a mistake, unless it may be resolved later: a loop that can be evaluated iteration by iteration is repeated with the
+    /// values of its variable, where the symbolic variable is not allowed.
     pub(super) fn report(&mut self, error: syn::Error) {
         if !self.request_turns(|_| true) {
             self.diagnostics.report(error);
         }
     }
 
-    /// The same where there is nothing to go on with.
+    /// The same, returning `None`.
     pub(super) fn refuse<T>(&mut self, error: syn::Error) -> Option<T> {
         self.report(error);
         None
     }
 
-    /// Reports what was expected in the place of a value.
+    /// Reports a value of the wrong kind.
     pub(super) fn mismatch<T>(&mut self, at: &dyn ToTokens, expected: &str, found: &Value) -> Option<T> {
         self.refuse(expressions::expected(at, expected, found.describe()))
     }
@@ -109,7 +109,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.diagnostics.count()
     }
 
-    /// Takes `steps` from the budget; `false` once it is spent.
+    /// Deducts `steps` from the budget; `false` once it is spent.
     pub(super) fn spend(&mut self, steps: usize, at: &dyn ToTokens) -> bool {
         self.now.steps = self.now.steps.saturating_add(steps);
         if self.now.steps > MAX_STEPS && !std::mem::replace(&mut self.now.exhausted, true) {
@@ -148,7 +148,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.within_limits(value, syntax).unwrap_or_default()
     }
 
-    /// Which rule reads which expression.
+    /// Dispatches on the kind of expression.
     fn read(&mut self, syntax: &'a Syntax) -> Option<Value> {
         match syntax {
             Syntax::Lit(literal) => self.literal(&literal.lit),
@@ -252,7 +252,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.graph.symbol(symbol)
     }
 
-    /// What a place holds: a real number is read at once, the rest waits for its use.
+    /// The content of a place: a real number is read at once, anything else on use.
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Option<Value> {
         Some(match &place.kind {
             Kind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),

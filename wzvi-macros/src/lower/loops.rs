@@ -1,9 +1,8 @@
 //! Loops: the body of one is evaluated once, at its variable, and its sum becomes a symbol.
 //!
-//! A comparison that neither the loops nor earlier assumptions decide splits the loop in two. Where a symbolic variable is not
-//! enough (an exponent, a position in a list of different things, an assignment to a variable from outside), the value comes from
-//! turns: the evaluation is abandoned, and the loop evaluates its body again for each value of its variable, if they are
-//! known.
+//! A comparison decided neither by the loops nor by earlier assumptions splits the loop in two. Where a symbolic variable does
+//! not suffice (an exponent, a position in a heterogeneous list, an assignment to an outer variable), the loop is evaluated in
+//! turns: the evaluation is abandoned, and the body is evaluated again for each value of the loop variable, if these are known.
 
 use quote::ToTokens;
 
@@ -13,13 +12,13 @@ use crate::diagnostics::expressions;
 use crate::model::{Atom, Bounds, Index, Loop, Slot};
 use crate::symbolic::{Expr, Rational, Relation};
 
-/// Loops, and sums, inside of each other: a sum over so many indices of a handful of places each would never end.
+/// The deepest nesting of loops and sums: a sum over that many indices would never end, even with a handful of places each.
 const MOST_NESTED: usize = 16;
 
-/// Parts that one loop may be split into.
+/// The most parts into which one loop is split.
 const MOST_CASES: usize = 64;
 
-/// `d < 0` or `d <= 0` as it was assumed, or not, in one part of a loop.
+/// `d < 0` or `d <= 0`, assumed to hold or not in one part of a loop.
 #[derive(Clone)]
 struct Assumption {
     difference: Index,
@@ -41,12 +40,12 @@ pub(super) struct Loops {
     /// Outermost first.
     active: Vec<Loop>,
     cases: Vec<Case>,
-    /// The loop that has to be evaluated turn by turn: everything up to it is abandoned.
+    /// The loop to be evaluated in turns: the evaluation up to it is abandoned.
     by_turns: Option<u32>,
 }
 
 impl<'a> Interpreter<'a, '_> {
-    /// Whether the evaluation is on its way to a loop that starts again: nothing in between has a meaning.
+    /// Whether the evaluation is returning to a loop that starts again; intermediate results are meaningless.
     pub(super) fn is_abandoned(&self) -> bool {
         self.now.loops.by_turns.is_some()
     }
@@ -56,7 +55,7 @@ impl<'a> Interpreter<'a, '_> {
         self.now.loops.active.len()
     }
 
-    /// Evaluates `body` inside of a loop that is placed from outside.
+    /// Evaluates `body` inside a given loop.
     pub(super) fn inside<T>(
         &mut self,
         range: Option<&Loop>,
@@ -68,7 +67,7 @@ impl<'a> Interpreter<'a, '_> {
         value
     }
 
-    /// Whether the evaluation was abandoned for turns of the loop over `variable`; it is not any more.
+    /// Whether the evaluation was abandoned for turns of the loop over `variable`; if so, resumes it.
     pub(super) fn takes_turns(&mut self, variable: u32) -> bool {
         let is_own = self.now.loops.by_turns == Some(variable);
         if is_own {
@@ -218,7 +217,7 @@ impl<'a> Interpreter<'a, '_> {
         if self.now.loops.active.len() >= MOST_NESTED {
             return self.refuse(expressions::too_many_loops(at, MOST_NESTED));
         }
-        // Evaluated once, however many turns there are.
+        // Evaluated once, for any number of turns.
         let variable = self.symbols.variable(self.now.loops.active.len());
         let whole = Loop { variable, start: Index::default(), end: length.clone() };
         let outer = (self.now.loops.active.len(), self.now.loops.cases.len());
@@ -249,7 +248,7 @@ impl<'a> Interpreter<'a, '_> {
         body: &mut dyn FnMut(&mut Self, &Index) -> Option<Expr>,
     ) -> Option<Expr> {
         let variable = whole.variable;
-        // The parts share a variable: they are loops beside each other.
+        // The parts share a variable: they are successive loops.
         let mut pending = vec![Vec::new()];
         let mut terms = Vec::new();
         while let Some(assumed) = pending.pop() {

@@ -1,4 +1,4 @@
-//! `match` on integers and conditions: a chain of `if`, whose last arm stands for all that is left, as `rustc` checks.
+//! `match` on integers and conditions: a chain of `if`, whose last arm covers the rest, as checked by `rustc`.
 
 use quote::ToTokens;
 use syn::{BinOp, Expr as Syntax, ExprMatch, Pat, RangeLimits};
@@ -8,7 +8,7 @@ use super::value::Value;
 use crate::diagnostics::expressions;
 use crate::symbolic::Expr;
 
-/// An arm that is taken under a condition; the condition of the last one is not asked for.
+/// An arm with its condition; that of the last arm is not used.
 struct Choice<'a> {
     condition: Option<Expr>,
     value: Value,
@@ -30,7 +30,7 @@ impl<'a> Interpreter<'a, '_> {
         value
     }
 
-    /// The value of the arm that is known to be taken, or a choice between those that may be.
+    /// The value of the arm known to be taken, or a choice between the possible arms.
     fn choose_arm(&mut self, scrutinee: &Value, syntax: &'a ExprMatch) -> Option<Value> {
         let mut choices: Vec<Choice<'a>> = Vec::new();
         for arm in &syntax.arms {
@@ -38,7 +38,7 @@ impl<'a> Interpreter<'a, '_> {
                 Some(Value::Known(false)) => continue,
                 Some(Value::Known(true)) => None,
                 Some(Value::Condition(condition)) => Some(condition),
-                // The arms may have mistakes of their own.
+                // Report mistakes in the arms, too.
                 _ => {
                     let outer = self.now.scope.len();
                     self.now.branch += 1;
@@ -59,7 +59,7 @@ impl<'a> Interpreter<'a, '_> {
                 break;
             }
         }
-        // Without any, `rustc` says which values no arm takes.
+        // Without arms, `rustc` reports the missing values.
         let last = choices.pop()?;
         choices.into_iter().rev().try_fold(last.value, |otherwise, choice| {
             self.select(choice.condition?, &choice.value, &otherwise)
@@ -67,7 +67,7 @@ impl<'a> Interpreter<'a, '_> {
         })
     }
 
-    /// Whether `scrutinee` is what a pattern stands for.
+    /// Whether `scrutinee` matches a pattern.
     fn pattern_condition(&mut self, scrutinee: &Value, pattern: &'a Pat) -> Option<Value> {
         match pattern {
             Pat::Wild(_) => Some(Value::Known(true)),

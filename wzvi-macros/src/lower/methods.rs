@@ -46,7 +46,7 @@ const OF_SEQUENCES: &Methods = &[
 ];
 
 impl<'a> Interpreter<'a, '_> {
-    /// The name of the method that is called; what is wrong with the call is reported.
+    /// The name of the called method; reports a wrong call.
     pub(super) fn known_method(
         &mut self,
         methods: &Methods,
@@ -76,7 +76,7 @@ impl<'a> Interpreter<'a, '_> {
         syntax: &'a ExprMethodCall,
     ) -> Option<Value> {
         let name = self.known_method(OF_SEQUENCES, "lists and iterators", syntax)?;
-        // Lists are made at once; where no order can tell, their items are made when they are asked for.
+        // Lists are evaluated at once; if order does not matter, items are evaluated on demand.
         let makes_list = matches!(name, "collect" | "to_vec") || name == "map" && sequence.is_list();
         let from = origin(&syntax.receiver);
         let value = match (name, arguments) {
@@ -140,7 +140,8 @@ impl<'a> Interpreter<'a, '_> {
         Some(Value::Real(if product { self.graph.product(&reals) } else { self.graph.sum(&reals) }))
     }
 
-    /// `fold(start, |total, x| ...)`: a sum written by hand is a loop, anything else goes item by item.
+    /// `fold(start, |total, x| ...)`: a sum written by hand becomes a loop, anything else is evaluated
+    /// item by item.
     fn fold(
         &mut self,
         sequence: &Sequence,
@@ -180,12 +181,12 @@ impl<'a> Interpreter<'a, '_> {
         Some(total)
     }
 
-    /// Whether the items can be had one by one, now or in turns of the loops around.
+    /// Whether the items can be evaluated one by one, now or in turns of the surrounding loops.
     pub(super) fn has_known_items(&self, sequence: &Sequence) -> bool {
         sequence.length.as_ref().is_none_or(Index::is_closed)
     }
 
-    /// A list of what a sequence has now.
+    /// The current items of a sequence as a list.
     pub(super) fn known_list(&mut self, sequence: &Sequence, at: &dyn ToTokens) -> Option<Items> {
         self.items(sequence, at).map(Items::new)
     }

@@ -1,5 +1,5 @@
-//! From closures to expressions: an abstract interpreter of `syn::Expr`. Local closures are inlined, what depends on the state
-//! or on parameters becomes symbolic, sums become symbols. Only this module reads Rust expressions.
+//! From closures to expressions: an abstract interpreter of `syn::Expr`. Local closures are inlined, values that depend on the
+//! state or on parameters become symbolic, sums become symbols. Only this module reads Rust expressions.
 
 mod arrays;
 mod calls;
@@ -44,10 +44,10 @@ use value::Value;
 pub(crate) use names::{is_constant_name, is_self, key, may_be_shared, type_of};
 pub(crate) use patterns::Names;
 
-/// Members of a family that may be noises of their own.
+/// The most members of a family that become separate noises.
 const MOST_MEMBERS: i128 = 10_000;
 
-/// A field with the name of a variable of a closure could be meant where the variable is read: it is reported once.
+/// A field with the name of a closure variable is ambiguous: it is reported once.
 fn check_names(container: &Container, declaration: &Declaration, diagnostics: &mut Diagnostics) {
     let mut names = patterns::Names::default();
     for closure in declaration.in_order() {
@@ -133,12 +133,12 @@ pub(crate) fn lower(
     })
 }
 
-/// What was declared; `None` if that was not understood.
+/// The declared terms; `None` if they were not understood.
 fn required<T>(declared: Option<Option<T>>) -> Option<Option<T>> {
     declared.map_or(Some(None), |known| known.map(Some))
 }
 
-/// The phase space as closures see it.
+/// The phase space seen by closures.
 struct Space<'s> {
     shape: &'s Shape,
     /// The outermost size.
@@ -178,7 +178,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         }
     }
 
-    /// A noise, or a family of them. Members that differ in more than a number are noises of their own.
+    /// A noise, or a family of noises. Members that differ in more than a number become separate noises.
     fn noise(&mut self, noise: &'a Hamiltonian) -> Option<Vec<Noise>> {
         let is_force = noise.role.is_covector();
         let Some(count) = &noise.family else {
@@ -203,7 +203,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         members.collect()
     }
 
-    /// Closures, each on its own.
+    /// Lowers closures independently.
     fn terms(&mut self, closures: impl Iterator<Item = &'a Hamiltonian>) -> Vec<Option<Term>> {
         closures.map(|closure| self.term(closure, None)).collect()
     }
@@ -220,7 +220,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         self.lowered(&closure.body, |this| this.value(hamiltonian, member))
     }
 
-    /// What `evaluate` makes of `body`.
+    /// The result of `evaluate` for `body`.
     fn lowered(
         &mut self,
         body: &'a Syntax,
@@ -231,7 +231,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let value = evaluate(self);
         let is_explained = self.mistakes() > mistakes || self.awaits_definitions();
         if value.is_none() && !is_explained && !self.is_abandoned() {
-            // All else that fails in silence is arithmetic on indices.
+            // Any other silent failure is index arithmetic.
             self.report(expressions::integer_arithmetic(interpreter::result_of(body)));
         }
         let extent = Extent::of(body);
@@ -264,7 +264,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         })
     }
 
-    /// The number of noises of a family: an integer literal, a constant, a size, a field, or what is made of them.
+    /// The number of noises of a family: an integer expression of literals, constants, sizes and fields.
     fn family_count(&mut self, count: &'a Syntax) -> Option<Index> {
         let count = peeled(count);
         let known = match count {

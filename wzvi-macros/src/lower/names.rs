@@ -1,4 +1,4 @@
-//! What names stand for: variables, fields, constants.
+//! Name resolution: variables, fields, constants.
 
 use std::collections::HashMap;
 
@@ -112,7 +112,7 @@ impl<'a> Interpreter<'a, '_> {
         part.or_else(|| self.mismatch(&syntax.member, "a field of the struct or of a tuple", &value))
     }
 
-    /// The field, and of several under different `#[cfg]`s one that can be read.
+    /// The field; of several under different `#[cfg]`s, a readable one.
     fn find_field(&self, wanted: impl Fn(&Member) -> bool) -> Option<&'a Field> {
         let system = self.system;
         let mut fields = system.fields.iter().filter(|field| wanted(&field.member));
@@ -130,7 +130,7 @@ impl<'a> Interpreter<'a, '_> {
         self.place(Place::new(name, tokens, field.kind.clone()), at)
     }
 
-    /// The field that a bare name means, as it is displayed and read: no size and no variable has the name.
+    /// The field of a bare name, as displayed and as read, if no size or variable has the name.
     pub(super) fn own_field(&self, name: &Ident) -> Option<(String, TokenStream)> {
         if self.system.sizes.contains(name) {
             return None;
@@ -143,7 +143,7 @@ impl<'a> Interpreter<'a, '_> {
     }
 }
 
-/// `self` has to be that of the method which the tokens end up in; a field's name is the same everywhere.
+/// `self` must be that of the emitted method; field names need no adaptation.
 fn displayed_and_read(field: &Field) -> (String, TokenStream) {
     let member = &field.member;
     let name = match member {
@@ -179,8 +179,7 @@ pub(crate) fn is_constant_name(name: &Ident) -> bool {
     name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
 }
 
-/// Whether a path names a function that somebody may have written for Hamiltonians: no function of `f64`, with or without
-/// its type, and no constructor.
+/// Whether a path may name a shared function: neither a function of `f64`, with or without its type, nor a constructor.
 pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
     let segments = &path.path.segments;
     let Some(last) = segments.last().map(|last| last.ident.to_string()) else { return false };
@@ -195,7 +194,7 @@ pub(crate) fn type_of(path: &Path) -> Option<&Ident> {
     first.ident.to_string().starts_with(char::is_uppercase).then_some(&first.ident)
 }
 
-/// A path as calls are compared: without spaces.
+/// A path without spaces, for comparison of calls.
 pub(crate) fn key(path: &impl ToTokens) -> String {
     path.to_token_stream().to_string().replace(' ', "")
 }

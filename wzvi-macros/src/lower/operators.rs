@@ -59,7 +59,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// That a condition does not hold; `None` for what is none.
+    /// The negation of a condition; `None` for other values.
     pub(super) fn denied(&mut self, condition: &Value) -> Option<Value> {
         match *condition {
             Value::Known(holds) => Some(Value::Known(!holds)),
@@ -68,7 +68,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// A binary operator. Long chains lean left: they are walked, not recursed into.
+    /// A binary operator. Long chains are left-associative: they are traversed without recursion.
     pub(super) fn binary(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
         if matches!(syntax.op, BinOp::And(_) | BinOp::Or(_)) {
             return self.logical(syntax);
@@ -79,7 +79,7 @@ impl<'a> Interpreter<'a, '_> {
         if matches!(syntax.op, BinOp::BitXor(_)) {
             let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
             self.report(expressions::power(quote!(#base #exponent), base, exponent));
-            // The left side may have others.
+            // The left side may contain further operators.
             if let Syntax::Binary(_) = &*syntax.left {
                 self.evaluate(&syntax.left);
             }
@@ -121,12 +121,12 @@ impl<'a> Interpreter<'a, '_> {
         link: &'a ExprBinary,
     ) -> Option<Chain> {
         let Some(chain) = chain else {
-            // An integer may be right; anything else that is no number is wrong by itself.
+            // An integer may be valid; any other non-number is a mistake by itself.
             right.filter(|right| !right.is_integer()).and_then(|right| self.real(right, &link.right));
             return None;
         };
         let right = right?;
-        // Both sides are read first: each may be wrong on its own.
+        // Both sides are read first, to report mistakes in each.
         let chain = match chain {
             Chain::Value(left) if self.are_integers(&left, &right) => {
                 return self.integer_operation(&left, operator, &right, link).map(Chain::Value);
@@ -247,7 +247,7 @@ impl<'a> Interpreter<'a, '_> {
     fn logical(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
         let and = matches!(syntax.op, BinOp::And(_));
         let left = self.evaluate(&syntax.left);
-        // As in Rust, the right side is not looked at when the left decides.
+        // As in Rust, the right side is not evaluated if the left side decides.
         if let Value::Known(known) = left
             && known != and
         {
@@ -335,7 +335,7 @@ fn power_of(link: &ExprBinary) -> Option<&Syntax> {
     }
 }
 
-/// The operand before an operator, whatever binds tighter than it in other languages.
+/// The operand directly before an operator, as if the operator bound most tightly.
 fn last_operand(syntax: &Syntax) -> &Syntax {
     match syntax {
         Syntax::Binary(binary) => last_operand(&binary.right),

@@ -1,4 +1,4 @@
-//! Patterns: the names that they bind to a value.
+//! Patterns: binding of names to values.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -35,7 +35,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// Declares the names of a pattern that was reported: they would be reported again wherever they are used.
+    /// Declares the names of a reported pattern, to avoid further messages at their uses.
     pub(super) fn poison(&mut self, pattern: &Pat) {
         let mut names = Names::default();
         names.visit_pat(pattern);
@@ -68,7 +68,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// The elements of `value`, if it is what the pattern takes apart.
+    /// The elements of `value`, if it matches the pattern.
     fn parts(
         &mut self,
         value: Value,

@@ -14,7 +14,7 @@ pub(super) struct Binding {
     pub(super) value: RefCell<Value>,
     /// Number of undecided branches around its declaration: it may only be assigned there.
     pub(super) branch: u32,
-    /// Number of loops around its declaration: an assignment in another has them evaluated by turns.
+    /// Number of loops around its declaration: an assignment inside more loops has these evaluated in turns.
     pub(super) loops: usize,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Binding {
 pub(super) struct Scope(Vec<Rc<Binding>>);
 
 impl Scope {
-    /// The innermost variable of this name that was written in the same place as the use: a name in the text of a
+    /// The innermost variable of this name with the same hygiene as the use: a name in the text of a
     /// `macro_rules!` never means the same name in its arguments.
     pub(super) fn find(&self, name: &Ident) -> Option<&Rc<Binding>> {
         let context = context(name);
@@ -76,8 +76,8 @@ impl Scope {
     }
 }
 
-/// What tells apart equal names of different macros: `rustc` prints a span as `#context bytes(..)`. Empty if there is
-/// nothing to tell.
+/// The hygiene context, which distinguishes equal names of different macros: `rustc` prints a span as
+/// `#context bytes(..)`. Empty if there is none.
 pub(super) fn context(name: &Ident) -> String {
     let span = format!("{:?}", name.span());
     match span.split_once(' ') {

@@ -1,5 +1,5 @@
-//! Lists, ranges and iterators: a length, and a closure for the item at a position. None is walked until something needs its
-//! items one by one, and a sum over one becomes a loop.
+//! Lists, ranges and iterators: a length, and a closure for the item at a position. A sequence is enumerated only if its
+//! items are needed one by one; a sum over one becomes a loop.
 
 use std::rc::Rc;
 
@@ -15,33 +15,33 @@ use crate::symbolic::{Expr, Rational};
 /// The item at a position.
 type ItemAt = Box<dyn for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value>>;
 
-/// What is added for an item.
+/// The term of an item.
 type Each<'f, I> = &'f mut dyn FnMut(&mut I, Value) -> Option<Expr>;
 
-/// A list, a range, or what is left of an iterator.
+/// A list, a range, or an iterator.
 pub(super) struct Sequence {
     pub(super) source: Source,
     /// The number of items; `None` if they have no end, or no positions.
     pub(super) length: Option<Index>,
-    /// `None` where only those before an item tell its position.
+    /// `None` if the position of an item depends on those before it.
     item: Option<ItemAt>,
     /// Levels of sequences inside this one, itself included.
     pub(super) depth: u32,
 }
 
-/// Where items come from, as far as it matters.
+/// The origin of the items.
 pub(super) enum Source {
     /// `start..end`; without an end it only bounds others.
     Range(Index, Option<Index>),
-    /// What the state or the struct hold.
+    /// A list in the state or the struct.
     Array(Rc<Array>),
-    /// Values that were written one by one.
+    /// Values listed individually.
     Known(Items),
-    /// Other sequences, by positions.
+    /// Items of other sequences, by position.
     Positions,
     Chain(Rc<Sequence>, Rc<Sequence>),
     Filter(Rc<Sequence>, Value),
-    /// The items of what a function makes of each item, or of the items themselves.
+    /// The concatenated results of a function of each item, or the concatenated items.
     Flat(Rc<Sequence>, Option<Value>),
     /// A function of items that have no positions.
     Map(Rc<Sequence>, Value),
@@ -53,7 +53,7 @@ impl Sequence {
         length: Option<Index>,
         item: impl for<'a, 'd> Fn(&mut Interpreter<'a, 'd>, &Index, &dyn ToTokens) -> Option<Value> + 'static,
     ) -> Self {
-        // A known length is not negative; of another the loop sees to that.
+        // A known length is clamped to zero; otherwise the loop ensures that.
         let is_negative = length.as_ref().and_then(Index::as_integer).is_some_and(|length| length < 0);
         let length = if is_negative { Some(Index::default()) } else { length };
         Self { source, length, item: Some(Box::new(item)), depth }
@@ -86,7 +86,7 @@ impl Sequence {
         })
     }
 
-    /// What has to be walked.
+    /// A sequence that has to be enumerated.
     fn walked(source: Source, depth: u32) -> Self {
         Self { source, length: None, item: None, depth }
     }
@@ -101,7 +101,7 @@ impl Sequence {
         Self::new(made, length, move |this, k, at| this.item(&inner, &position(k)?, at))
     }
 
-    /// Lists of items beside each other, by where they start and how long they are.
+    /// Lists of adjacent items, by start and length.
     fn stretches(
         inner: Rc<Self>,
         length: Option<Index>,
@@ -114,7 +114,7 @@ impl Sequence {
         })
     }
 
-    /// What a function makes of the items.
+    /// The function of each item.
     fn mapped(inner: Rc<Self>, function: Value) -> Self {
         let depth = inner.depth + 1;
         if inner.item.is_none() {
@@ -137,7 +137,7 @@ impl Sequence {
         })
     }
 
-    /// One after another: two sums, and where both have positions a list of both.
+    /// Concatenation: two sums, and, if both have positions, one list.
     fn chained(a: Rc<Self>, b: Rc<Self>) -> Self {
         let (source, depth) = (Source::Chain(a.clone(), b.clone()), a.depth.max(b.depth) + 1);
         let (Some(_), Some(_), Some(first)) = (&a.item, &b.item, a.length.clone()) else {
@@ -180,7 +180,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// What becomes another sequence by an argument, if there is one, whose place is `at`; `from` is where the first was written.
+    /// The sequence made by a method with an optional argument, at `at`; `from` is the place of the original sequence.
     pub(super) fn adapted(
         &mut self,
         name: &str,
@@ -220,7 +220,7 @@ impl<'a> Interpreter<'a, '_> {
             return self.refuse(expressions::integer_arithmetic(at));
         }
         let last = number.shifted(-1)?;
-        // With what is left over.
+        // Including the remainder.
         let parts = length.as_ref().and_then(|length| length.add(&last)?.divide(&number));
         Some(match name {
             "skip" => {
@@ -244,7 +244,7 @@ impl<'a> Interpreter<'a, '_> {
         })
     }
 
-    /// The sequence with positions: walked, if it has none.
+    /// The sequence with positions: enumerated, if it has none.
     fn positioned(&mut self, sequence: Rc<Sequence>, at: &dyn ToTokens) -> Option<Rc<Sequence>> {
         match sequence.item {
             Some(_) => Some(sequence),
@@ -321,7 +321,8 @@ impl<'a> Interpreter<'a, '_> {
         None
     }
 
-    /// `Σ f(item)`, with a symbol for every loop; with `one_by_one` there is none, and what is filtered is known.
+    /// `Σ f(item)`, with a symbol for every loop; with `one_by_one` there is no loop, and filter conditions must be
+    /// known.
     pub(super) fn through(
         &mut self,
         sequence: &Sequence,
@@ -371,7 +372,7 @@ impl<'a> Interpreter<'a, '_> {
                             f(this, item)
                         })
                     }
-                    // What was written one by one is added up one by one.
+                    // Individually listed values are added one by one.
                     Some(_) | None => {
                         let mut terms = Vec::new();
                         for item in self.items(sequence, at)? {
@@ -384,7 +385,7 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
-    /// Reports what a filter asks for instead of a condition, or of one that is known.
+    /// Reports a filter whose result is not a condition, or not a known one.
     fn no_condition<T>(
         &mut self,
         predicate: &Value,

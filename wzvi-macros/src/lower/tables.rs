@@ -1,4 +1,4 @@
-//! Lists and integers that the struct or a constant holds.
+//! Lists and integers of the struct or of constants.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ impl Tables {
         self.list
     }
 
-    /// What `tokens` read.
+    /// The value read by `tokens`.
     pub(super) fn add(
         &mut self,
         name: &str,
@@ -51,12 +51,12 @@ impl Tables {
         self.named_size(name.strip_prefix("self.").unwrap_or(&name), &expr.to_token_stream())
     }
 
-    /// What is not negative and known by `name` to a reader.
+    /// A nonnegative integer displayed as `name`.
     pub(super) fn named_size(&mut self, name: &str, tokens: &TokenStream) -> Index {
         Index::atom(Atom::Given(self.add(name, tokens, true, Vec::new()), Vec::new()))
     }
 
-    /// What `suffix` says of the entries of a list.
+    /// The integer that `suffix` reads of the entries of a list.
     pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
         let Some(list) = self.list.get(id as usize).cloned() else { return id };
         let name = format!("{}{suffix}", list.name).replace(' ', "");

@@ -12,7 +12,7 @@ use crate::input::{Container, Declaration, Field, Given, Hamiltonian, Kind, Shap
 use crate::tokens::{self, words};
 
 /// Dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
-/// written: it has to name the type that it was read as, and its import is in use.
+/// written: it must name the type as which it was read, and its import counts as used.
 pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: &Shape) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, _, condition) = system.item.generics.split_for_impl();
@@ -50,8 +50,8 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
         let meant = embedding.value.path(root);
         quote!(#checks::is_same::<#meant>(#checks::PhantomData::<#written>);)
     });
-    // Lints would fire at the user's tokens a second time; `rustc` and clippy see the closures nowhere else, but what
-    // they would say about style in generated code helps nobody.
+    // Lints would fire a second time at the user's tokens. `rustc` and clippy see the closures only here, but style
+    // messages about generated code are useless.
     quote! {
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {
@@ -68,7 +68,7 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
     }
 }
 
-/// `checks`, with underscores where the user has the name.
+/// `checks`, with underscores if the user has that name.
 fn unused_name(system: &Container, declaration: &Declaration) -> TokenStream {
     let given = given(declaration).map(|given| &given.tokens);
     let written = declaration.in_order().map(|closure| &closure.tokens).chain(given);
@@ -87,7 +87,7 @@ fn given(declaration: &Declaration) -> impl Iterator<Item = &Given> {
     declaration.friction.iter().map(|friction| &friction.given).chain(&declaration.temperature)
 }
 
-/// The generics of the struct as arguments. Numbers stand in braces: a type around may have their name.
+/// The generics of the struct as arguments. Numbers are in braces, as a type in scope may have their name.
 fn arguments(generics: &Generics) -> TokenStream {
     let arguments = generics.params.iter().map(|parameter| match parameter {
         GenericParam::Lifetime(lifetime) => lifetime.lifetime.to_token_stream(),
@@ -100,7 +100,7 @@ fn arguments(generics: &Generics) -> TokenStream {
     quote!(<#( #arguments ),*>)
 }
 
-/// The functions of the run time that take closures, by what these take.
+/// The functions of the run time that take closures, by the arguments of these.
 struct Takers<'t> {
     checks: &'t TokenStream,
     vector: &'t TokenStream,
@@ -140,7 +140,7 @@ fn fields_in(system: &Container, tokens: &TokenStream) -> Vec<TokenStream> {
     system.fields.iter().flat_map(|field| bindings(field, &used)).collect()
 }
 
-/// A closure whose entries are taken by a function inside, so that what it maps may borrow its parameters.
+/// A closure whose entries are consumed by an inner function, so that iterators may borrow its parameters.
 fn with_entries(closure: &ExprClosure, entries: &TokenStream) -> TokenStream {
     let ExprClosure { lifetimes, capture, inputs_begin, inputs, inputs_end, body, .. } = closure;
     quote! { #lifetimes #capture #inputs_begin #inputs #inputs_end { #entries(#body) } }
@@ -157,12 +157,12 @@ fn bindings(field: &Field, used: &[Ident]) -> Vec<TokenStream> {
     names.map(|name| quote! { #( #conditions )* let #name = #reference self.#member; }).collect()
 }
 
-/// Whether the field is copied into scope: then `a > 0.0` and `f64::sin(a)` are as good as `*a`.
+/// Whether the field is copied into scope: then `a > 0.0` and `f64::sin(a)` are valid without `*`.
 fn is_scalar(field: &Field) -> bool {
     matches!(field.kind, Kind::Real | Kind::Integer)
 }
 
-/// The tokens with every `self` meaning that of the method around them, whichever macro wrote it.
+/// The tokens with every `self` referring to the surrounding method, whichever macro wrote it.
 fn with_our_self(tokens: TokenStream) -> TokenStream {
     tokens::replaced(tokens, &|mut token| {
         if let TokenTree::Ident(name) = &mut token

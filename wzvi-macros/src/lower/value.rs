@@ -15,7 +15,7 @@ use crate::symbolic::Expr;
 pub(super) enum Value {
     /// A real number, symbolically.
     Real(Expr),
-    /// An integer, known or made of loop variables, sizes and integers of the struct.
+    /// An integer, known or an expression of loop variables, sizes and integers of the struct.
     Index(Rc<Index>),
     /// A constant, whose type only `rustc` knows.
     Constant(Rc<Place>),
@@ -24,13 +24,13 @@ pub(super) enum Value {
     /// A condition that depends on the state or on parameters.
     Condition(Expr),
     Tuple(Items),
-    /// A list, a range, or what is left of an iterator.
+    /// A list, a range, or an iterator.
     Sequence(Rc<Sequence>),
     /// Position in the interpreter's list of closures.
     Closure(usize),
     /// `f64::sin` and the like, as a value.
     Function(Rc<str>),
-    /// The value of something that was reported: values computed from it are not reported again.
+    /// A value with a reported mistake: values computed from it are not reported again.
     #[default]
     Poison,
 }
@@ -100,7 +100,7 @@ impl Value {
         matches!(self, Self::Poison)
     }
 
-    /// The value, if it is one.
+    /// The value as an integer, if it is one.
     pub(super) fn known(self) -> Option<Self> {
         Some(self).filter(|value| !value.is_poison())
     }
@@ -125,7 +125,7 @@ impl Value {
         }
     }
 
-    /// The number of integers that an integer, or a length, is made of.
+    /// The number of integers in the expression of an integer or a length.
     pub(super) fn atoms(&self) -> usize {
         match self {
             Self::Index(index) => index.atoms(),

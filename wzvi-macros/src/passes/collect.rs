@@ -1,5 +1,5 @@
-//! From expressions with symbols for sums to elements: `f + Σ_i g_i` is the element `f` and what `g_i` is made of, with
-//! one loop more. A factor in front of a sum goes inside.
+//! From expressions with symbols for sums to elements: `f + Σ_i g_i` is the element `f` and the elements of `g_i`, with
+//! one more loop. A factor in front of a sum moves inside.
 //!
 //! Derivatives are taken of elements that are split by the part of the state that they read. Values are computed from the unsplit
 //! elements: split, `k (1 - cos d)` would be the difference of two sums of large numbers.
@@ -60,7 +60,7 @@ impl Writer<'_> {
         Some(())
     }
 
-    /// `expr` with every sum written out that a nonlinear function reads, and the other sums in it.
+    /// `expr` with the sums in arguments of nonlinear functions written out, and its other sums.
     fn linear_in_sums(&mut self, mut expr: Expr) -> Option<(Expr, Vec<(Symbol, Sum)>)> {
         loop {
             let symbols = self.graph.symbols_in(expr).into_iter();
@@ -173,10 +173,10 @@ impl Writer<'_> {
     }
 }
 
-/// What is known while an expression is split.
+/// The state while an expression is split.
 struct Opened {
     terms: HashMap<Expr, Vec<(Expr, Rational)>>,
-    /// The nodes of the expression. A sum of more terms is not multiplied out: those of a tower of shared sums double with each of its floors.
+    /// The nodes of the expression. Longer sums are not multiplied out: the terms of nested shared sums double with each level.
     most: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Friction: its declaration is checked, and without a thermostat it becomes part of the steps.
+//! Checks the declaration of friction, and without a thermostat makes it part of the steps.
 //!
 //! | declared | in a step |
 //! |---|---|
@@ -29,7 +29,7 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
     if has_thermostat || system.temperature.is_some() || diagnostics.has_errors() {
         return;
     }
-    // What a field holds at an index is no parameter of a system in loops.
+    // An entry of a list is not a parameter of a system in loops.
     let is_parameter =
         |rate: &Expr| system.symbols.locals_among(system.graph.symbols_in(*rate).into_iter()).is_empty();
     match friction.uniform.filter(is_parameter) {
@@ -60,7 +60,7 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
     if friction.is_matrix {
         match symmetry(system, &friction.term) {
             Symmetry::Proven => {}
-            // Entries of fields are compared when a stepper is made, but not again at every place.
+            // Entries of fields are compared when a stepper is made, but not again for each state.
             Symmetry::OfFields if !friction.is_per_place() => {}
             Symmetry::OfFields => diagnostics.report(messages::damping_not_seen_symmetric(extent)),
             Symmetry::Refuted => diagnostics.report(messages::asymmetric_damping(extent)),
@@ -68,10 +68,10 @@ fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics
     }
 }
 
-/// What is known of the symmetry of a matrix.
+/// The symmetry of a matrix, as far as it is known.
 enum Symmetry {
     Proven,
-    /// Fields decide.
+    /// It depends on fields.
     OfFields,
     Refuted,
 }

@@ -1,5 +1,5 @@
-//! Loops of literal length, written out. Sums are symbols until here: one is written out by its body at each value of the
-//! loop variable. What a loop costs less as is the one question, and all its numbers are here:
+//! Unrolling of loops of literal length. Sums are symbols until here; a sum is unrolled by its body at each value of the
+//! loop variable. The choice is by cost, and all its thresholds are here:
 //!
 //! * a system of few points is written out as a whole, so that each degree of freedom is a variable of its own,
 //! * in a larger one, short sums: components of points, stencils, corners,
@@ -17,18 +17,18 @@ use crate::model::{
 };
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
-/// Turns of a loop, and points of a system, up to which it is written out: there, straight-line code with dense
+/// The most turns of a loop, and points of a system, that are unrolled: there, straight-line code with dense
 /// elimination is as fast as a sweep.
 const TURNS: i128 = 16;
 
-/// Turns up to which an outermost loop of a larger system is written out: it goes over neighbours beside each other, and what
-/// begins and ends it costs no more than that saves.
+/// The most turns of an outermost loop of a larger system that is unrolled. Longer ones run vectorised over neighbours, which
+/// pays for their setup.
 const OUTERMOST: i128 = 8;
 
-/// Operations to which one Hamiltonian may be written out: more make code that takes minutes to compile.
+/// The most operations of an unrolled Hamiltonian: more code takes minutes to compile.
 const OPERATIONS: usize = 20_000;
 
-/// Writes out loops where that costs less.
+/// Unrolls loops if that costs less.
 pub(crate) fn unroll(system: &mut System) {
     if system.emission == Some(Emission::Sweep) || (is_small(system) && unroll_all(system)) {
         return;
@@ -51,7 +51,7 @@ pub(super) fn parts(system: &mut System) -> (Writer<'_>, Vec<&mut Term>, &mut Ve
     (Writer::new(graph, symbols, tables), [drift].into_iter().chain(parts).collect(), noise, after.collect())
 }
 
-/// Whether each degree of freedom is to be a variable of its own.
+/// Whether each degree of freedom becomes a separate variable.
 fn is_small(system: &System) -> bool {
     match system.emission {
         Some(Emission::Inline) => system.size.as_integer().is_some(),
@@ -60,7 +60,7 @@ fn is_small(system: &System) -> bool {
     }
 }
 
-/// Writes out every loop and every family; `false`, and nothing done, if that is not possible.
+/// Unrolls every loop and family; `false`, without changes, if that is impossible.
 fn unroll_all(system: &mut System) -> bool {
     let (mut writer, before, noise, after) = parts(system);
     let Some(first) = writer.expressions(&before) else { return false };
@@ -89,7 +89,7 @@ fn unroll_all(system: &mut System) -> bool {
     true
 }
 
-/// Puts bodies in the place of sums. There is no expression where it takes more than [`OPERATIONS`], or a bound is known at run time only.
+/// Replaces sums by their bodies. Fails if this takes more than [`OPERATIONS`], or if a bound is known at run time only.
 pub(super) struct Writer<'a> {
     pub(super) graph: &'a mut Graph,
     pub(super) symbols: &'a mut Symbols,
@@ -110,7 +110,7 @@ impl<'a> Writer<'a> {
         written.collect()
     }
 
-    /// `expr` with sums of at most so many turns written out, and short ones in the bodies of the others, too.
+    /// `expr` with sums of at most `turns` turns unrolled, and short ones in the bodies of the others, too.
     fn without_short_sums(&mut self, expr: Expr, turns: i128) -> Expr {
         let mut images = HashMap::new();
         for symbol in self.graph.symbols_in(expr) {
@@ -119,7 +119,7 @@ impl<'a> Writer<'a> {
             let is_short = range.length().is_some_and(|length| length <= turns);
             let written = if is_short { self.turns(&range, body, &BTreeMap::new()) } else { None };
             let image = match written {
-                // What stood in the loops of what was written out may have become short.
+                // Unrolling may have made inner loops short.
                 Some(sum) => self.without_short_sums(sum, turns),
                 None => {
                     let symbol = self.symbols.sum(self.graph, range, body);
@@ -137,7 +137,7 @@ impl<'a> Writer<'a> {
         self.turns(&sum.range, sum.body, &BTreeMap::new())
     }
 
-    /// `expr` where loop variables have `values`; sums inside whose ranges are then known are written out, too.
+    /// `expr` with `values` of loop variables; inner sums whose ranges are then known are unrolled, too.
     fn at(&mut self, expr: Expr, values: &BTreeMap<u32, i128>) -> Option<Expr> {
         let parts = self.graph.reachable(&[expr]);
         self.spent = self.spent.saturating_add(parts.len());
@@ -194,8 +194,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The system with each degree of freedom a variable of its own; `None` if it has many points, loops are left, or indices that only the
-/// running program knows.
+/// The system with a variable for each degree of freedom; `None` if it has many points, remaining loops, or indices known at run time
+/// only.
 pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     let locals = if is_small(system) { known_locals(system) } else { None };
     let locals = locals?;
@@ -215,7 +215,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
         };
         parameters.push(Parameter { symbol, tokens });
     }
-    // In the order of their first use.
+    // In order of first use.
     parameters.sort_by_key(|parameter| parameter.symbol.index());
     let [q, p] = symbols.phase();
     let phase = Phase { q, p, displacements, t: *t };
@@ -233,8 +233,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
     Some(StraightLine { phase, parameters, drift, noise, force, noise_forces, conformal: *conformal })
 }
 
-/// The local variables of a system that straight-line code can stand for: no element has loops, no index reads the state's
-/// size.
+/// The local variables of a system in straight-line form: no element has loops, and no index reads the size of the state.
 fn known_locals(system: &System) -> Option<Vec<Local>> {
     let is_single = |noise: &Noise| noise.family.is_none();
     let elements = || system.terms().flat_map(|term| &term.values);

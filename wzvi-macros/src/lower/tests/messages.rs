@@ -1,4 +1,5 @@
-//! What has no message beside what has one; the messages themselves are in `tests/ui/messages`.
+//! Cases without messages, contrasted with cases that have one; the messages themselves are in
+//! `tests/ui/messages`.
 
 use proc_macro2::TokenStream;
 
@@ -35,7 +36,7 @@ fn what_is_close_to_a_mistake_is_accepted() {
     assert_accepted("drift = |x, y| q * y / mass + self.t * x, embedding = Midpoint", item);
     let named = "drift = |q, p| p, invariant = [momentum = |q, p| p, |q, p| p * p], embedding = Midpoint";
     assert_accepted(named, STRUCT);
-    // Names that say nothing, or the right thing.
+    // Neutral or correct names.
     for names in ["x, v", "phi, p_phi", "p, s", "_, p", "p, _", "psi, q", "p, psi"] {
         assert_accepted(&format!("drift = |{names}| 1.0, embedding = Midpoint"), STRUCT);
     }

@@ -122,7 +122,7 @@ macro_rules! same_as_rust {
 }
 use same_as_rust;
 
-/// Calls a closure over one degree of freedom at the point where every such test is made.
+/// Calls a closure over one degree of freedom at the common test point.
 fn call(closure: impl Fn(f64, f64) -> f64) -> f64 {
     closure(0.3, 1.7)
 }

@@ -1,4 +1,4 @@
-//! Whatever comes in, `expand` answers: no panic, no endless loop, no overflow of the stack.
+//! `expand` terminates on any input: no panic, no endless loop, no stack overflow.
 
 use std::fmt::Write as _;
 
@@ -7,9 +7,9 @@ use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use super::STRUCT;
 use crate::compile::expand;
 
-/// Attributes that between them use everything.
+/// Attributes that together use all features.
 const VALID: [&str; 7] = [
-    // Momenta that are isolated by what is prepared, in front of an iteration on coordinates.
+    // Momenta isolated by a prepared reciprocal, before an iteration on coordinates.
     "drift = |q: [f64; 3], p: [f64; 3]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() \
      + (0..2).map(|i| 0.5 * (q[i + 1] - q[i]).powi(2)).sum::<f64>() \
      + (0..3).map(|i| 0.1 * q[2 - i] * p[i]).sum::<f64>() + 0.1 * q[1].cos(), embedding = Midpoint",
@@ -160,7 +160,7 @@ fn arbitrary(random: &mut Random, donor: &[TokenTree], depth: usize) -> TokenStr
 }
 
 /// Hamiltonians at the edge of what numbers and graphs can hold, through the whole compiler, with every kind of
-/// scheme. What they are has to be code or errors; `tests/accepted/constants_only.rs` runs the shorter ones.
+/// scheme. The result must be code or errors; `tests/accepted/constants_only.rs` runs the shorter ones.
 #[test]
 fn nasty_hamiltonians_compile_or_are_refused() {
     let unary = [
@@ -471,7 +471,7 @@ fn deep_inputs_do_not_overflow_the_stack() {
     }
     for case in cases {
         let attribute = format!("drift = |q, p| {case}, embedding = Midpoint");
-        // The lexer of the tests recurses too: what it cannot read, `rustc` has refused before.
+        // The lexer of the tests recurses, too; `rustc` refuses what it cannot read.
         let Ok(tokens) = attribute.parse::<TokenStream>() else { continue };
         let output = expand(tokens, STRUCT.parse().unwrap());
         drop(output);

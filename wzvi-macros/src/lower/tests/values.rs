@@ -1,4 +1,4 @@
-//! What closures mean to the compiler; that they mean what they mean to `rustc` is in `tests/steps/values.rs`.
+//! The values of closures in the compiler; their agreement with `rustc` is tested in `tests/steps/values.rs`.
 
 use super::{drift, same_as_rust, value};
 use crate::symbolic::{Function, Rational};
