@@ -8,16 +8,16 @@ use super::function::Parity;
 use super::sign::Sign;
 use super::{Expr, Function, Graph, Node, Rational, Symbol};
 
-/// Longer sums and products are kept as one operand of a new one: opening them again and again would make a long
-/// chain of additions quadratic.
+/// Longer sums and products remain one operand of a new one: flattening them repeatedly would make a long chain
+/// of additions quadratic.
 pub(super) const OPEN_LIMIT: usize = 32;
 
-/// Powers of a product are spread over its factors while no exponent exceeds this one, the largest that `powi` takes:
-/// beyond it the product stays one operand, or exponents would leave the range of exact numbers after some squarings
-/// and equal factors could not be counted any more.
+/// Powers of a product are distributed over its factors up to this exponent, the largest of `powi`; beyond it the
+/// product stays one operand, since after some squarings exponents would leave the range of exact numbers, and equal
+/// factors could not be collected.
 const LARGEST_OPEN_EXPONENT: i32 = i32::MAX;
 
-/// A binary64 constant with a larger denominator (π) is no fraction that somebody meant: it stays one opaque number.
+/// A binary64 constant with a larger denominator (π) is not meant as a fraction, and stays one opaque number.
 const SMALL_DENOMINATOR: i64 = 1 << 20;
 
 impl Graph {
@@ -37,7 +37,7 @@ impl Graph {
         }
     }
 
-    /// A binary64 constant: exact as a rational where that is small, else opaque. The sign goes to the coefficient.
+    /// A binary64 constant: an exact rational if that is small, else opaque. The sign goes to the coefficient.
     pub(crate) fn float(&mut self, value: f64) -> Expr {
         match Rational::from_f64(value).filter(|rational| rational.denominator() <= SMALL_DENOMINATOR) {
             Some(rational) => self.number(rational),
@@ -97,14 +97,14 @@ impl Graph {
             }
         }
         merged.retain(|&(_, coefficient)| !coefficient.is_zero());
-        // A number that did not fit may fit now.
+        // A number that did not fit before may fit now.
         while let Some((i, total)) = merged.iter().enumerate().find_map(|(i, &(term, coefficient))| {
             Some((i, coefficient.multiply(self.as_number(term)?)?.add(constant)?))
         }) {
             merged.remove(i);
             constant = total;
         }
-        // `s/2 + s/2` has become `s`, which may be a sum that can be opened now.
+        // `s/2 + s/2` has become `s`, which may be a sum to flatten.
         if merged.iter().any(|&(term, coefficient)| is_unit(coefficient) && self.is_open_sum(term)) {
             merged.push((self.number(constant), Rational::ONE));
             return self.linear_combination(&merged);
@@ -120,8 +120,8 @@ impl Graph {
         matches!(self.node(term), Node::Sum { terms, .. } if terms.len() <= OPEN_LIMIT)
     }
 
-    /// Adds `coefficient · operand` to `into`, opening sums where that costs no multiplication. A number that does not
-    /// fit the exact range becomes a term of its own, so that no digit is lost.
+    /// Adds `coefficient · operand` to `into`, flattening sums if that needs no multiplication. A number outside the
+    /// exact range becomes a separate term, so that no digit is lost.
     fn collect(&self, into: &mut Collected, operand: Expr, coefficient: Rational) {
         match self.node(operand) {
             _ if coefficient.is_zero() => {}
@@ -181,7 +181,7 @@ impl Graph {
         }
     }
 
-    /// `Π base^exponent`, where fractional exponents stand on bases proven nonnegative.
+    /// `Π base^exponent`, with fractional exponents only of bases proven nonnegative.
     pub(super) fn product_of_powers(&mut self, operands: &[(Expr, Rational)]) -> Expr {
         let Factors { coefficient, mut factors, .. } = self.collect_factors(operands);
         if coefficient.is_zero() {
@@ -204,8 +204,8 @@ impl Graph {
             }
         }
         merged.retain(|&(_, exponent)| !exponent.is_zero());
-        // `√u √u` has become `u`, which may be a product, a multiple or a number that can be opened now. What did not
-        // fit beside this coefficient would not fit again.
+        // `√u √u` has become `u`, which may be a product, a multiple or a number to flatten. A number that did not
+        // fit with this coefficient would not fit again.
         if merges > 0 && merged.iter().any(|&(base, exponent)| self.opens_beside(coefficient, base, exponent))
         {
             let coefficient = self.number(coefficient);
@@ -220,9 +220,9 @@ impl Graph {
         self.scale(product, coefficient)
     }
 
-    /// Number and canonical factors of a product. Where the numbers of the operands do not fit one exact number, each
-    /// multiple `c x` stays one factor: to take out some of the numbers would part equal operands, and their powers
-    /// could not be counted.
+    /// Number and canonical factors of a product. If the numbers of the operands do not fit one exact number, each
+    /// multiple `c x` stays one factor: extracting only some of the numbers would make equal operands differ, and
+    /// their powers could not be collected.
     fn collect_factors(&self, operands: &[(Expr, Rational)]) -> Factors {
         let collect = |keeps_multiples| {
             let mut factors = Factors { keeps_multiples, ..Factors::default() };
@@ -277,7 +277,7 @@ impl Graph {
                 }
                 None => into.overflows = true,
             }
-            // Collected again, with multiples as factors.
+            // Collected again with multiples as factors.
             if !into.keeps_multiples {
                 into.factors.push((operand, exponent));
                 return;
@@ -354,7 +354,7 @@ impl Graph {
 struct Collected {
     terms: Vec<(Expr, Rational)>,
     constant: Rational,
-    /// Constants that left the exact range together with `constant`.
+    /// Constants that exceed the exact range together with `constant`.
     overflow: Vec<(Rational, Rational)>,
 }
 
@@ -364,7 +364,7 @@ impl Default for Rational {
     }
 }
 
-/// A product while it is collected.
+/// A product during collection.
 struct Factors {
     coefficient: Rational,
     factors: Vec<(Expr, Rational)>,
@@ -380,7 +380,7 @@ impl Default for Factors {
     }
 }
 
-/// `(Π base^e)^exponent` factor by factor, if no exponent becomes too large to go on with.
+/// `(Π base^e)^exponent` factor by factor, if no exponent becomes too large.
 fn spread(factors: &[(Expr, Rational)], exponent: Rational) -> Option<Vec<(Expr, Rational)>> {
     let limit = Rational::integer(LARGEST_OPEN_EXPONENT);
     let spread = |&(base, e): &(Expr, Rational)| {
@@ -407,7 +407,7 @@ fn exact_power(number: Rational, exponent: Rational) -> Option<Rational> {
     Rational::new(root(number.numerator())?, root(number.denominator())?)?.power(twice.numerator())
 }
 
-/// The values that are exact: nothing else is folded, so that rounding stays where the user put it.
+/// Exact values of functions: nothing else is folded, so that roundings occur where the user wrote them.
 fn exact_value(function: Function, x: Rational) -> Option<Rational> {
     match function {
         Function::Exp | Function::Exp2 | Function::Cos | Function::Cosh if x.is_zero() => Some(Rational::ONE),

@@ -1,10 +1,10 @@
-//! Constructors of conditions, and of what depends on one: as those of numbers, in canonical form.
+//! Constructors of conditions and selections, in canonical form like those of numbers.
 
 use super::{Expr, Function, Graph, Node, Relation, Symbol};
 
 impl Graph {
     pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
-        // Equality is symmetric: one order.
+        // Equality is symmetric: operands are sorted.
         let (a, b) = if relation == Relation::Equal { (a.min(b), a.max(b)) } else { (a, b) };
         self.intern(Node::Compare(relation, a, b))
     }
@@ -53,8 +53,8 @@ impl Graph {
         }
     }
 
-    /// Whether `symbols` decide between pieces of `expr`. Then its derivatives are those of one piece, and say nothing of how pieces differ:
-    /// that of a step function is zero.
+    /// Whether `expr` is piecewise with conditions on `symbols`. Its derivatives are then those of one piece, without jumps: that of a step
+    /// function is zero.
     pub(crate) fn has_pieces(&self, expr: Expr, symbols: &[Symbol]) -> bool {
         let decides = |part: Expr| match self.node(part) {
             Node::Compare(..) => true,

@@ -8,11 +8,11 @@ use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 /// Products of more factors are differentiated by halves.
 const LONG_PRODUCT: usize = 8;
 
-/// What every symbol contributes: `dx/ds` for a derivative in the direction `s`. Symbols that are not listed are
-/// constant. A list of several symbols gives a total derivative: for `Q = (1-l) q_i + l q_{i+1}`, `dQ/dq_i = 1-l`.
+/// The derivative `dx/ds` of every symbol `x` in the direction `s`. Symbols not listed are constant. A list of
+/// several symbols gives a total derivative: for `Q = (1-l) q_i + l q_{i+1}`, `dQ/dq_i = 1-l`.
 pub(crate) type Direction = HashMap<Symbol, Rational>;
 
-/// The slopes of the nodes that have one.
+/// Slopes by node, zero unless `known`.
 struct Slopes {
     known: HashMap<Expr, Expr>,
     zero: Expr,
@@ -129,7 +129,8 @@ impl Graph {
 
     /// `∂function/∂argument_i` at `arguments`; `value` is the node of the function itself.
     ///
-    /// Forms are chosen to keep digits: `1/cosh²` rather than `1 - tanh²`, `(1-x)(1+x)` rather than `1 - x²`.
+    /// Forms are chosen to avoid cancellation: `1/cosh²` rather than `1 - tanh²`, `(1-x)(1+x)` rather than
+    /// `1 - x²`.
     fn partial(&mut self, value: Expr, function: Function, arguments: &[Expr], i: usize) -> Expr {
         const MINUS_HALF: Rational = Rational::HALF.negate();
         let x = arguments[0];
@@ -175,7 +176,7 @@ impl Graph {
                 return self.divide(numerator, radius);
             }
             Function::Hypot => return self.divide(arguments[i], value),
-            // The slope of an extreme is a choice between slopes, made by the caller.
+            // The slope of `min` or `max` is a selection between slopes, made by the caller.
             Function::Signum | Function::Min | Function::Max => return self.integer(0),
         };
         let power = self.power(base, exponent);
@@ -188,7 +189,7 @@ impl Graph {
             let lower = self.subtract(exponent, one);
             let power = self.apply(Function::Powf, &[base, lower]);
             let slope = self.multiply(exponent, power);
-            // `x^0` is 1 at zero, too, where `0 x^-1` is no number.
+            // `x^0` is 1 also at zero, where `0 x^-1` is NaN.
             let zero = self.integer(0);
             let is_constant = self.compare(Relation::Equal, exponent, zero);
             self.select(is_constant, zero, slope)

@@ -1,13 +1,13 @@
 //! Expressions as text for messages and documentation, in the notation of the paper: `p²/2 + a (1 - cos(q))`.
 //!
-//! Text is made from the root down with a budget: parts that are too deep or too long are elided as `…`.
+//! Text is generated from the root down with a budget: parts that are too deep or too long are elided as `…`.
 
 use super::{Expr, Function, Graph, Node, Rational};
 
 const DEPTH: usize = 32;
 const NODES: usize = 300;
 
-/// How tightly a text binds, loosest first.
+/// The precedence of a text, loosest first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Select,
@@ -30,14 +30,14 @@ impl Text {
         Self { text: text.into(), binding }
     }
 
-    /// The text as an operand that has to bind at least as tightly as `least`.
+    /// The text as an operand of at least the precedence `least`.
     fn within(self, least: Binding) -> String {
         if self.binding >= least { self.text } else { format!("({})", self.text) }
     }
 }
 
 impl Graph {
-    /// `expr` for a reader.
+    /// `expr` as text.
     pub(crate) fn display(&self, expr: Expr) -> String {
         Writer { graph: self, nodes_left: NODES }.write(expr, DEPTH).text
     }
@@ -139,7 +139,7 @@ impl Writer<'_> {
     /// `coefficient · Π base^exponent` for a positive coefficient, as one fraction.
     fn quotient(&mut self, coefficient: Rational, factors: &[(Expr, Rational)], depth: usize) -> Text {
         let (mut above, mut below) = (Vec::new(), Vec::new());
-        // Constants, variables, then what needs brackets: `a (p² + q²)`.
+        // Constants, variables, then factors in brackets: `a (p² + q²)`.
         let mut ordered = factors.to_vec();
         ordered.sort_by_key(|&(base, _)| match self.graph.node(base) {
             Node::Number(_) | Node::Float(_) => 0,
@@ -165,7 +165,7 @@ impl Writer<'_> {
             return above;
         }
         let above = above.within(Binding::Product);
-        // `a/b c` would be read in two ways.
+        // `a/b c` would be ambiguous.
         let below = juxtapose(below).within(Binding::Power);
         Text::new(format!("{above}/{below}"), Binding::Product)
     }
@@ -192,7 +192,7 @@ impl Writer<'_> {
         let mut written: Vec<Text> = arguments.iter().map(|&argument| self.write(argument, depth)).collect();
         match function {
             Function::Sqrt if written.len() == 1 => return root(written.remove(0)),
-            // Bars do not tell where they open.
+            // Opening and closing bars look the same.
             Function::Abs if written.iter().all(|x| !x.text.contains('|')) => {
                 return Text::new(format!("|{}|", join(written)), Binding::Atom);
             }
@@ -229,7 +229,7 @@ fn root(base: Text) -> Text {
     Text::new(format!("√{}", base.within(Binding::Atom)), Binding::Power)
 }
 
-/// Factors side by side; a dot where a number would run into the factor before it.
+/// Factors separated by spaces, or by a dot before a number.
 fn juxtapose(mut factors: Vec<Text>) -> Text {
     if factors.len() == 1 {
         return factors.remove(0);

@@ -5,16 +5,16 @@
 
 use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
-/// Twice the unit roundoff, so that one `EPSILON` also pays for the rounding of the bound itself.
+/// Twice the unit roundoff, so that one `EPSILON` also covers the rounding of the bound itself.
 const EPSILON: f64 = f64::EPSILON;
-/// What an underflow can lose.
+/// The largest error of an underflow.
 const TINY: f64 = f64::MIN_POSITIVE;
-/// Roundings (in `EPSILON`) granted to one call into the mathematical library.
+/// Assumed error (in `EPSILON`) of one call into the mathematical library.
 const LIBRARY: f64 = 8.0;
 
 /// A computed value and a bound on its distance from the exact one.
 ///
-/// Where the exact value may not exist, or a comparison is not decided, both are NaN.
+/// Both are NaN if the exact value may not exist or a comparison is undecided.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounded {
     pub(crate) value: f64,
@@ -59,7 +59,7 @@ impl Graph {
         self.fold(roots, Bounded::UNDEFINED, |_, node, value| bound_node(node, values, value))
     }
 
-    /// Applies `rule` to every node that `roots` reach, operands first, and returns what the roots got.
+    /// Applies `rule` to every node reachable from `roots`, operands first, and returns the results of the roots.
     pub(super) fn fold<T: Copy>(
         &self,
         roots: &[Expr],
@@ -155,7 +155,7 @@ pub(super) fn bound_power(base: Bounded, exponent: Rational) -> Bounded {
     let e = exponent.to_f64();
     let value = power(x, exponent);
     let (low, high) = (x.abs() - error, x.abs() + error);
-    // `|e| at^(e-1) · error`, ordered so that no power underflows where the result does not.
+    // `|e| at^(e-1) · error`, ordered so that no power underflows unless the result does.
     let spread = |at: f64| e.abs() * (at.powf(e) * (error / at) + TINY);
     let inherited = if error == 0.0 {
         0.0
@@ -200,7 +200,7 @@ pub(super) fn bound_function(function: Function, arguments: &[Bounded]) -> Bound
     match function {
         Function::Abs | Function::Min | Function::Max => Bounded::rounded(value, error, 0.0),
         Function::Signum => Bounded::exact(value),
-        // The standard library composes these two: a rounding inside is amplified near the end of the domain.
+        // The standard library composes these two from others: an inner rounding is amplified near the end of the domain.
         Function::Acosh => Bounded::rounded(value, error + 4.0 * EPSILON, LIBRARY),
         Function::Atanh => {
             Bounded::rounded(value, error + 4.0 * EPSILON * (1.0 - first.value.abs()).recip(), LIBRARY)

@@ -1,6 +1,6 @@
-//! The elementary functions: their name, how they are emitted and evaluated. Derivatives are in `differentiate`.
+//! The elementary functions: names, emission and evaluation. Derivatives are in `differentiate`.
 
-/// What `f(-x)` is, where that is known.
+/// The parity: `f(-x)` in terms of `f(x)`, if known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Parity {
     Even,

@@ -60,20 +60,20 @@ impl Relation {
 pub(crate) enum Node {
     /// An exact number.
     Number(Rational),
-    /// The bits of a binary64 number that is no small rational (`6.674e-11`, π).
+    /// The bits of a binary64 number that is not a small rational (`6.674e-11`, π).
     Float(u64),
     Symbol(Symbol),
-    /// `constant + Σ coefficient · term`. Terms are sorted by handle, are no numbers, and are no sums when their
-    /// coefficient is ±1. Not a bare term: a lone term has a coefficient other than one. Two exceptions: what would
-    /// leave the exact range stays apart, and so do sums of more than [`super::build::OPEN_LIMIT`] terms.
+    /// `constant + Σ coefficient · term`. Terms are sorted by handle, are not numbers, and are not sums if their
+    /// coefficient is ±1. A single term has a coefficient other than one. Two exceptions remain separate: numbers
+    /// that would leave the exact range, and sums of more than [`super::build::OPEN_LIMIT`] terms.
     Sum {
         terms: Box<[(Expr, Rational)]>,
         constant: Rational,
     },
-    /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign on one base stay apart unless the
-    /// base is proven positive, and fractional exponents only stand on bases proven nonnegative: no domain is lost.
-    /// Bases are neither products nor multiples that could be opened (the exceptions are those of sums, and products
-    /// with exponents beyond those of `powi`).
+    /// `Π base^exponent`, sorted by (base, exponent). Exponents of opposite sign of one base stay separate unless
+    /// the base is proven positive, and fractional exponents occur only with bases proven nonnegative: the domain is
+    /// preserved. Bases are neither products nor multiples that could be flattened (the exceptions are those of
+    /// sums, and products with exponents beyond those of `powi`).
     Product(Box<[(Expr, Rational)]>),
     Apply(Function, Box<[Expr]>),
     /// `if condition { then } else { otherwise }`.
@@ -121,13 +121,13 @@ pub(crate) struct Graph {
     nodes: Vec<Node>,
     signs: Vec<Sign>,
     supports: Vec<Support>,
-    /// The node of each hash; equal hashes of different nodes take the next free key. So a node is stored once.
+    /// The node of each hash; a colliding node takes the next free key. So a node is stored once.
     handles: HashMap<u64, Expr>,
     names: Vec<String>,
     marks: RefCell<Marks>,
 }
 
-/// Multiply and rotate, a word at a time: macros run unoptimised, where the standard hasher is most of the work.
+/// Multiply and rotate, one word at a time: macros run unoptimised, and the standard hasher would dominate the time.
 struct NodeHasher(u64);
 
 impl Hasher for NodeHasher {
@@ -152,7 +152,7 @@ impl Hasher for NodeHasher {
     }
 }
 
-/// Which nodes the current traversal has met: those that carry its number. No traversal has to clear them.
+/// The nodes visited by the current traversal carry its number, so that marks need no clearing.
 #[derive(Default)]
 struct Marks {
     traversal: u32,
@@ -184,7 +184,7 @@ impl Graph {
         &self.nodes[expr.index()]
     }
 
-    /// What is known of the sign of `expr` wherever it is defined.
+    /// The known sign of `expr` on its domain.
     pub(crate) fn sign(&self, expr: Expr) -> Sign {
         self.signs[expr.index()]
     }
@@ -213,7 +213,7 @@ impl Graph {
         }
     }
 
-    /// A number times an expression that is no such product.
+    /// `expr` as a number times an expression that is not such a product itself.
     pub(crate) fn as_multiple(&self, expr: Expr) -> (Rational, Expr) {
         match self.node(expr) {
             Node::Sum { terms, constant } if terms.len() == 1 && constant.is_zero() => {
@@ -231,7 +231,7 @@ impl Graph {
         self.as_number(expr).is_some_and(Rational::is_one)
     }
 
-    /// The handle of a node that is already in canonical form: only the constructors of `build` call this.
+    /// The handle of a node that is already in canonical form: called only by the constructors of `build`.
     pub(super) fn intern(&mut self, node: Node) -> Expr {
         #[cfg(test)]
         super::tests::effort::count();
@@ -266,7 +266,7 @@ impl Graph {
         self.supports[expr.index()]
     }
 
-    /// All nodes that `roots` reach, operands first, each once.
+    /// All nodes reachable from `roots`, operands first, each once.
     pub(crate) fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
         let mut met = self.reachable_where(roots, |_| true);
         met.sort_unstable();
@@ -278,7 +278,7 @@ impl Graph {
         self.reachable(&[expr]).into_iter().filter_map(|part| self.as_symbol(part)).collect()
     }
 
-    /// The nodes that `roots` reach through nodes that pass `enter`, in no particular order.
+    /// The nodes reachable from `roots` through nodes that satisfy `enter`, in no particular order.
     pub(super) fn reachable_where(&self, roots: &[Expr], enter: impl Fn(Expr) -> bool) -> Vec<Expr> {
         let mut marks = self.marks.borrow_mut();
         let marks = &mut *marks;

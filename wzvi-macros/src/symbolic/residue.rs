@@ -2,20 +2,20 @@
 //!
 //! With every function of one argument node replaced by an independent random number (or a rational function of one,
 //! so that `sin² + cos² = 1` and the like hold), an expression is a rational function of degree `d` in random numbers
-//! of the field with `p` elements. One that is not zero vanishes at a random point with probability at most `d / p`
+//! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
 //! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still
 //! vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
 //!
 //! Square roots take a random sign per base and point: an expression such as `√(x²) - x` vanishes for only half of
-//! them, so that with roots [`POINTS_WITH_ROOTS`] points are asked. A base that is no square has its root in the
-//! quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
+//! them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has its root in
+//! the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
 
 use super::{Expr, Function, Graph, Node, Rational};
 
 const PRIMES: [u64; 2] = [(1 << 61) - 1, 2_718_281_828_459_045_287];
 const POINTS: usize = 4;
 const POINTS_WITH_ROOTS: usize = 52;
-/// Attempts for each point that succeeds: nested roots and divisions by zero fail at some.
+/// Attempts per successful point: nested roots and divisions by zero fail at some.
 const ATTEMPTS: usize = 4;
 
 /// Whether `expr` is zero at every one of enough random points; `false` also if too few points have a value.
@@ -185,7 +185,7 @@ impl Field {
     }
 }
 
-/// What a random number stands for: equal keys get equal numbers at one point.
+/// The kind of a random number: equal keys give equal numbers at one point.
 #[derive(Clone, Copy)]
 enum Atom {
     Node = 1,
@@ -293,7 +293,7 @@ impl Point<'_> {
         })
     }
 
-    /// A function that makes products of sums, `f(Σ n_i x_i / d_i) = Π f(x_i / d_i)^n_i`, so that addition theorems hold.
+    /// A function that maps sums to products, `f(Σ n_i x_i / d_i) = Π f(x_i / d_i)^n_i`, so that addition theorems hold.
     fn homomorphism(
         &self,
         argument: Expr,

@@ -1,9 +1,9 @@
-//! Sign analysis: which expressions are nonnegative or positive for every real value of their symbols for which they
-//! are defined. It decides which powers may be merged without losing a domain. Computed once, when a node is made.
+//! Sign analysis: whether an expression is nonnegative or positive on its real domain. It decides which powers may
+//! be merged without changing the domain. Computed once, when a node is created.
 
 use super::{Expr, Function, Graph, Node, Rational};
 
-/// What is known of the sign of an expression wherever it is defined.
+/// The known sign of an expression on its domain.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Sign {
     Unknown,
@@ -41,7 +41,7 @@ impl Graph {
         }
     }
 
-    /// Whether the expression is 1 plus something nonnegative.
+    /// Whether the expression is 1 plus a nonnegative expression.
     pub(crate) fn exceeds_one(&self, expr: Expr) -> bool {
         let Node::Sum { terms, constant } = self.node(expr) else { return false };
         let rest = constant.add(Rational::MINUS_ONE);

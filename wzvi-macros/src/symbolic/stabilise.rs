@@ -1,4 +1,4 @@
-//! Rewrites forms that lose digits where two nearly equal numbers are subtracted.
+//! Rewrites forms that lose digits by cancellation.
 //!
 //! | written | computed | loses digits near |
 //! |---|---|---|
@@ -15,12 +15,12 @@
 //! | `a - a f²`, `f` one of `cos x`, `sin x`, `cosh x`, `tanh x` | `a sin²x`, `a cos²x`, `-a sinh²x`, `a / cosh²x` | `f = ±1` |
 //!
 //! Each replaces terms by one whose size is at most their sum, so that the error bound of no expression grows, and no
-//! intermediate value overflows where the terms do not. Other forms are left alone, because rewriting would increase the bound: `cos x - cos y` as a product
-//! of sines halves `x + y`, whose rounding is absolute; `exp x - exp y` as a product multiplies 0 by infinity where one
-//! of them underflows; squares of sums with more than two terms between them would be added up in another order.
+//! intermediate value overflows where the terms do not. Other forms remain, because rewriting would increase the bound: `cos x - cos y` as a product of
+//! sines halves `x + y`, whose rounding is absolute; `exp x - exp y` as a product multiplies 0 by infinity where one of them underflows; squares of sums
+//! with more than two terms in total would be added in another order.
 //!
-//! One limit: a product merges with the product around it, so that powers of one factor are taken together. Above 1e100
-//! such a power may overflow where the difference did not.
+//! One limit: a product merges with the product around it, so that powers of one factor are combined. Above 1e100 such
+//! a power may overflow although the difference does not.
 //!
 //! This runs after differentiation, on emitted expressions: derivatives are taken of the forms that the user wrote.
 
@@ -32,12 +32,12 @@ mod pairs;
 #[cfg(test)]
 mod tests;
 
-/// `Σ coefficient · term` being rewritten; the constant is a term of the number one, and what was replaced has no
+/// `Σ coefficient · term` during rewriting; the constant is a term of the number one, and replaced terms have no
 /// coefficient.
 type Terms = Vec<(Expr, Option<Rational>)>;
 
 impl Graph {
-    /// The same values as `roots`, in forms that keep their digits.
+    /// The values of `roots` in stable forms.
     pub(crate) fn stabilise(&mut self, roots: &[Expr]) -> Vec<Expr> {
         let mut images: HashMap<Expr, Expr> = HashMap::new();
         for expr in self.reachable(roots) {
@@ -65,7 +65,7 @@ impl Graph {
         }
     }
 
-    /// `ln(1 + x)` as `ln1p x`; where `1 + x` has a stable form, that near its zero.
+    /// `ln(1 + x)` as `ln1p x`; if `1 + x` has a stable form, that is used near its zero.
     fn logarithm_of_one_plus(&mut self, written: Expr, stable: Expr) -> Option<Expr> {
         let is_one_plus = |node: &Node| matches!(node, Node::Sum { constant: Rational::ONE, .. });
         let one = self.integer(1);
@@ -137,7 +137,7 @@ impl Graph {
         replacements
     }
 
-    /// `n - cos x_1 - ... - cos x_n`: the constant of a sum of many `1 - cos x` was added up.
+    /// `n - cos x_1 - ... - cos x_n`: the constants of a sum of many `1 - cos x` have been added.
     fn share_constant(&mut self, pool: &mut Terms, one: Expr) -> Vec<(Expr, Rational)> {
         let Some((_, Some(constant))) = pool.iter().rev().find(|(term, _)| *term == one).copied() else {
             return Vec::new();
@@ -166,7 +166,7 @@ impl Graph {
         sharing.into_iter().map(|(_, replacement, coefficient)| (replacement, coefficient)).collect()
     }
 
-    /// `rest · (f(x) - 1)` if `opposite`, else `rest · (f(x) + 1)`, where there is a better form.
+    /// `rest · (f(x) - 1)` if `opposite`, else `rest · (f(x) + 1)`, if there is a better form.
     fn joined(&mut self, function: Function, x: Expr, rest: Expr, opposite: bool) -> Option<Expr> {
         let half = self.scale(x, Rational::HALF);
         let two = Rational::integer(2);

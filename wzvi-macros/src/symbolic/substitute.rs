@@ -6,7 +6,7 @@ use super::graph::Support;
 use super::{Expr, Graph, Node, Symbol};
 
 impl Graph {
-    /// Each of `roots` with every symbol that `by` knows replaced; shared subexpressions are rebuilt once.
+    /// `roots` with every symbol in `by` replaced; shared subexpressions are rebuilt once.
     pub(crate) fn substitute(&mut self, roots: &[Expr], by: &HashMap<Symbol, Expr>) -> Vec<Expr> {
         let replaced = Support::of(by.keys().copied());
         let mut parts = self.reachable_where(roots, |part| self.support(part).intersects(replaced));

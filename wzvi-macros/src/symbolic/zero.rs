@@ -1,8 +1,8 @@
-//! Is an expression identically zero? Answered with a proof in either direction, or not at all.
+//! Decides whether an expression is identically zero, with a proof either way, or not at all.
 //!
 //! 1. The canonical form is the number 0.
 //! 2. It vanishes at random points of finite fields ([`super::residue`]): zero, up to a probability below 1e-15.
-//! 3. A point where its value exceeds the rounding bound of its own evaluation: not zero, with that point as witness.
+//! 3. A point where its value exceeds the rounding bound of its evaluation: not zero, with that point as witness.
 
 use super::residue::{SplitMix, vanishes_modulo_primes};
 use super::{Expr, Graph, Node, Symbol};
@@ -37,20 +37,20 @@ pub(crate) struct Witness {
     pub(crate) value: f64,
 }
 
-/// What is known of a statement "this vanishes".
+/// The knowledge of a statement "this vanishes".
 #[derive(Clone, Debug)]
 pub(crate) enum Knowledge {
     Proven,
     Refuted(Witness),
-    /// Why neither is known.
+    /// The reason why neither is known.
     Unknown(String),
 }
 
-/// Simple numbers first: a witness is read by people.
+/// Simple numbers first, for readable witnesses.
 const SIMPLE: [f64; 12] = [0.5, 1.0, -0.75, 1.25, 2.0, -0.5, 1.5, 0.25, -1.0, 0.75, 3.0, -1.5];
 const SIMPLE_POINTS: usize = 10;
 const RANDOM_POINTS: usize = 40;
-/// Node evaluations after which a very large expression gets no further points than these.
+/// The most node evaluations at all points, and the fewest points for a very large expression.
 const WORK: usize = 200_000;
 const FEWEST_POINTS: usize = 3;
 

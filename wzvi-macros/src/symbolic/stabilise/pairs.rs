@@ -1,4 +1,4 @@
-//! Differences of two terms: common factors are taken out, and the remaining difference may have a better form.
+//! Differences of two terms: common factors are extracted, and the remaining difference may have a better form.
 
 use super::Terms;
 use crate::symbolic::sign::Sign;
@@ -18,7 +18,7 @@ struct Difference {
 }
 
 impl Graph {
-    /// Pairs with opposite coefficients that are roots or exponentials but for what they share.
+    /// Rewrites pairs with opposite coefficients that are roots or exponentials up to common factors.
     pub(super) fn pair_terms(&mut self, pool: &mut Terms) -> Vec<(Expr, Rational)> {
         let mut replacements = Vec::new();
         if pool.len() > MOST_TERMS {
@@ -50,7 +50,7 @@ impl Graph {
         })
     }
 
-    /// `c t + d u` as a difference with a factor, where `d = -c` or one of the two is a number but for what they share.
+    /// `c t + d u` as a difference with a factor, if `d = -c`, or if one of the two is a number up to common factors.
     fn split(&mut self, (t, c): (Expr, Rational), (u, d): (Expr, Rational)) -> Option<Difference> {
         let (mut left, mut right) = (self.factors_of(t), self.factors_of(u));
         let has_twice = |factors: &[(Expr, Rational)]| factors.windows(2).any(|pair| pair[0].0 == pair[1].0);
@@ -111,7 +111,8 @@ impl Graph {
         if x != y || m.is_negative() != n.is_negative() {
             return None;
         }
-        // The smaller argument outside: its exponential and the other factor are both at most their difference, or one.
+        // The exponential of the smaller argument is the outer factor: it and the other factor are at most their
+        // difference, or one.
         let is_first_smaller = if m.is_negative() { n < m } else { m < n };
         let (smaller, larger) = if is_first_smaller { (u, v) } else { (v, u) };
         let outside = self.apply(Function::Exp, &[smaller]);
@@ -138,14 +139,14 @@ impl Graph {
         let zero = self.integer(0);
         match (self.sign(root).max(self.sign(y)), self.sign(y)) {
             (_, Sign::Unknown) => {
-                // Nothing cancels for a negative `y`, but `√s + y` would.
+                // For negative `y` the difference does not cancel, but `√s + y` would.
                 let difference = self.subtract(root, y);
                 let is_positive = self.compare(Relation::Less, zero, y);
                 Some(self.select(is_positive, quotient, difference))
             }
             (Sign::Positive, _) => Some(quotient),
             _ => {
-                // Both may be zero: so is their difference, but not the quotient.
+                // If both are zero, so is their difference, but the quotient is undefined.
                 let both_vanish = self.compare(Relation::Equal, sum, zero);
                 Some(self.select(both_vanish, zero, quotient))
             }
@@ -172,7 +173,7 @@ impl Graph {
         }
     }
 
-    /// The whole sum `c (a x² - a y²)` as `c a (x - y) (x + y)`, or as one square where `y` is a function and `x` is one.
+    /// The whole sum `c (a x² - a y²)` as `c a (x - y) (x + y)`, or as one square if `y` is a function and `x` is one.
     pub(super) fn difference_of_squares(&mut self, pool: &Terms) -> Option<Expr> {
         let &[(first, Some(c)), (second, Some(d))] = pool.as_slice() else { return None };
         let difference = self.split((first, c), (second, d))?;
@@ -184,7 +185,8 @@ impl Graph {
             Some(square) => square,
             None => {
                 let (less, more) = (self.subtract(x, y), self.add(x, y));
-                // More terms would be added in another order than in `x` and in `y`: their roundings may be larger.
+                // With more terms the order of addition differs from that in `x` and `y`, and the rounding may be
+                // larger.
                 if self.length(less) > 2 || self.length(more) > 2 {
                     return None;
                 }

@@ -1,4 +1,4 @@
-//! Single rewrites, and the points where the form as it is written loses its digits.
+//! Single rewrites, at points where the original form loses its digits.
 
 use super::super::{Expr, Function, Graph, Rational, Symbol};
 

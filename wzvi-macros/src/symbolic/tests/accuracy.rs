@@ -1,4 +1,4 @@
-//! What the stable forms are worth: errors before and after, in units in the last place of the exact value.
+//! The accuracy of the stable forms: errors before and after, in units in the last place of the exact value.
 #![allow(clippy::unwrap_used)]
 
 use super::real::error_in_ulps;
@@ -49,13 +49,13 @@ impl Inputs {
     }
 }
 
-/// One form that is rewritten: how it is written, and where it is tried.
+/// One rewritten form: its original expression and the test points.
 struct Form {
     name: &'static str,
     /// From `x`, `y` and `a`.
     written: fn(&mut Graph, [Expr; 3]) -> Expr,
     inputs: fn(&mut Inputs) -> [f64; 3],
-    /// Most units in the last place that the stable form may be wrong by: the roundings of its operations and
+    /// The largest error of the stable form in units in the last place: the roundings of its operations and
     /// calls, counted in the comment beside it.
     bound: f64,
 }
@@ -85,9 +85,9 @@ fn exponential(graph: &mut Graph, x: Expr, multiple: i32) -> Expr {
     graph.apply(Function::Exp, &[argument])
 }
 
-/// Squares of what is below 1e-154 lose digits to gradual underflow in any form: nothing is tried there.
+/// Squares of numbers below 1e-154 lose digits to gradual underflow in any form, so these are not tested.
 ///
-/// Calls are granted one unit in the last place each, which is two roundings; a square doubles what it is given.
+/// Each call counts as one unit in the last place, which is two roundings; a square doubles the error of its argument.
 const FORMS: [Form; 18] = [
     Form {
         name: "a - a cos x",
@@ -316,7 +316,8 @@ fn percentile(errors: impl Iterator<Item = f64>, percent: usize) -> f64 {
     errors[(errors.len() - 1) * percent / 100]
 }
 
-/// To a few units in the last place wherever they are tried, and nowhere worse than as written by more than those.
+/// Accurate to a few units in the last place at all test points, and nowhere worse than the original form by more than
+/// that.
 #[test]
 fn stable_forms_are_right_to_a_few_units_in_the_last_place() {
     println!("{:28} {:>9} {:>9} {:>9} | {:>6} {:>6}", "", "typical", "90 %", "largest", "median", "largest");
@@ -369,7 +370,7 @@ impl Expressions {
         self.leaves[self.random.below(3) as usize]
     }
 
-    /// Something to put into a form.
+    /// An argument of a form.
     fn argument(&mut self) -> Expr {
         let (a, b) = (self.leaf(), self.leaf());
         let coefficient = [(1, 2), (2, 1), (-3, 1), (1, 3)][self.random.below(4) as usize];
@@ -395,7 +396,7 @@ impl Expressions {
         (form.written)(&mut self.graph, arguments)
     }
 
-    /// A form, and what users have around it.
+    /// A form in a typical context.
     fn expression(&mut self, along: crate::symbolic::Symbol) -> Expr {
         let (form, other) = (self.form(), self.argument());
         let kind = self.random.below(8);
@@ -420,7 +421,7 @@ impl Expressions {
         }
     }
 
-    /// Numbers of all sizes, neighbours among them.
+    /// Numbers of all sizes, including neighbours.
     fn point(&mut self) -> [f64; 3] {
         let random = &mut self.random;
         let x = match random.below(6) {
@@ -434,14 +435,15 @@ impl Expressions {
     }
 }
 
-/// Points within a few units in the last place: one computed value may be right by luck, several are not.
+/// Points within a few units in the last place: one computed value may be accurate by chance, several are not.
 fn cluster(random: &mut Inputs, point: [f64; 3]) -> Vec<[f64; 3]> {
     (0..6).map(|_| point.map(|x| f64::from_bits((x.to_bits() & !7) | random.below(8)))).collect()
 }
 
 /// In a cluster of points, the largest error of the stable form is at most four times that of the form as it is
-/// written, and `FEW` units in the last place: a difference of squares of inexact numbers doubles what it inherits, the
-/// largest of six samples of a rounding error is half of its bound or more, and what replaces one operation has a few.
+/// written, and `FEW` units in the last place: a difference of squares of inexact numbers doubles the inherited error,
+/// the largest of six samples of a rounding error is at least half of its bound, and one operation is replaced by a
+/// few.
 #[test]
 fn no_stable_form_is_worse_than_what_is_written() {
     const FEW: f64 = 8.0;

@@ -10,7 +10,7 @@ pub(crate) fn count() {
     NODES.set(NODES.get() + 1);
 }
 
-/// Nodes that `f` looks at or asks for on this thread.
+/// The number of nodes that `f` visits or requests on this thread.
 pub(crate) fn of<T>(f: impl FnOnce() -> T) -> (u64, T) {
     let before = NODES.get();
     let value = f();

@@ -165,7 +165,7 @@ fn roots_vanish_only_on_both_branches() {
     let difference = g.subtract(magnitude, a);
     let ZeroTest::Nonzero(witness) = g.test_zero(difference) else { panic!() };
     assert!(witness.point[0].1 < 0.0);
-    // As small that rounding hides it: not decided, but never "zero".
+    // So small that rounding hides it: undecided, but never "zero".
     let epsilon = g.float(1e-20);
     let hidden = g.multiply(epsilon, difference);
     let one = g.integer(1);
@@ -198,7 +198,7 @@ fn small_differences_are_never_zero() {
 fn unknown_identities_stay_unknown() {
     let mut g = Graph::new();
     let (_, [x]) = symbols(&mut g, ["x"]);
-    // ln(exp(x)) - x: true, but the test knows no inverse functions.
+    // ln(exp(x)) - x is zero, but the test does not know inverse functions.
     let e = g.apply(Function::Exp, &[x]);
     let logarithm = g.apply(Function::Ln, &[e]);
     let difference = g.subtract(logarithm, x);
@@ -216,8 +216,8 @@ fn unknown_identities_stay_unknown() {
 }
 
 const LINKS: usize = 30_000;
-/// Nodes that each of the operations below looks at for a link, at most: 88 for the derivative of a sum. Anything quadratic would
-/// look at 30 000.
+/// The most nodes that an operation below visits per link of the chain: 88 for the derivative of a sum. A quadratic algorithm
+/// would visit 30 000.
 const NODES_OF_LINK: u64 = 100;
 
 fn check_linear(what: &str, nodes: u64) {

@@ -1,4 +1,4 @@
-//! Values of expressions to many digits.
+//! High-precision values of expressions.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use super::real::{Real, exact, sufficient_precision};
 use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
 impl Graph {
-    /// The value of `root`, right to 90 bits at least; `None` where it does not exist or cannot be told.
+    /// The value of `root` to at least 90 bits; `None` if it does not exist or cannot be determined.
     pub(crate) fn evaluate_exactly(&self, root: Expr, values: &dyn Fn(Symbol) -> f64) -> Option<Real> {
         let symbols = self.reachable(&[root]).into_iter().filter_map(|expr| self.as_symbol(expr));
         let bits = sufficient_precision(symbols.map(values));

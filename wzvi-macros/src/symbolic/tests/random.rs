@@ -15,7 +15,7 @@ fn rational((numerator, denominator): (i128, i128)) -> Rational {
     Rational::new(numerator, denominator).unwrap()
 }
 
-/// One expression twice: its nodes as they were asked for, and as the constructors returned them.
+/// One expression in two forms: its nodes as requested, and as returned by the constructors.
 #[derive(Clone, Copy)]
 struct Pair {
     raw: Expr,
@@ -221,7 +221,7 @@ fn power(a: Bounded, exponent: (i128, i128)) -> Bounded {
     bound_power(a, rational(exponent))
 }
 
-/// Derivatives from tables, in other forms than the compiler's where there are any.
+/// Derivatives from tables, if possible in other forms than the compiler's.
 fn function_slope(function: Function, value: Bounded, x: &[Dual]) -> Bounded {
     let one = Bounded::exact(1.0);
     let apply = |function, x| bound_function(function, &[x]);

@@ -1,4 +1,4 @@
-//! Real numbers of chosen precision: the yardstick of the accuracy tests of this crate and of the facade.
+//! Real numbers of chosen precision: the reference of the accuracy tests of this crate and of the facade.
 #![allow(dead_code, reason = "two crates share it, and each uses its part")]
 
 use std::cell::{Cell, RefCell};
@@ -7,10 +7,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use astro_float_num::{BigFloat, Consts, RoundingMode};
 
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
-/// Two evaluations that agree to this many bits are taken for exact.
+/// Two evaluations that agree to this many bits count as exact.
 const AGREEMENT: i32 = 90;
 const LOWEST_PRECISION: usize = 256;
-/// Where the search for more digits ends: 1 plus the fourth power of the smallest number needs 4300.
+/// The highest precision in bits: 1 plus the fourth power of the smallest number needs 4300.
 const HIGHEST_PRECISION: usize = 5000;
 
 thread_local! {
@@ -30,14 +30,15 @@ pub(crate) fn with_precision<T>(bits: usize, compute: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Digits for expressions in `inputs` that square differences of their squares: what is small against 1 stays visible.
+/// The precision for expressions in `inputs` that square differences of their squares, enough to resolve terms small
+/// against 1.
 pub(crate) fn sufficient_precision(inputs: impl Iterator<Item = f64>) -> usize {
     let size = |x: f64| Real::from(x).exponent().map_or(0, i32::unsigned_abs);
     inputs.map(|x| LOWEST_PRECISION + 4 * size(x) as usize).max().unwrap_or(LOWEST_PRECISION)
 }
 
-/// The value of `compute` from `bits` on with more digits, until they no longer change the first 90 bits; `None` where
-/// it is not finite, or where no precision suffices. Zero is believed of the most digits only.
+/// The value of `compute` with increasing precision from `bits` on, until the first 90 bits no longer change; `None`
+/// if it is not finite or no precision suffices. Zero is accepted at the highest precision only.
 pub(crate) fn exact(bits: usize, compute: impl Fn() -> Real) -> Option<Real> {
     let mut bits = bits;
     let mut last = with_precision(bits, &compute);
@@ -127,7 +128,7 @@ impl Real {
     pub(crate) fn scaled(&self, shift: i32) -> f64 {
         let Some((words, _, sign, exponent, _)) = self.0.as_raw_parts() else { return f64::NAN };
         let Some(&top) = words.last().filter(|&&top| top != 0) else { return 0.0 };
-        // In two factors, each a power of two that exists.
+        // As two factors, each a representable power of two.
         let total =
             exponent.saturating_add(shift).clamp(-2200, 2200) - i32::try_from(u64::BITS).unwrap_or(64);
         let half = total / 2;

@@ -1,4 +1,4 @@
-//! Checks the invariants that [`Node`] documents. Only tests pay for it.
+//! Checks the invariants documented in [`Node`]; for tests only.
 
 use crate::symbolic::build::OPEN_LIMIT;
 use crate::symbolic::sign::Sign;
@@ -76,7 +76,7 @@ impl Graph {
             if !exponent.is_integer() && self.sign(base) < Sign::Nonnegative {
                 return Some("a fractional power of a base of unknown sign");
             }
-            // Numbers and multiples may have left the exact range together with those beside them.
+            // Numbers and multiples may exceed the exact range when combined with others.
             let is_multiple = match self.node(base) {
                 Node::Number(_) => true,
                 Node::Sum { terms, constant } => terms.len() == 1 && constant.is_zero(),
