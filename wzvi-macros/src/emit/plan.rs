@@ -41,7 +41,7 @@ pub(crate) fn facts(
     if fields.is_empty() { autonomous } else { quote!(__wzvi::Facts { #fields ..#autonomous }) }
 }
 
-/// The degrees of freedom as a constant expression; empty if only the state knows them.
+/// The degrees of freedom as a constant expression; `None` if only the state knows them.
 pub(crate) fn degrees(system: &System) -> Option<TokenStream> {
     let components = usize::try_from(system.components).unwrap_or(1);
     Some(match &system.shape {

@@ -118,7 +118,7 @@ pub(crate) fn gather<F: Field, const L: usize>(
     F::Shape::IS_FIXED.then(|| F::Parameters::gather(of_lanes))
 }
 
-/// Fills the slopes for lists that do not fit the system.
+/// Fills the slopes with NaN, for lists that do not fit the system.
 #[cold]
 pub fn unfit<S: Scalar>(by_q: &mut [S], by_p: &mut [S]) {
     by_q.fill(S::from_f64(f64::NAN));

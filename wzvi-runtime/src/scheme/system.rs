@@ -232,8 +232,8 @@ pub struct Segment<V> {
 }
 
 /// The partial derivatives of the discrete Lagrangian of one [`Segment`]; where forces act, with their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
-/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), and with friction of a rate `γ` including its
-/// decay.
+/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), with friction of a rate `γ`, also with the
+/// factor `e^{-γ h}` in `q1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagrangianGradient<V> {
     /// `D_1 L_d + f⁻ = -p_i`, `D_1 L_d = ∂L_d/∂q_i`

@@ -221,7 +221,8 @@ fn arm(number: usize, condition: Option<TokenStream>, code: &TokenStream) -> Tok
     if code.is_empty() { TokenStream::new() } else { quote!(#number #condition => { #code }) }
 }
 
-/// `Elements::curvature`: of the parts whose steps are solved with it, and of damping by a matrix; empty if there is neither.
+/// `Elements::curvature`: of the parts whose steps are solved with it, and of damping by a matrix; `None` if there is
+/// neither.
 fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool) -> Option<TokenStream> {
     let of_bath = self::parts::arms(model, Wanted::Curvature);
     let of_parts = has_curvature.then(|| arms(model, parts, Wanted::Curvature));

@@ -69,7 +69,7 @@ struct Places<'s> {
 }
 
 impl Places<'_> {
-    /// The unproven places of one element; `None` if all are proven.
+    /// The unproven places of one element; empty if all are proven.
     fn nest(&mut self, element: &Element) -> TokenStream {
         let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
         let sizes = Sizes { system: self.system, loops: &element.loops };

@@ -17,7 +17,7 @@ fn elements<'a>(model: &'a System, parts: &'a [PartElements]) -> impl Iterator<I
     of_parts.chain(model.parts.iter().flat_map(|term| &term.elements))
 }
 
-/// Whether the system can be stepped window by window, and is large enough if its size is known at compile time; empty if not.
+/// Whether the system can be stepped window by window, and is large enough if its size is known at compile time; `None` if not.
 pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<TokenStream> {
     let has_loops = model.degrees_in_straight_lines().is_none();
     let are_local = has_loops && have_runs(model, parts) && move_what_they_read(model, parts);
