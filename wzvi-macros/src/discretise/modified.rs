@@ -4,8 +4,8 @@
 //! ```text
 //! H~ = H + h a H_p · H_q + h² (b H_pp(H_q, H_q) + c H_qq(H_p, H_p) + d H_pq(H_q, H_p))
 //! one quadrature point l:  a = l - 1/2,  b = c = 1/12 - l (1 - l)/2,  d = 1/3 - l (1 - l)
-//! several, with mean l: c + Σ w (l_s - l)²/2 in place of c, since h H gains that h³ H_qq(H_p, H_p)
-//! Verlet: a = 0, b = -1/24, c = d = 1/12
+//! several, with mean l:    c + Σ w (l_s - l)²/2 in place of c, since h H gains that h³ H_qq(H_p, H_p)
+//! Verlet:                  a = 0,  b = -1/24,  c = d = 1/12
 //! ```
 //!
 //! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and `K_q · H_p`.

@@ -55,14 +55,14 @@ pub(super) fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function:
     Rate::of(space.contract(graph, (force, displaced), (function, momenta), Increments::Each))
 }
 
-/// The commutators of `X_f = f · ∂/∂p`,
+/// The commutators of `X_f = f · ∂/∂p`:
 ///
 /// ```text
 /// [X_f, X_g] = (f · ∂g/∂p - g · ∂f/∂p) · ∂/∂p
 /// [X_H, X_f] = -(f · H_pp) · ∂/∂q + (H_p · ∂f/∂q - H_q · ∂f/∂p + f · H_pq) · ∂/∂p
 /// ```
 ///
-/// The second is known only if `H_pp` and `H_pq` vanish.
+/// The second is known if `H_pp` and `H_pq` vanish.
 pub(super) fn commuting_forces(
     graph: &mut Graph,
     space: &mut Space,
