@@ -93,7 +93,7 @@ impl Space {
         Some(Slope { part: Weighted { element, increments }, at: variable(own), is_by_point: true })
     }
 
-    /// The slope and its range: `V'(q[i] - q[i - 1]) for i = 1..n - 1`.
+    /// The slope and its range: `V'(q[i] - q[i - 1])   for i = 1..n - 1`.
     pub(crate) fn display_slope(&self, graph: &Graph, slope: &Slope) -> String {
         let Slope { part: Weighted { element, .. }, at, is_by_point } = slope;
         let loops = &element.loops;
