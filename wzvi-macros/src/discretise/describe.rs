@@ -144,7 +144,7 @@ fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
     names.join(", ")
 }
 
-/// What is known of the system and the scheme.
+/// The known facts of the system and the scheme.
 pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding, text: &mut String) {
     say!(text, "\nFacts");
     quadrature(embedding, text);
@@ -218,7 +218,7 @@ fn limits(facts: &Facts, embedding: &Embedding, text: &mut String) {
     say!(text, "  ε → 0, then h → 0: X_{{ε,n}} → X_n → {last}");
 }
 
-/// The points that the user gave, and what is known of them.
+/// The user's quadrature points, and their known properties.
 fn quadrature(embedding: &Embedding, text: &mut String) {
     let [drift, noise] = embedding.points();
     let mut say = |points: &Points, role: &str| {

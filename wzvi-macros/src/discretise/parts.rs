@@ -38,8 +38,7 @@ pub(crate) fn parts_of(system: &System, facts: &Facts) -> Vec<PartElements> {
     used.collect()
 }
 
-/// The loop variable that counts the members of the family of noises that an element belongs to: its increment is that of
-/// the member.
+/// The loop variable that numbers the members of the family of noises of an element, each with its own increment.
 pub(crate) fn family_of(Weighted { element, increments }: &Weighted) -> Option<u32> {
     let [number] = increments.as_slice() else { return None };
     let outermost = element.loops.first()?.variable;

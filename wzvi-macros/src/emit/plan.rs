@@ -72,7 +72,7 @@ pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
     quote!(<Self as __wzvi::elements::Elements>::FACTS.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent))
 }
 
-/// `None` of what is proven.
+/// `None` for proven statements.
 fn knowledge(known: &Knowledge) -> Option<TokenStream> {
     match known {
         Knowledge::Proven => None,

@@ -144,7 +144,7 @@ impl<'a> Interpreter<'a, '_> {
         self.refuse(error)
     }
 
-    /// `list[start..end]` of what is stored.
+    /// `list[start..end]` of a stored list.
     pub(super) fn subarray(
         &mut self,
         array: &Array,

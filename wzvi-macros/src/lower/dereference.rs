@@ -31,7 +31,7 @@ impl Dereference<'_> {
         name.is_some_and(|name| self.scalars.contains(&name) && !self.shadowed.0.contains(name))
     }
 
-    /// Visits what is in the scope of these patterns.
+    /// Visits code in the scope of these patterns.
     fn inside<'p>(&mut self, patterns: impl IntoIterator<Item = &'p Pat>, visit: impl FnOnce(&mut Self)) {
         let outer = self.shadowed.0.len();
         patterns.into_iter().for_each(|pattern| self.shadowed.visit_pat(pattern));

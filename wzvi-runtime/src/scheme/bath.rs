@@ -21,7 +21,7 @@
 //! |---|---|---|
 //! | [`Baoab`] | kick, drift, O, drift, kick | `T(p) + V(q, t)` |
 //! | [`Obabo`] | O, kick, drift, kick, O | `T(p) + V(q, t)` |
-//! | [`Gjf`] | kick, drift, O with Cayley's map in the place of the exponential, drift, kick | `T(p) + V(q, t)` |
+//! | [`Gjf`] | kick, drift, O with Cayley's map instead of the exponential, drift, kick | `T(p) + V(q, t)` |
 //! | [`GjI`] | kick, drift, O, drift, kick, with kicks and drifts over a shorter time | `T(p) + V(q, t)`, one rate |
 //! | [`Thermostat<E>`](Thermostat) | O, step of `E`, O | any `H` that `E` serves |
 //!
@@ -140,7 +140,7 @@ pub trait Damped: Elements {
     const IS_MATRIX: bool;
     /// Whether it depends on the coordinates.
     const PER_STATE: bool;
-    /// Whether `M` is diagonal. Where it is not, rates are all the same.
+    /// Whether `M` is diagonal. If it is not, all rates are equal.
     const HAS_DIAGONAL_MASSES: bool;
 
     /// The index of the part of the elements that is the friction.

@@ -231,9 +231,9 @@ pub struct Segment<V> {
     pub h: f64,
 }
 
-/// The partial derivatives of the discrete Lagrangian of one [`Segment`]; where forces act, with their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
-/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2), with friction of a rate `γ`, also with the
-/// factor `e^{-γ h}` in `q1`.
+/// The partial derivatives of the discrete Lagrangian of one [`Segment`]; with forces, including their shares of the virtual work `f⁻ · δq_i + f⁺ · δq_{i+1}`
+/// (J. E. Marsden, M. West, "Discrete mechanics and variational integrators", Acta Numerica 2001, section 3.2); with friction of a rate `γ`, with the factor
+/// `e^{-γ h}` in `q1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagrangianGradient<V> {
     /// `D_1 L_d + f⁻ = -p_i`, `D_1 L_d = ∂L_d/∂q_i`
@@ -329,7 +329,7 @@ pub trait Discretized<E>: Listed<E> {
     /// The memory of a new stepper, allocated in full if the system knows its size.
     fn memory(&self) -> Self::Memory<f64>;
 
-    /// Computes what does not change from step to step.
+    /// Computes the data common to all steps.
     ///
     /// # Errors
     /// If a parameter is invalid, or a matrix that is factored here is singular.

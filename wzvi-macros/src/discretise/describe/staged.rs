@@ -7,7 +7,7 @@ use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{Phase, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
-/// The text of `Gauss<stages>`, without its facts: with a line for each equation where the system is in straight lines.
+/// The text of `Gauss<stages>`, without its facts; with a line for each equation if the system is unrolled.
 pub(crate) fn describe(system: &mut System, facts: &Facts, stages: u32) -> String {
     let (hamiltonians, line) = (hamiltonians(system, facts), system.line.clone());
     let line = line.as_deref();

@@ -5,7 +5,7 @@ use super::kinetic::Kinetic;
 use crate::embedding::Embedding;
 use crate::model::{Element, Reads, System};
 
-/// What is known of `T(p) + V(q, t)`.
+/// Properties of `T(p) + V(q, t)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flows {
     /// Whether `T` is a quadratic form with constant coefficients.

@@ -3,7 +3,7 @@
 use crate::model::{Element, Reads, System};
 use crate::symbolic::{Graph, Rational, Symbol};
 
-/// What is known of a quadratic kinetic energy.
+/// Properties of a quadratic kinetic energy.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Kinetic {
     /// Whether it couples no two momenta.

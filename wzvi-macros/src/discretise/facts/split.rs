@@ -5,7 +5,7 @@
 //!
 //! | part | flow |
 //! |---|---|
-//! | `V(q, t)`, forces `f(q, t)` | kick: `q` stands still, `p' = -∂V/∂q + f` |
+//! | `V(q, t)`, forces `f(q, t)` | kick: `q` is constant, `p' = -∂V/∂q + f` |
 //! | a quadratic form, friction | linear map of `q' = ∂H/∂p`, `p' = -∂H/∂q - γ p` |
 //!
 //! Every flow of the second kind multiplies `dq ∧ dp` by `e^{-γ s}`, so that steps are conformally symplectic.

@@ -100,7 +100,7 @@ const CHAIN: &str = "(0..q.len()).map(|i| 0.5 * p[i] * p[i]).sum::<f64>() \
 #[test]
 fn families_of_site_noises() {
     let [energy, commuting] = [Is::Proven; 2];
-    // Every site turns: its energy is kept, whatever the increments.
+    // Every site rotates: its energy is conserved for all increments.
     let kubo = "|q, p, k| 0.5 * sigma * (q[k] * q[k] + p[k] * p[k]); $n";
     let expected = Expected { noise: Multiplicative, consistent: Is::Refuted, energy, commuting };
     check("f64", 1, OSCILLATORS, kubo, &expected);
@@ -266,7 +266,7 @@ fn what_fails_at_a_small_size_only_is_refuted_where_the_size_is_free() {
         let (_, facts) = facts_of(&attribute);
         let wanted = match n.as_str() {
             "1" | "N" => Is::Refuted,
-            // The number of noises is another than that of points.
+            // The number of noises differs from the number of points.
             "self.sites" => Is::Unknown,
             _ => Is::Proven,
         };

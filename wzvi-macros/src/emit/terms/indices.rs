@@ -111,7 +111,7 @@ impl Indices<'_> {
         if self.checked && !indices.is_empty() { quote!((*#tokens)) } else { tokens }
     }
 
-    /// The same without what follows the indices.
+    /// The same without the suffix.
     pub(crate) fn list(&self, table: u32, indices: &[Index]) -> TokenStream {
         let known = self.tables.get(table as usize);
         let mut tokens = known.map_or_else(TokenStream::new, |table| table.tokens.clone());

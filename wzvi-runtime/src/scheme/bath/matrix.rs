@@ -87,7 +87,7 @@ pub(super) fn triangularise<S: Scalar>(g: &mut [S], d: usize) {
     }
 }
 
-/// The lower triangular `C` with `A = C Cᵀ`, in the place of `A`; `false` unless `A` is positive definite. Entries above the diagonal become zero.
+/// The lower triangular `C` with `A = C Cᵀ`, in place of `A`; `false` unless `A` is positive definite. Entries above the diagonal become zero.
 pub(super) fn cholesky(a: &mut [f64], d: usize) -> bool {
     for j in 0..d {
         for i in j..d {

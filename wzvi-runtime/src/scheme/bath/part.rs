@@ -103,7 +103,7 @@ impl<S: Scalar> Memory<S> {
     ///
     /// # Errors
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
-    /// [`StepFailure::Bath`] as [`prepare`]; what [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check) says in the first step.
+    /// [`StepFailure::Bath`] as [`prepare`]; in the first step, those of [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn parts<'m, T: Damped, K: Constant>(
         &'m mut self,

@@ -74,7 +74,7 @@ const fn shares<W: Letters>() -> Shares {
 #[derive(Clone, Copy, Debug)]
 pub struct Splitting<W>(PhantomData<W>);
 
-/// What is computed once.
+/// The constants of steps.
 #[derive(Clone, Debug)]
 pub struct Prepared<P, K> {
     parameters: P,

@@ -29,7 +29,7 @@ const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
 #[derive(Clone, Copy, Debug)]
 pub struct Around<E>(PhantomData<E>);
 
-/// What is computed once.
+/// The constants of steps.
 #[derive(Clone, Debug)]
 pub struct Prepared<M, K> {
     step: M,

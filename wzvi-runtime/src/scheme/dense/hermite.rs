@@ -1,4 +1,4 @@
-//! The polynomial through both nodes of a step with their rates, and with rates between them where the scheme is of high order.
+//! The polynomial through both nodes of a step with their rates, and, for schemes of high order, with rates between them.
 //!
 //! With the rates `f_i` at the `n` Lobatto points `x_i` of the step, weights `w_i`, and `δ = z_1 - z_0 - Σ w_i f_i`,
 //!
@@ -133,7 +133,7 @@ impl<V: Vector> Hermite<V> {
     }
 }
 
-/// The coefficients from the rates at the points: the first ones in order, that of the end last of all.
+/// The coefficients from the rates at the points, in order, with the rate at the end last in `rates`.
 fn project<V: Vector>(points: &Points, rates: &[Vec<f64>], ends: &[State<V>; 2], slopes: &mut Slopes) {
     let (n, degrees) = (points.x.len(), ends[0].q.components().len());
     slopes.resize(n.max(3), degrees);
@@ -246,7 +246,7 @@ mod tests {
         }
     }
 
-    /// The rates at both nodes are those of the field.
+    /// The polynomial has the rates of the field at both nodes.
     #[test]
     fn neighbouring_steps_join_smoothly() {
         let ends = [exact(0.0), exact(0.3)];

@@ -50,7 +50,7 @@ impl Slopes {
         self.room = room;
     }
 
-    /// Adds `u(θ) - u(0)` to coordinates and momenta where `weights` are those of the start of the step, and `u(θ) - u(1)` for those of its end.
+    /// Adds `u(θ) - u(0)` to coordinates and momenta if `weights` are from the start of the step, or `u(θ) - u(1)` if they are from its end.
     #[inline]
     pub(crate) fn add(&self, weights: &Weights, [q, p]: [&mut [f64]; 2]) {
         let slopes = self.coefficients.chunks_exact(self.rows.max(1));

@@ -1,4 +1,5 @@
-//! Lists of one entry per degree of freedom: arrays where their number is known, vectors else.
+//! Lists of one entry per degree of freedom: arrays if their number is known at compile time,
+//! else vectors.
 
 use std::fmt::Debug;
 

@@ -56,7 +56,7 @@ fn inverse_steps_leave_nothing() {
     }
 }
 
-/// Terms below the order vanish, whatever the Hamiltonian, and the next does not.
+/// Terms below the order vanish for every Hamiltonian, and the next does not.
 #[test]
 fn compositions_have_the_order_that_they_say() {
     fn check<E: ModifiedBy>(name: &str) {

@@ -139,7 +139,7 @@ pub trait Scheme<H: Hamiltonian> {
         Default::default()
     }
 
-    /// Computes what does not change from step to step, from parameters and a step size that may have derivatives.
+    /// Computes the data common to all steps, from parameters and a step size that may have derivatives.
     ///
     /// # Errors
     /// If a parameter is invalid, or a matrix that is factored here is singular; if there are derivatives and the scheme does not propagate them.

@@ -15,7 +15,7 @@ use crate::scheme::plan::Plan;
 
 /// The step of a system with `D` degrees of freedom and `N` noises by the scheme `E`; generated.
 pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
-    /// What the compiler derived.
+    /// The compile-time facts.
     const PLAN: Plan;
     /// The quadrature of the discrete Lagrangian.
     const QUADRATURE: elements::Quadrature;
