@@ -48,7 +48,7 @@ pub use parts::{Form, PartFlows, Parts};
 #[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows, WholeOf};
 #[doc(hidden)]
-pub use substeps::{Half, Many, Once, Substep};
+pub use substeps::{Half, Many, One, Substep, Substeps};
 pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,

@@ -16,9 +16,8 @@ use std::marker::PhantomData;
 use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
 use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, check, follow};
-use super::substeps::{Half, Many, kept_energy, plan};
+use super::substeps::{Half, Substeps, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
-use super::{Composes, Structure};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
@@ -57,12 +56,7 @@ pub trait Flows: Field {
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
-impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<Many<E, T, W>, SQUARES>
-where
-    F: Flows,
-    T: Structure<E>,
-    W: Composes<E, T>,
-{
+impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUARES> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties = Properties {
         kept_energy: match SQUARES {
@@ -90,7 +84,7 @@ where
             without_derivatives(h)?;
         }
         check(system)?;
-        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<E, T, W>() })
+        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<W>() })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -150,7 +144,7 @@ where
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let Stages(stages) = stages::<E, T, W>();
+        let Stages(stages) = stages::<W>();
         let parameters = &system.parameters(&as_they_are);
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t: segment.t, h: segment.h };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
@@ -161,8 +155,8 @@ where
 pub(crate) type Act = (Half, f64);
 
 /// The parts of a step.
-fn stages<E, T: Structure<E>, W: Composes<E, T>>() -> Stages<Act> {
-    Stages::of(&W::substeps()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
+fn stages<W: Substeps>() -> Stages<Act> {
+    Stages::of(&W::list()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
 }
 
 /// The parameters of a system, and the parts of a step.

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::flows::KickDrift;
 use super::pair::Pair;
-use super::substeps::{Half, Many, Once, Substep};
+use super::substeps::{Half, One, Substep};
 use super::text::{DRIFT_KICK, Equations};
 use super::{Composed, Composes, Symmetric, Verlet};
 use crate::scheme::elements::Elements;
@@ -50,7 +50,7 @@ where
 
 /// The scheme that takes single steps of `E`.
 pub type WholeOf<H, E> =
-    <<E as Symmetric>::Structure<H> as Structure<E>>::Steps<Many<E, <E as Symmetric>::Structure<H>, Once>>;
+    <<E as Symmetric>::Structure<H> as Structure<E>>::Steps<One<E, <E as Symmetric>::Structure<H>>>;
 
 /// Structures with a kinetic energy that is a quadratic form with constant coefficients.
 pub trait QuadraticKinetic {}
