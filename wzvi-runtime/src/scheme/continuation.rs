@@ -2,13 +2,13 @@
 //!
 //! The equations of a step may have several solutions, and Newton's method from far away finds any of them. The right one is connected with the state:
 //! it starts from zero change at `λ = 0` as the Hamiltonian of the step, `λ (h H_0 + Σ_k ΔW_k H_k)`, grows to `λ = 1`, which means solving the steps of
-//! size `λh` with increments `λΔW`. Where a solution is doubtful ([`Effort::doubtful`], [`Effort::is_far`]) it is followed along `λ`. Each part starts
+//! size `λh` with increments `λΔW`. Where a solution is doubtful ([`Effort::doubt`], [`Effort::is_far`]) it is followed along `λ`. Each part starts
 //! where the one before ended, and is accepted if Newton's method leaves no doubt that it is still the same solution; else it is halved. After an
 //! accepted part the length is doubled, up to an eighth of the step: the force may change between the starts of two parts, and nothing else checks
 //! that.
 //!
-//! A backward step must lead back to the start of the part, too. Where this fails although no fold is found, parts are accepted without it, and the step
-//! is reported as doubtful.
+//! The Jacobian at the end of a part must lead back to its start, too (`RETURN` in `damped.rs`). Where parts that do so cannot reach the end of the step
+//! although no fold is found, parts are accepted without this test, and the step is reported as doubtful.
 //!
 //! At a fold the parts shrink without limit, and the step has no solution. At a kink of `H` the curve goes on: the corrections do not contract as they
 //! should, however short the part, but the displacement shrinks with the part, whereas a jump to another solution keeps its length.
