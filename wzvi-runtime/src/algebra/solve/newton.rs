@@ -67,6 +67,8 @@ pub struct Effort {
     pub is_indefinite: bool,
 }
 
+const _: () = assert!(size_of::<Effort>() == 8);
+
 impl Effort {
     /// A solution by the short way, or (0) without iterations.
     #[cfg_attr(not(debug_assertions), inline(always))]
