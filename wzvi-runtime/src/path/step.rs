@@ -364,7 +364,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             memory.tell(&Request::Forget);
         }
         if Self::IS_ITERATED {
-            let taken = self.step_rarely(state, dw, clock, Cause::Unguided { memory, is_moved });
+            let taken = self.step_rarely(state, dw, clock, Cause::Unguided(memory));
             if taken.is_err() {
                 self.memory.adopt(left);
             }
@@ -398,9 +398,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         cause: Cause<MemoryOf<H, E, f64>>,
     ) -> Result<StepInfo, StepError> {
         cold();
-        let (is_moved, is_unguided, pinned) = match &cause {
-            Cause::Unguided { memory, is_moved } => (*is_moved, true, memory.report().pinned),
-            Cause::Failed(_) => (false, false, self.memory.report().pinned),
+        // A clock that was restarted.
+        let is_moved = clock.ticks == 0;
+        let (is_unguided, pinned) = match &cause {
+            Cause::Unguided(memory) => (true, memory.report().pinned),
+            Cause::Failed(_) => (false, self.memory.report().pinned),
         };
         let hard = Hard {
             system: self.system,

@@ -200,14 +200,11 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             }
             let end = self.state_of(lane, *t);
             let other = self.check_start(lane, [q, p], *t, [&end.q, &end.p]);
-            if let Ok(None) = other {
-                continue;
-            }
+            let Some(other) = other.transpose() else { continue };
             self.split()?;
             let mut memory = MemoryOf::<H, E, _>::default();
             match other {
-                Ok(None) => {}
-                Ok(Some(mut solved)) => self.put_hard(lane, step, &mut solved, &mut memory)?,
+                Ok(mut solved) => self.put_hard(lane, step, &mut solved, &mut memory)?,
                 Err(cause) => {
                     self.put(lane, q, p);
                     let error = StepError { step, t: *t, h, cause };

@@ -14,7 +14,7 @@ type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
 /// Why a step is none of the usual ones.
 pub(super) enum Cause<M> {
     /// The last step is no guide: the state was moved, and the memory has forgotten that step, or it was hard.
-    Unguided { memory: M, is_moved: bool },
+    Unguided(M),
     /// The fast method failed.
     Failed(StepFailure),
 }
@@ -50,7 +50,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
         let Self { hard, is_iterated } = self;
         let (failure, memory) = match cause {
             Cause::Failed(failure) => (failure, None),
-            Cause::Unguided { mut memory, is_moved: _ } => {
+            Cause::Unguided(mut memory) => {
                 let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
                 let Hard { system, prepared, t, h, dw, .. } = &hard;
                 let (time, ends) = ([*t, *h], [&mut q, &mut p]);
