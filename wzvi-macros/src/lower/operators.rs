@@ -369,7 +369,9 @@ fn fits(value: i128, ty: &str) -> bool {
     let is_unsigned = ty.starts_with('u');
     // `usize` and `isize` have 64 on some machine.
     let bits: u32 = ty.trim_start_matches(['i', 'u']).parse().unwrap_or(64);
-    let least = if is_unsigned { 0 } else { i128::MIN >> (128 - bits) };
-    let most = i128::MAX >> (127 - (bits - u32::from(!is_unsigned)).min(127));
+    let of_value = if is_unsigned { bits } else { bits - 1 };
+    // An `i128` holds no larger value of `u128`.
+    let most = i128::MAX >> 127_u32.saturating_sub(of_value);
+    let least = if is_unsigned { 0 } else { -most - 1 };
     (least..=most).contains(&value)
 }

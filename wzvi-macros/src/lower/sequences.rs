@@ -363,26 +363,24 @@ impl<'a> Interpreter<'a, '_> {
                 let (a, b) = (self.through(a, one_by_one, at, f)?, self.through(b, one_by_one, at, f)?);
                 Some(self.graph.add(a, b))
             }
-            Source::Range(..) | Source::Array(_) | Source::Positions | Source::Known(_) => {
-                let is_written = matches!(sequence.source, Source::Known(_));
-                match &sequence.length {
-                    Some(length) if !one_by_one && !is_written => {
-                        self.sum_loop(length, at, &mut |this, k| {
-                            let item = this.item(sequence, k, at)?;
-                            f(this, item)
-                        })
-                    }
-                    // Individually listed values are added one by one.
-                    Some(_) | None => {
-                        let mut terms = Vec::new();
-                        for item in self.items(sequence, at)? {
-                            terms.push((f(self, item)?, Rational::ONE));
-                        }
-                        Some(self.graph.linear_combination(&terms))
-                    }
-                }
-            }
+            Source::Range(..) | Source::Array(_) | Source::Positions => match &sequence.length {
+                Some(length) if !one_by_one => self.sum_loop(length, at, &mut |this, k| {
+                    let item = this.item(sequence, k, at)?;
+                    f(this, item)
+                }),
+                Some(_) | None => self.sum_of_items(sequence, at, f),
+            },
+            Source::Known(_) => self.sum_of_items(sequence, at, f),
         }
+    }
+
+    /// `Σ f(item)` over items known one by one.
+    fn sum_of_items(&mut self, sequence: &Sequence, at: &dyn ToTokens, f: Each<'_, Self>) -> Option<Expr> {
+        let mut terms = Vec::new();
+        for item in self.items(sequence, at)? {
+            terms.push((f(self, item)?, Rational::ONE));
+        }
+        Some(self.graph.linear_combination(&terms))
     }
 
     /// Reports a filter whose result is not a condition, or not a known one.
