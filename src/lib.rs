@@ -1,4 +1,5 @@
-//! Variational integrators for (stochastic) Hamiltonian systems, derived at compile time.
+//! Variational integrators for (stochastic) Hamiltonian systems, derived at compile time: for long runs and many paths in
+//! which energy, phase-space volume and first integrals must not drift.
 //!
 //! You write the Hamiltonians. `#[hamiltonian]` embeds the action principle in discrete time, differentiates the
 //! discrete Lagrangian symbolically and emits the step that solves the discrete Euler-Lagrange equations:
@@ -125,8 +126,8 @@
 //! * **Long runs**: a [`Checkpoint`](checkpoint::Checkpoint) lets a stopped run resume, bit for bit.
 //! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start;
 //!   [`scalar::Dual`] is the number type behind it.
-//! * **Averages along one path**, with errors that include correlations, are [`series`]; with the feature `correlation` it has
-//!   correlation functions.
+//! * **Averages along one path**, with errors that include correlations: [`time_averages()`](simulate::Simulation::time_averages) and [`series`]. Temperatures and
+//!   equipartition are among them; with the feature `correlation` there are correlation functions, too.
 //! * **Errors** are values that say where, why and what to do; [`Error`] unites them.
 //!
 //! # Features

@@ -124,7 +124,11 @@ fn every_program_in_a_document_is_run() {
         let name = name(&document);
         for fence in text.lines().filter_map(|line| line.strip_prefix("```rust")) {
             // Ranks of MPI need their launcher.
-            let is_run = fence.is_empty() || name == "docs/guide/cluster.md" && fence == ",no_run";
+            let is_run = match fence {
+                "" | ",compile_fail" => true,
+                ",no_run" => name == "docs/guide/cluster.md",
+                _ => false,
+            };
             assert!(is_run, "{name}: a block with `rust{fence}`");
             assert!(
                 tested.contains(&format!("\"{name}\"")),
