@@ -56,7 +56,8 @@ fn ranks_that_cannot_run() {
     };
     let other = said(Plan::OtherSeed, 3);
     assert!(
-        other[2].contains("rank 2 runs something else than rank 0 (noise seed: 8; there noise seed: 7)"),
+        other[2]
+            .contains("rank 2 has settings other than those of rank 0 (noise seed: 8; there noise seed: 7)"),
         "{other:?}"
     );
     assert!(

@@ -293,7 +293,7 @@ fn indices_out_of_range_are_found_before_a_step() {
     let mut state = State::new(vec![0.1; 4], vec![0.0; 4]);
     let before = state.clone();
     let error = stepper.step(&mut state, &[0.0; 4]).unwrap_err();
-    assert!(error.cause.to_string().starts_with("`bonds[0][1]` is 9, the state has 4;"), "{error}");
+    assert!(error.cause.to_string().starts_with("`bonds[0][1]` is 9, but the state has 4;"), "{error}");
     assert_eq!(state, before);
     assert!(network.energy(&state).is_nan());
     let short = Network { bonds: vec![[0, 1], [1, 2]], strength: vec![1.0], sigma: 0.0 };

@@ -283,7 +283,7 @@ fn indices_out_of_range_are_found_before_a_step() {
     let mut state = State::new(numbers(80, 0.2), numbers(80, 1.1));
     let before = state.clone();
     let error = system.stepper::<DeltaPlus>(0.1).unwrap().step(&mut state, &[]).unwrap_err();
-    assert!(error.cause.to_string().starts_with("`bonds[131][1]` is 80, the state has 80;"), "{error}");
+    assert!(error.cause.to_string().starts_with("`bonds[131][1]` is 80, but the state has 80;"), "{error}");
     assert_eq!(state, before);
 }
 

@@ -206,7 +206,7 @@ messages! { PathError:
          added others";
     Self::Empty => "the path has no step";
     Self::System { path, system } =>
-        "the path is one of {} degrees of freedom and {} noises, the system has {} and {}",
+        "the path has {} degrees of freedom and {} noises, but the system has {} and {}",
         path.0, path.1, system.0, system.1;
     Self::Invariant { index, known: 0 } =>
         "there is no invariant {index}: the system lists none in `invariant = [...]`";

@@ -105,18 +105,18 @@ fn entries_are_named_with_their_place() {
     let text = |system: &Tables| step(system).unwrap_err().cause.to_string();
     let mut beyond = tables();
     beyond.bonds[17].1 = 8;
-    assert!(text(&beyond).starts_with("`bonds[17].1` is 8, the state has 3;"), "{}", text(&beyond));
+    assert!(text(&beyond).starts_with("`bonds[17].1` is 8, but the state has 3;"), "{}", text(&beyond));
     let mut beyond = tables();
     beyond.near[2].push(5);
     // The list of weights is read first.
     let found = text(&beyond);
     assert!(
-        found.starts_with("`weights` is read at 5, it has 3 entries;")
+        found.starts_with("`weights` is read at 5, but it has 3 entries;")
             || found.starts_with("`near[2][1]` is 5,")
     );
     let mut short = tables();
     short.weights.pop();
-    assert!(text(&short).starts_with("`weights` is read at 2, it has 2 entries;"), "{}", text(&short));
+    assert!(text(&short).starts_with("`weights` is read at 2, but it has 2 entries;"), "{}", text(&short));
     // A run says it before its first step.
     let error = beyond.simulate::<Midpoint>(0.1).start(points()).steps(3).run().unwrap_err();
     assert!(matches!(error, wzvi::Error::Config(ConfigError::Start(StepFailure::Index(_)))), "{error:?}");

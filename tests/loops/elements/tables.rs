@@ -49,6 +49,6 @@ fn what_they_hold_is_checked_before_a_step() {
     let mut state = State::new(vec![0.1; 4], vec![0.0; 4]);
     let before = state.clone();
     let error = beyond.stepper::<Midpoint>(0.1).unwrap().step(&mut state, &[0.0; 4]).unwrap_err();
-    assert!(error.cause.to_string().starts_with("`near[2][0]` is 7, the state has 4;"), "{error}");
+    assert!(error.cause.to_string().starts_with("`near[2][0]` is 7, but the state has 4;"), "{error}");
     assert_eq!(state, before);
 }

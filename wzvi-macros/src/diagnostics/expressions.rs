@@ -49,8 +49,8 @@ messages! {
         total + ...`";
     long_for_loop(found) = "a `for` loop whose length is known at run time can only add to its variables: \
         `total += ...`";
-    too_many_loops(found, most: usize) = "sums are inside of each other more than {most} times; write what they add \
-        up to, or fewer of them";
+    too_many_loops(found, most: usize) = "sums are nested more than {most} deep; write inner sums in closed form, \
+        or nest fewer";
     too_many_cases(found, most: usize) = "the conditions on the indices of this loop split it into more than \
         {most} ranges";
     index_negative(found, index: &str) = "index {index} is out of range: it becomes negative";
@@ -110,7 +110,7 @@ messages! {
         list = quoted(known);
         meant = synonym(name).filter(|meant| known.contains(meant));
         meant = suggest(meant.or_else(|| closest(name, known.iter().copied())));
-    } = "`{name}` is not supported on {receiver}; supported are {list}{meant}";
+    } = "`{name}` is not supported on {receiver}; the supported ones are {list}{meant}";
     argument_count(found, expected: usize, actual: usize) { plural = if expected == 1 { "" } else { "s" }; } =
         "expected {expected} argument{plural}, found {actual}";
     index_beyond(found, index: &str, length: &str, excess: i128) {

@@ -44,7 +44,7 @@ pub(crate) fn error() -> Option<syn::Error> {
     let broken = BROKEN.take();
     (!broken.is_empty()).then(|| {
         let message = format!(
-            "this is a mistake of wzvi {}, not of yours; please report it with this struct: it relies on something that does not \
+            "this is a bug in wzvi {}, not a mistake of yours; please report it with this struct: an assumption does not \
              hold ({})",
             env!("CARGO_PKG_VERSION"),
             broken.join("; ")

@@ -14,7 +14,7 @@ const KEYS: &str = "`drift`, `noise`, `force`, `noise_force`, `friction`, `dampi
                     and `crate`";
 const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
                        `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
-const PATTERNS: &str = "supported are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
+const PATTERNS: &str = "the supported patterns are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
 messages! {
@@ -76,7 +76,7 @@ messages! {
     point_outside(found) = "a quadrature point is from 0, where the step starts, to 1, where it ends";
     point_again(found) = "this point is listed already; add up the weights";
     point_without_weight(found) = "a point of weight 0 does nothing; leave it out";
-    weights_of_points(found, sum: &impl Display) = "the weights of quadrature points add up to 1, and these to {sum}";
+    weights_of_points(found, sum: &impl Display) = "the weights of quadrature points must add up to 1; these add up to {sum}";
     inexact_points(found) = "these fractions are too long: their sums and products have to be fractions of numbers below 2^53";
     momenta_disagree(momenta, q: &impl Display, p: &impl Display) = "the momenta are `{p}`, but the \
         coordinates are `{q}`; both need the same shape";
@@ -127,7 +127,7 @@ messages! {
         first = q.to_token_stream();
         second = p.to_token_stream();
     } = "coordinates come before momenta: write `|{second}, \
-        {first}|`; if `{first}` are coordinates indeed, give them and the momenta other names";
+        {first}|`; if `{first}` really are coordinates, give them and the momenta other names";
     shapes_disagree(pattern, found: &impl Display, drift: &impl Display, is_real: bool) {
         remedy = match is_real {
             true => "give both closures one coordinate".to_owned(),

@@ -50,7 +50,7 @@ messages! { BathError:
         Brief(*inverse);
     Self::Masses =>
         "the system has friction, but the masses of its kinetic energy are not a positive definite matrix";
-    Self::Rates => "`GjI` takes one rate of friction for all degrees of freedom: take `Gjf` for others";
+    Self::Rates => "`GjI` needs one rate of friction for all degrees of freedom; use `Gjf` for different rates";
     Self::Backwards { h } =>
         "the step size is {}: a system with friction cannot run backwards in time; take a positive one", Brief(*h);
 }

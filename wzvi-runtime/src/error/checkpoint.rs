@@ -124,7 +124,7 @@ messages! { CheckpointError:
     Self::Kind { path, kind } =>
         "{} is a checkpoint of {kind}; it was not changed: name another file", path.display();
     Self::Version { path, found, expected } =>
-        "{} has version {found} of the format, this program reads version {expected}; finish the run with \
+        "{} has version {found} of the format, but this program reads version {expected}; finish the run with \
          the program that wrote it, or name another file to start anew", path.display();
     Self::Damaged { path, damage } =>
         "{} is damaged: {damage}; put back a copy, or remove it to start anew", path.display();
@@ -138,18 +138,18 @@ messages! { CheckpointError:
         "{} has {done} paths, more than the {paths} of this run; ask for at least {done}, or name another \
          file to start anew", path.display();
     Self::Taken { path } =>
-        "{} was changed or removed while the run went on; let only one run at a time use it", path.display();
+        "{} was changed or removed during the run; use it for one run at a time", path.display();
     Self::Internal(error) => "{error}";
     Self::Noise =>
-        "the source of the increments does not say what it is, so that a checkpoint cannot tell whether it \
-         is the same one; implement `Noise::identity` for it";
+        "the source of the increments has no identity, so a checkpoint cannot tell whether a resumed run has \
+         the same source; implement `Noise::identity` for it";
 }
 
 messages! { Damage:
-    Self::Length { expected, found } => "{expected} bytes were written, there are {found}";
+    Self::Length { expected, found } => "{expected} bytes were written, but it has {found}";
     Self::Checksum { expected, found } => "its checksum is {found:016x}, not {expected:016x}";
     Self::Header => "its first line cannot be read";
-    Self::Content(cause) => "its content makes no sense ({cause})";
+    Self::Content(cause) => "its content is invalid ({cause})";
 }
 
 messages! { Difference:

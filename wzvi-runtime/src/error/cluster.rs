@@ -28,10 +28,10 @@ pub enum ClusterError {
 }
 
 messages! { ClusterError:
-    Self::Threading => "MPI was initialised for programs of one thread; use \
+    Self::Threading => "MPI was initialised for single-threaded programs; use \
          `mpi::initialize_with_threading(Threading::Funneled)`";
     Self::Settings { rank, difference } =>
-        "rank {rank} runs something else than rank 0 ({difference}); give all ranks the same settings";
+        "rank {rank} has settings other than those of rank 0 ({difference}); give all ranks the same settings";
     Self::Rank { rank, cause } => "rank {rank} ended the run: {cause}";
     Self::Message { rank } =>
         "rank {rank} sent results of another shape; start the same program on all ranks";

@@ -101,11 +101,11 @@ messages! { StepFailure:
          take a smaller step, or subdivide with `.retry(Retry::halving(n))`", 100.0 * reached;
     Self::Unresolved { energy_error, scale } =>
         "the step is too long for the motion: the energy is off by {energy_error:.1e}, and stays off, where the \
-         mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or look at the \
+         mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or check the \
          energy yourself with `.unwatched()`";
     Self::OtherSolution { apart } =>
-        "the equations of the step have several solutions: dual numbers end at another one than the step, {apart:.1e} of its \
-         way apart, so that its derivative is not known; take a smaller step";
+        "the equations of the step have several solutions, and dual numbers found another one than the step, {apart:.1e} of its \
+         length away, so the derivative is not known; take a smaller step";
     Self::TooManyUnknowns { unknowns, most } =>
         "sweeps over the stages do not contract, and Newton's method would have to factor {unknowns} unknowns, more than {most}; \
          take a smaller step";
@@ -117,7 +117,7 @@ messages! { StepFailure:
         "the system has {expected} degrees of freedom, but the state has {got}";
     Self::Index(error) => "{error}";
     Self::Bath(error) => "{error}";
-    Self::Lanes(_) => "some of the lanes could not take the step";
+    Self::Lanes(_) => "the step failed in some lanes";
     Self::Internal(promise) => "{MISTAKE}: {promise}";
     Self::NonFiniteInput => "the state or an increment is NaN or infinite before the step";
 }

@@ -116,12 +116,14 @@ impl fmt::Display for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, value) = (self.name(), self.value());
         match self.limit() {
-            IndexLimit::Points(points) => write!(f, "`{name}` is {value}, the state has {points}")?,
-            IndexLimit::Entries(length) => write!(f, "`{name}` is read at {value}, it has {length} entries")?,
-            IndexLimit::Integers => {
-                write!(f, "`{name}` is {value}, integers go from {} to {}", isize::MIN, isize::MAX)?;
+            IndexLimit::Points(points) => write!(f, "`{name}` is {value}, but the state has {points}")?,
+            IndexLimit::Entries(length) => {
+                write!(f, "`{name}` is read at {value}, but it has {length} entries")?
             }
-            IndexLimit::Divisor => write!(f, "`{name}` is 0, and divides")?,
+            IndexLimit::Integers => {
+                write!(f, "`{name}` is {value}, but integers range from {} to {}", isize::MIN, isize::MAX)?;
+            }
+            IndexLimit::Divisor => write!(f, "`{name}` is a divisor, but it is 0")?,
         }
         f.write_str("; change the integers of the system, or the size of the state")
     }

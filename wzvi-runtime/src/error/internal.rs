@@ -9,9 +9,9 @@ pub struct InternalError {
 
 /// How every message about one begins.
 pub(super) const MISTAKE: &str = concat!(
-    "this is a mistake of wzvi ",
+    "this is a bug in wzvi ",
     env!("CARGO_PKG_VERSION"),
-    ", not of yours; please report it: this should hold"
+    ", not a mistake of yours; please report it: an assumption does not hold"
 );
 
 #[cfg(feature = "ensemble")]

@@ -72,7 +72,7 @@ messages! { NoiseError:
     Self::Processes { expected, got } =>
         "the system has {expected} noises, but the increments are those of {got} processes";
     Self::Ragged { row, expected, got } =>
-        "row {row} of the increments has length {got}, the first one {expected}";
+        "row {row} of the increments has length {got}, but the first row has length {expected}";
     Self::Setting(what) => "{}", what;
     Self::NonFinite { step, process, value } =>
         "the increment of step {step} and noise {process} is {value}";

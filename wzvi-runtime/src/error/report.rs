@@ -30,7 +30,7 @@ messages! { ReportError:
     Self::Overlay { path, line, cause } =>
         "{}, line {line}: {cause}; a line is name,seconds,error", path.display();
     Self::Plot(error) => "{error}";
-    Self::Format(cause) => "cannot write the numbers down: {cause}";
+    Self::Format(cause) => "cannot format the numbers: {cause}";
 }
 
 impl From<FileError> for ReportError {

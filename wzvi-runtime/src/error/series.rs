@@ -26,9 +26,9 @@ pub enum SeriesError {
 
 messages! { SeriesError:
     Self::Short { length } =>
-        "{length} values are too few for how long they are correlated; run longer, or record less often";
+        "{length} values are too few for their correlation time; run longer, or record less often";
     Self::Constant => "all values are the same: there is nothing to correlate";
     Self::NonFinite { index } => "value {index} (from 0) is NaN or infinite";
     Self::Lengths { expected, got } =>
-        "series of {expected} and of {got} values: they must have the same length";
+        "the series have {expected} and {got} values; they must have the same length";
 }

@@ -53,5 +53,5 @@ fn sums_in_sums() {
     };
     assert_accepted(&nested(16), STRUCT);
     let found = messages(&nested(40), STRUCT);
-    assert!(found.iter().any(|text| text.contains("inside of each other more than 16 times")), "{found:?}");
+    assert!(found.iter().any(|text| text.contains("nested more than 16 deep")), "{found:?}");
 }
