@@ -68,7 +68,7 @@ pub use series::SeriesError;
 pub use statistics::StatisticsError;
 pub use stopped::StoppedError;
 
-/// A step that failed. The state is bit for bit what it was.
+/// A step that failed. The state is unchanged, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
     /// Steps that this stepper had taken before.
@@ -223,7 +223,7 @@ pub struct UnknownName {
     pub kind: &'static str,
     /// The name.
     pub name: String,
-    /// The names that there are.
+    /// The names that exist.
     pub known: Vec<String>,
 }
 

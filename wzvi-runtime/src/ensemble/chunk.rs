@@ -1,4 +1,4 @@
-//! A chunk of paths, the unit of work: what it finds out depends on nothing but the numbers of its paths.
+//! A chunk of paths, the unit of work: its results depend only on the numbers of its paths.
 
 use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};

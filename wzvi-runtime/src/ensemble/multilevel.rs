@@ -61,7 +61,7 @@ const LEAST_LEVELS: usize = 3;
 const MOST_LEVELS: u32 = 20;
 /// The default of the largest number of paths of a level.
 const MOST_PATHS: u64 = 1 << 50;
-/// Paths of the coarsest level on which an observable may be the same number, unless the user says how many.
+/// Paths of the coarsest level after which an observable with one value throughout is given up, unless the user sets the number.
 const MOST_CONSTANT: u64 = 1 << 20;
 /// Numbers of paths this close to the best ones are good enough.
 const TOLERANCE: f64 = 0.01;

@@ -72,8 +72,8 @@ impl<T> Drop for StopOnPanic<'_, T> {
 }
 
 /// Does `work` for every number of `blocks` on so many threads, the caller's among them, and gives the results to `take`
-/// in the order of the numbers, one at a time. `take` ends it all early with [`ControlFlow::Break`]; what is being worked on
-/// then is dropped. A panic in `work` or `take` ends it, too, and goes on in the caller.
+/// in the order of the numbers, one at a time. `take` ends early with [`ControlFlow::Break`]; work in progress
+/// is then dropped. A panic in `work` or `take` ends it, too, and continues in the caller.
 pub(crate) fn in_order<T: Send>(
     blocks: Range<u64>,
     threads: usize,

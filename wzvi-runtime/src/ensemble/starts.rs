@@ -27,7 +27,7 @@ pub trait Systems {
 #[derive(Clone, Copy, Debug)]
 pub enum OneSystem {}
 
-/// Each path is of its own.
+/// Each path has its own system.
 #[derive(Clone, Copy, Debug)]
 pub enum SystemByPath {}
 

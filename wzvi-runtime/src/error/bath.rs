@@ -22,7 +22,7 @@ pub enum BathError {
     },
     /// The mass of a degree of freedom with friction is not positive.
     Mass {
-        /// Which one, from 0.
+        /// Its index, from 0.
         degree: usize,
         /// `1 / m`
         inverse: f64,

@@ -13,19 +13,19 @@ pub enum CheckpointError {
     File(FileError),
     /// The file is not a checkpoint.
     Foreign {
-        /// Which one.
+        /// The file.
         path: PathBuf,
     },
     /// The file is a checkpoint of something else.
     Kind {
-        /// Which one.
+        /// The file.
         path: PathBuf,
         /// What it is a checkpoint of.
         kind: &'static str,
     },
     /// The file has another version of the format.
     Version {
-        /// Which one.
+        /// The file.
         path: PathBuf,
         /// Its version.
         found: String,
@@ -34,21 +34,21 @@ pub enum CheckpointError {
     },
     /// The file is a checkpoint, but its content has changed since it was written.
     Damaged {
-        /// Which one.
+        /// The file.
         path: PathBuf,
         /// How.
         damage: Damage,
     },
     /// The file is a checkpoint of another run.
     OtherRun {
-        /// Which one.
+        /// The file.
         path: PathBuf,
         /// What differs, at least one thing.
         differences: Vec<Difference>,
     },
     /// The file is of this run, but lies beyond the requested end.
     Beyond {
-        /// Which one.
+        /// The file.
         path: PathBuf,
         /// Steps up to the checkpoint.
         step: u64,
@@ -57,7 +57,7 @@ pub enum CheckpointError {
     },
     /// The file is of this ensemble, but has more paths than requested.
     MorePaths {
-        /// Which one.
+        /// The file.
         path: PathBuf,
         /// Paths in the checkpoint.
         done: u64,
@@ -66,7 +66,7 @@ pub enum CheckpointError {
     },
     /// Another program changed or removed the file during this run.
     Taken {
-        /// Which one.
+        /// The file.
         path: PathBuf,
     },
     /// The source of the increments has no identity.
@@ -83,14 +83,14 @@ pub enum Damage {
     Length {
         /// Bytes that were written.
         expected: u64,
-        /// Bytes that there are.
+        /// Bytes found.
         found: u64,
     },
     /// The checksum of its content does not match.
     Checksum {
         /// The checksum that was written.
         expected: u64,
-        /// That of the content.
+        /// The checksum of the content.
         found: u64,
     },
     /// Its first line cannot be read.

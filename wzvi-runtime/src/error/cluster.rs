@@ -15,14 +15,14 @@ pub enum ClusterError {
     },
     /// Another rank failed.
     Rank {
-        /// Which one.
+        /// Its number, from 0.
         rank: i32,
         /// Its message.
         cause: String,
     },
     /// A rank sent data that the program cannot read: the ranks run different programs.
     Message {
-        /// Which one.
+        /// Its number, from 0.
         rank: i32,
     },
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub enum FileError {
     /// The system refused.
     System {
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
         /// What was tried.
         action: &'static str,
@@ -21,7 +21,7 @@ pub enum FileError {
     },
     /// The name belongs to something other than a regular file.
     Special {
-        /// Which name.
+        /// The name.
         path: PathBuf,
         /// What was tried.
         action: &'static str,

@@ -12,7 +12,7 @@ pub enum PlotError {
     File(FileError),
     /// It could not be drawn.
     Drawing {
-        /// Which figure.
+        /// The name of the figure.
         figure: String,
         /// The message of the backend.
         cause: String,

@@ -5,21 +5,21 @@
 pub enum SeriesError {
     /// It is too short for its own correlations.
     Short {
-        /// Values that there are.
+        /// Number of values.
         length: usize,
     },
     /// All values are the same.
     Constant,
     /// A value is NaN or infinite.
     NonFinite {
-        /// Which one, from 0.
+        /// Its index, from 0.
         index: usize,
     },
     /// Series that belong together have different lengths.
     Lengths {
-        /// Of the first.
+        /// Length of the first series.
         expected: usize,
-        /// Of another.
+        /// Length of another one.
         got: usize,
     },
 }

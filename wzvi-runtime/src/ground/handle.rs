@@ -62,8 +62,8 @@ impl Handle {
         Self(Arc::new(Shared { report: Some(Box::new(report)), ..Shared::default() }))
     }
 
-    /// Lets Ctrl-C stop the runs of this handle, instead of ending the program; a second one ends it. A program that has a handler of its own
-    /// keeps that, and calls [`Handle::stop`] there.
+    /// Lets Ctrl-C stop the runs of this handle instead of ending the program; a second Ctrl-C ends it. A program with a signal handler of its own
+    /// keeps that handler, and calls [`Handle::stop`] in it.
     #[cfg(all(feature = "interrupt", not(target_family = "wasm")))]
     #[must_use = "it is the handle to give to runs"]
     pub fn on_interrupt(self) -> Self {

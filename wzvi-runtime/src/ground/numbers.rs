@@ -120,14 +120,14 @@ pub enum Tape {
         /// Whether more was passed than was recorded, or the record is inconsistent.
         short: bool,
     },
-    /// Takes down one lane of what it is shown, as that lane would be taken down alone.
+    /// Records one lane of what is passed, as that lane would be recorded alone.
     Splitting {
         /// Which one.
         lane: usize,
         /// What was taken down.
         words: Vec<u64>,
     },
-    /// Replaces one lane of what it is shown. What is no matter of lanes has to be the same.
+    /// Replaces one lane of what is passed. Numbers that do not belong to a lane must be equal.
     Placing {
         /// Which one.
         lane: usize,
@@ -136,7 +136,7 @@ pub enum Tape {
         /// As for reading, or whether it differs where it must not.
         short: bool,
     },
-    /// Replaces every lane of what it is shown. What is no matter of lanes has to be the same in all of them.
+    /// Replaces every lane of what is passed. Numbers that do not belong to a lane must be equal in all of them.
     Joining {
         /// What was taken down, by lane.
         lanes: Vec<std::vec::IntoIter<u64>>,

@@ -18,10 +18,10 @@
 //!
 //! | The file | The run |
 //! |---|---|
-//! | is not there | starts, and writes it before the first step: a folder that cannot be written to shows at once |
-//! | is of this run | goes on from there |
-//! | is of this run, and that has finished | returns the same trajectory at once; with a later end, goes on to it |
-//! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file stays as it is |
+//! | does not exist | starts, and writes it before the first step, so that a folder that cannot be written to is an error at once |
+//! | is of this run | continues from there |
+//! | is of this run, which has finished | returns the same trajectory at once; with a later end, continues to it |
+//! | is of another run, damaged, of another format, or no checkpoint | fails with a [`CheckpointError`]; the file is unchanged |
 //!
 //! Two runs are the same if they have the same system, parameters, scheme, step size, start, noise, `record_every` and version of this
 //! crate. Sections are compared by their number, their directions and their values at the start. Parameters are compared by the numbers that
@@ -135,12 +135,12 @@ impl Checkpoint {
         Self { path: path.into(), count: None, interval: None, counts: PhantomData }
     }
 
-    /// At each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`].
+    /// Saves at each node whose number is a multiple of `steps`, at least 1. For a [`Simulation`].
     pub fn every_steps(self, steps: u64) -> Checkpoint<Steps> {
         self.counting(steps)
     }
 
-    /// After every `paths` further paths, at least 1; in whole chunks of paths. For an ensemble.
+    /// Saves after every `paths` further paths, at least 1, in whole chunks of paths. For an ensemble.
     pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
         self.counting(paths)
     }

@@ -271,8 +271,8 @@ macro_rules! options {
                 .observe_own("configurational temperature", crate::path::series::configurational)
         }
 
-        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... The start, or a system
-        /// that knows its size, says how many there are.
+        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... Their number is that of the start, or of a system
+        /// that knows its size.
         pub fn observe_equipartition(mut self) -> Self
         where
             H: Sync,

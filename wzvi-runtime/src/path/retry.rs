@@ -231,7 +231,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         }
     }
 
-    /// Why the second of two ends of a step that begins there is not to be taken: they disagree by more than what they may.
+    /// Why the second of two ends of a step from this state is not accepted: they disagree by more than is allowed.
     fn unsettled(
         &self,
         start: &State<H::Vector>,

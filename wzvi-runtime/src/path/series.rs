@@ -5,7 +5,7 @@
 //!
 //! Two estimates: by [batch means](BatchMeans) of every size, which take a few numbers of memory and end runs that are exact enough
 //! ([`TimeAveraging::until_error`]), and, with the feature `correlation`, by the autocorrelation function itself
-//! (`Autocorrelation`), which also says how long things take. Several paths from different starts show what one path cannot know:
+//! (`Autocorrelation`), which also gives the correlation time. Several paths from different starts show whether one path has seen all of phase space:
 //! [`Chains`] compares their means.
 
 mod averages;

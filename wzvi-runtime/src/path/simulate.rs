@@ -54,7 +54,7 @@ pub trait Observer<V> {
     /// Called at the start and then at each recorded node.
     fn observe(&mut self, state: &State<V>, node: &Node<'_>);
 
-    /// Whether it averages over a path that is not kept, and of which a checkpoint keeps what it has seen.
+    /// Whether it averages over a path that is not kept; a checkpoint then keeps the averages so far.
     #[doc(hidden)]
     const AVERAGES: bool = false;
 
@@ -182,7 +182,7 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         Simulation { setup: self.setup, noise: self.noise, observer, types: PhantomData }
     }
 
-    /// The same run, of which only the ends are kept, and what it averages instead.
+    /// The same run, keeping only its ends and its averages.
     ///
     /// # Errors
     /// [`ConfigError::Setting`] for what has no use then.

@@ -473,7 +473,7 @@ pub(crate) const fn may_mislead<H: Discretized<E>, E>() -> bool {
     H::PROPERTIES.remembers && checks_starts::<H, E>()
 }
 
-/// Whether steps that begin without a guide are checked ([`Hard::check`]): with noise, all steps begin so.
+/// Whether steps without a guide are checked ([`Hard::check`]). With noise no step has one, and none is checked.
 pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
     matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
 }

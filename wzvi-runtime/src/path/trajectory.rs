@@ -50,7 +50,7 @@ pub struct Iterations {
 /// It does not hold the system; methods that need it take it again, as in `path.energy_drift(&kubo)`.
 pub struct Trajectory<V, E> {
     path: Path<V>,
-    /// Of no weight: what is read from a file has none.
+    /// Not compared or saved: a path that is read from a file has none.
     variables: Option<Variables>,
     unsaved: Option<FileError>,
     scheme: PhantomData<fn() -> E>,

@@ -1,8 +1,8 @@
 //! The noise of a measurement: that of paths from some number on, the same for all schemes.
 //!
-//! A thermostat with one O part in a step is driven by one Wiener process `W` for each degree of freedom, one with two by two, `W_1` and `W_2`, with
-//! which it converges to the path of `(W_1 + W_2) / √2`. Taken as `W_{1,2} = (W ± W') / √2`, with `W'` of its own, they are independent Wiener
-//! processes, and both thermostats converge to the path of `W`.
+//! A thermostat with one O part in a step is driven by one Wiener process `W` for each degree of freedom. A thermostat with two O parts is driven by
+//! two, `W_1` and `W_2`, and converges to the path of `(W_1 + W_2) / √2`. With `W_{1,2} = (W ± W') / √2` and an independent `W'`, these are independent
+//! Wiener processes, and both thermostats converge to the path of `W`.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

@@ -27,13 +27,13 @@ impl<'a, H> WorkPrecision<'a, H>
 where
     H: Hamiltonian + Sync,
 {
-    /// Measures. Its [handle](WorkPrecision::handle), or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
-    /// On a terminal, progress and the time that remains are shown.
+    /// Runs the measurement. Its [handle](WorkPrecision::handle), or [`WorkPrecision::stop_when`], ends it early: the report then holds what was measured until then.
+    /// A terminal shows progress and the remaining time.
     ///
     /// A step that fails ends its path and is counted.
     ///
     /// # Errors
-    /// [`Error::Config`] for settings that are missing or make no sense, [`Error::Noise`] if there are no increments,
+    /// [`Error::Config`] for settings that are missing or invalid, [`Error::Noise`] if there are no increments,
     /// [`Error::Step`] if the reference fails, [`Error::Report`] for an unusable overlay.
     pub fn run(mut self) -> Result<Report, Error> {
         if let Some(error) = self.failed.take() {

@@ -3,8 +3,8 @@
 //! Content is written under a temporary name in the same folder, flushed to the disk, and then renamed; the folder is
 //! flushed after that.
 //!
-//! * The temporary name is this writer's own: `.wzvi-<checksum of the name>-<random>.part`, made anew and never
-//!   opened if it is there, and locked as long as its writer lives, so that another one can tell what was left behind by a
+//! * The temporary name is this writer's own: `.wzvi-<checksum of the name>-<random>.part`, created anew, never
+//!   opened if it exists, and locked while its writer lives. A lock that is free marks a file left behind by a
 //!   process that was killed ([`remove_parts`]).
 //! * A symbolic link stays, and the file that it leads to is replaced. Permissions stay, too. Another hard link to the
 //!   old content keeps it.

@@ -30,9 +30,9 @@ pub struct Crossings {
 pub struct PathCrossing<'c> {
     /// Number of the path, from 0.
     pub path: u64,
-    /// To which side.
+    /// Whether the function of the section rises or falls.
     pub direction: Direction,
-    /// When.
+    /// Time of the crossing.
     pub t: f64,
     /// Coordinates there.
     pub q: &'c [f64],

@@ -81,7 +81,7 @@ impl Histogram {
         &self.counts
     }
 
-    /// Where a bin begins, and the one before it ends; the last bin ends at `edge(counts().len())`.
+    /// The lower edge of a bin, which is the upper edge of the one before; the last bin ends at `edge(counts().len())`.
     pub fn edge(&self, bin: usize) -> f64 {
         let bins = self.counts.len();
         if bin == bins {

@@ -17,7 +17,7 @@ const MOST_FAILURES: usize = 1000;
 pub struct PathFailure {
     /// Number of the path, from 0.
     pub path: u64,
-    /// Where and why.
+    /// Its step, time and cause.
     pub error: StepError,
 }
 
@@ -80,7 +80,7 @@ impl Numbers for Losses {
 }
 
 /// More paths failed than the run allows ([`Ensemble::allow_losses`](crate::ensemble::Ensemble::allow_losses)): the means are those of the others, and
-/// nothing says how far the lost ones would have moved them.
+/// how far the lost paths would have changed them is not known.
 #[derive(Clone, PartialEq)]
 pub struct LossError {
     /// Paths that failed.

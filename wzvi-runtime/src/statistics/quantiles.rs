@@ -19,8 +19,8 @@ const MOST_LISTED: usize = 1 << 10;
 
 /// The distribution of samples, for their quantiles.
 ///
-/// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: for numbers far
-/// from zero that differ little, subtract what they have in common. Memory is 4 KiB for each factor of two, of each sign, that a sample fell into.
+/// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: if numbers far
+/// from zero differ little, subtract a common value first. Memory is 4 KiB for each factor of two, of each sign, that a sample fell into.
 #[derive(Clone, Default)]
 pub struct Quantiles {
     /// Bins of samples that are not counted yet.

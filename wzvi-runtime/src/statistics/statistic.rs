@@ -41,9 +41,9 @@ pub enum Seen<'s> {
         section: usize,
         /// How often the path has crossed it before.
         before: u64,
-        /// To which side.
+        /// Whether the function of the section rises or falls.
         direction: Direction,
-        /// When.
+        /// Time of the crossing.
         t: f64,
         /// Coordinates there.
         q: &'s [f64],

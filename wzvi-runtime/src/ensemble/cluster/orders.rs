@@ -52,7 +52,7 @@ impl<C: Communicator> Orders<'_, C> {
         self.0.process_at_rank(rank).send_with_tag(nothing, SEND);
     }
 
-    /// Tells all that there is no more to do, and why, if the run failed.
+    /// Ends the work of all ranks, with the reason if the run failed.
     pub(super) fn end(&self, failure: Option<&str>) {
         let bytes = failure.unwrap_or_default().as_bytes();
         let bytes = &bytes[..bytes.len().min(FEW_BYTES)];

@@ -22,7 +22,7 @@ const NAP: Duration = Duration::from_micros(200);
 
 /// How rank 0 does its part.
 pub(super) struct Hands<'h, Work> {
-    /// On so many threads of its own.
+    /// Number of threads of this rank.
     pub(super) threads: usize,
     /// Does a block.
     pub(super) work: Work,
@@ -218,7 +218,7 @@ where
         Ok(is_any)
     }
 
-    /// Merges what is next; whether there was any.
+    /// Merges the next results; returns whether there were any.
     fn merge(&mut self) -> bool {
         let mut is_any = false;
         loop {
@@ -278,7 +278,7 @@ where
     }
 }
 
-/// Does batches for rank 0 until it says that there are no more; what it says then, if the run failed.
+/// Does batches for rank 0 until there are no more. Returns the reason if the run failed.
 pub(super) fn work<C: Communicator>(
     world: &C,
     threads: usize,

@@ -157,7 +157,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         self.put_hard(lane, step, &mut solved, memory)
     }
 
-    /// The end of a step of a lane that was hard, and what it leaves.
+    /// Stores the end of a hard step of a lane, and the memory that it leaves.
     fn put_hard(
         &mut self,
         lane: usize,
@@ -259,7 +259,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         Ok(())
     }
 
-    /// Lanes go on together if what they remember is of the same shape. One that has failed remembers what the path does that it follows.
+    /// Joins the lanes if their memories have the same shape. A lane that has failed takes the memory of the path that it follows.
     fn join(&mut self) {
         let Some(living) = self.living() else { return };
         if self.apart.is_empty() {

@@ -234,7 +234,7 @@ mod tests {
         assert!(queue.is_done() && queue.take().is_none() && queue.assign(&pace).is_none());
     }
 
-    /// One who does not answer holds up nobody: others do what it has, and what it brings late is not taken twice.
+    /// A worker that does not answer delays nobody: others do its work, and late results are not taken twice.
     #[test]
     fn what_does_not_come_is_done_by_others() {
         let mut queue = Queue::new(0..100, 2);

@@ -48,11 +48,11 @@ impl fmt::Display for Point {
 
 /// A kind of time scale; [`TimeScale`] gives it its interval.
 pub trait Scale {
-    /// As in the paper.
+    /// The symbol of the paper.
     const NAME: &'static str;
     /// The first point, in half steps from `a`.
     const FIRST: usize;
-    /// From one point to the next, in half steps.
+    /// The distance from one point to the next, in half steps.
     const STRIDE: usize;
     /// Number of points for `steps` steps.
     fn size(steps: usize) -> usize;

@@ -20,7 +20,7 @@ pub(crate) enum Kind {
     Ensemble,
 }
 
-/// What the first line starts with, in every version, and of what it is the checkpoint.
+/// How the first line begins in every version, and the kind of run that it marks.
 const KINDS: [(&str, &str); 2] = [("wzvi-checkpoint ", "a single path"), ("wzvi-ensemble ", "an ensemble")];
 
 impl Kind {

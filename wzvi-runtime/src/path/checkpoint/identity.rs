@@ -32,7 +32,7 @@ pub(super) fn settings(recording: &Recording, retry: Retry, is_compensated: bool
     fields
 }
 
-/// The sections of a run, and its end if that need not be a node: nothing goes on from there.
+/// The sections of a run, and its end if that need not be a node: no run continues from there.
 pub(crate) fn between<V>(grid: &Grid, sections: &Sections<'_, V>, start: &State<V>) -> Fields {
     let mut fields = Fields::new();
     if let Some(end) = grid.end {
@@ -68,7 +68,7 @@ pub(super) fn parameters<H: Hamiltonian>(system: &H) -> Fields {
 /// Parameters that a file names; the others show in the checksums.
 const MOST_PARAMETERS: usize = 64;
 
-/// Checksums of everything that the user need not know: what the compiler derived, what is computed once from
+/// Checksums of internal data: what the compiler derived, what is computed once from
 /// parameters and step size, and the Hamiltonians at the start.
 pub(super) fn derived<H: Discretized<E>, E>(
     system: &H,

@@ -111,8 +111,8 @@ struct Kept {
 }
 
 impl Keeping {
-    /// Goes on from the checkpoint if there is one, else writes the first one: `pass` shows what is known, at the start before and at the
-    /// checkpoint afterwards.
+    /// Continues from the checkpoint if there is one, else writes the first one. `pass` passes the data of the run: those of the start before the
+    /// call, those of the checkpoint afterwards.
     pub(crate) fn open(
         self,
         extent: Extent,
@@ -159,7 +159,7 @@ impl Keeper {
         self.file.as_mut().is_some_and(|file| done <= file.extent.end() && file.due.is_due(done))
     }
 
-    /// Saves the run. It has more to lose than its checkpoint: where that cannot be written, it goes on.
+    /// Saves the run. If the checkpoint cannot be written, the run continues, because ending it would lose more.
     ///
     /// # Errors
     /// What no later attempt mends: the file is another run's.

@@ -43,9 +43,9 @@ pub struct TimeAverage {
 /// The result of a run of averages.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeAverages<V> {
-    /// By observable, in the order of the requests.
+    /// One for each observable, in the order of the requests.
     pub averages: Vec<TimeAverage>,
-    /// Where the path ended: a start for the next.
+    /// The last state of the path, from which a next one can start.
     pub last: State<V>,
     /// Steps that it took.
     pub steps: u64,

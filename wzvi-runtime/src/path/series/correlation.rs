@@ -8,7 +8,7 @@ use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
 /// How many correlation times the sum over the autocorrelation function goes (A. Sokal, "Monte Carlo methods in statistical mechanics: foundations and new
-/// algorithms", in *Functional Integration*, 1997, section 3): what is left out is some `e^{-5}`, and the noise of the tail stays out.
+/// algorithms", in *Functional Integration*, 1997, section 3): the rest of the sum is about `e^{-5}` of it, and the noise of the tail is excluded.
 const WINDOW: f64 = 5.0;
 
 /// Values that belong to times between two nodes.

@@ -211,7 +211,7 @@ fn matrix<H: Discretized<E>, E, K: Constant>(
 /// The numbers of parameters with these names.
 ///
 /// # Errors
-/// [`ConfigError::Setting`] for one that there is not.
+/// [`ConfigError::Setting`] for a name that does not exist.
 fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, ConfigError> {
     let known: Vec<&str> = (0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect();
     let find = |name: &&str| {

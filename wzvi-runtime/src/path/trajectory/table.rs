@@ -51,7 +51,7 @@ impl<V: Vector, E> Trajectory<V, E> {
 }
 
 impl<V: Vector, E> PathTable<'_, V, E> {
-    /// With the drift Hamiltonian and the proven first integrals of the system at each node, in their own units.
+    /// Adds the drift Hamiltonian and the proven first integrals of the system at each node, in their own units.
     pub fn energies<H: Hamiltonian<Vector = V>>(mut self, system: &H) -> Self {
         self.push("energy", |state| system.energy(state));
         for index in 0..system.invariants() {
@@ -60,7 +60,7 @@ impl<V: Vector, E> PathTable<'_, V, E> {
         self
     }
 
-    /// With the increment of each noise from the row before to this one: their sums are `W_k(t) - W_k(t_0)`.
+    /// Adds the increment of each noise from the row before to this one: their sums are `W_k(t) - W_k(t_0)`.
     pub fn increments(mut self) -> Self {
         for k in 0..self.path.processes() {
             let increments = self.path.increments().map(|row| row.get(k).copied().unwrap_or(0.0));

@@ -152,7 +152,7 @@ pub trait Scheme<H: Hamiltonian> {
         None
     }
 
-    /// One step in place. For systems in lanes, `system` is any of them: only what they have in common is read. On `Err`, the state, `memory` and `carry` are
+    /// One step in place. For systems in lanes, `system` is any of them: only their common data are read. On `Err`, the state, `memory` and `carry` are
     /// unchanged; if the error is that of some [lanes](StepFailure::Lanes), this holds for these lanes, and the others have taken the step.
     ///
     /// Unless `CAREFUL`, an iteration that does not converge fast is abandoned; the
