@@ -1,7 +1,7 @@
-//! Many paths at once: their statistics at the price of their noise.
+//! Statistics of many paths, in vector lanes and on all cores.
 //!
 //! Paths run in the lanes of vector registers ([`crate::algebra::lanes`]), in chunks of fixed size. Threads take the chunks, and their
-//! statistics are merged in the order of their numbers. The result is the same, bit for bit, for any number of threads, any width of the
+//! statistics are merged in the order of the chunks. The result is the same, bit for bit, for any number of threads, any width of the
 //! lanes and any [`InstructionSet`].
 //!
 //! The increments of a seed are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for each (seed, step size, process, path, step),

@@ -1,4 +1,4 @@
-//! What every system can do with its schemes.
+//! The entry points of all runs of a system.
 
 use crate::algebra::state::State;
 #[cfg(feature = "ensemble")]

@@ -1,4 +1,4 @@
-//! What several builders let the user set: each is one text with one meaning, and its value is checked in one place.
+//! Settings that several builders share: each is written once, and its value is checked in one place.
 //!
 //! `options!(start, end, ...)` inside an `impl` of a builder gives it the methods; the builder has a field `setup` with those that they set.
 
@@ -271,8 +271,8 @@ macro_rules! options {
                 .observe_own("configurational temperature", crate::path::series::configurational)
         }
 
-        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... Their number is that of the start, or of a system
-        /// that knows its size.
+        /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... Their
+        /// number is that of the start, or of a system that knows its size.
         pub fn observe_equipartition(mut self) -> Self
         where
             H: Sync,

@@ -1,4 +1,4 @@
-//! Steps that fail are taken in halves.
+//! Steps that fail are halved.
 //!
 //! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there, so that the retry
 //! converges to the same solution. Only the step without solution is subdivided.

@@ -7,11 +7,11 @@
 //! **What counts.** A crossing is a change of sign. A path that touches the section and stays on its side does not cross it. Neither does
 //! one that starts or ends on the section. Where the function is NaN, the path has no side, and crossings in between are unknown.
 //!
-//! **What is found.** In each step the function is evaluated at equal distances, as many per step as the polynomial has coefficients (4 at least; 8
-//! for `Gauss<8>`). Different signs of neighbouring values are a crossing that is found for sure; of several between the two, an odd number, one is.
-//! Where both have the same sign, but differences say that the function approaches zero at the first and leaves it at the second, its extremum
-//! between them is searched, so that two crossings close to each other are found, too. What may be missed are pairs of crossings within less than
-//! about `10^-8` of a step, which is a tangency up to rounding, and those of functions that oscillate within a step faster than its polynomial.
+//! **What is found.** In each step the function is evaluated at equidistant points, as many as the polynomial has coefficients (at least 4; 8 for
+//! `Gauss<8>`). Two neighbouring values of different sign enclose a crossing, which is always found; if they enclose three or more, one is found.
+//! Two values of the same sign may enclose an extremum towards zero. Where differences indicate one, it is located, and two crossings close to each
+//! other are found, too. A pair closer than about `10^-8` of a step is a tangency up to rounding, and may be missed. So may crossings of functions
+//! that oscillate within a step faster than its polynomial.
 
 mod root;
 

@@ -70,7 +70,7 @@ pub trait Observer<V> {
         false
     }
 
-    /// What makes it another than others, for a checkpoint.
+    /// What distinguishes it from others, for a checkpoint.
     #[doc(hidden)]
     fn described(&self, _start: &State<V>) -> Vec<(String, String)> {
         Vec::new()
@@ -208,7 +208,7 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
         Ok((self, Averaged { names, functions, start, h, stride }))
     }
 
-    /// Goes on from a checkpoint, and writes it.
+    /// Continues from a checkpoint, and saves to it.
     pub(crate) fn keeping(mut self, keeping: Keeping) -> Self {
         self.setup.keeping = keeping;
         self
@@ -249,7 +249,7 @@ where
         self.run_until(None).map(|(path, _)| path)
     }
 
-    /// [`Simulation::run_partial`] until the observer has seen enough, or `stop` says so, which is asked about ten times a second; the observer as well.
+    /// [`Simulation::run_partial`] until the observer or `stop` ends the run. Both are asked about ten times a second.
     pub(crate) fn run_until(
         self,
         stop: Option<&dyn Fn() -> bool>,

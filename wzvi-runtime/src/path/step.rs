@@ -241,8 +241,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
     /// [bath](crate::scheme::bath), which [`Discretized::increments`] counts.
     ///
     /// # Errors
-    /// [`StepError`] with time, step number and cause. The state is then bit for bit what it was, and so is the
-    /// stepper.
+    /// [`StepError`] with time, step number and cause. State and stepper are then unchanged, bit for bit.
     #[inline]
     pub fn step(&mut self, state: &mut State<H::Vector>, dw: &[f64]) -> Result<StepInfo, StepError> {
         // A constant noise, or one whose force is zero, would not show them.
@@ -478,7 +477,7 @@ pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
     matches!(H::PLAN.solver, Solver::Newton) && matches!(H::PLAN.noise, NoiseClass::None)
 }
 
-/// What does not change from step to step, of a system that makes sense.
+/// The data that do not change from step to step, if the system is valid.
 ///
 /// # Errors
 /// Those of the system, with the name of a parameter that is no number.
@@ -489,7 +488,7 @@ pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<Prepa
     }
 }
 
-/// Which parameter makes no sense.
+/// Which parameter is invalid.
 fn mistaken_parameter(system: &impl Hamiltonian) -> ConfigError {
     let mut index = 0;
     while let Some((parameter, value)) = system.parameter(index) {

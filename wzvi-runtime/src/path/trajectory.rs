@@ -56,7 +56,7 @@ pub struct Trajectory<V, E> {
     scheme: PhantomData<fn() -> E>,
 }
 
-/// The part of a trajectory that the scheme has no say in.
+/// The part of a trajectory that does not depend on the scheme.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Path<V> {
@@ -172,12 +172,12 @@ impl<V: Vector, E> Trajectory<V, E> {
         self
     }
 
-    /// Where the path crossed the sections of the run, in the order of time: see [`crate::path::section`].
+    /// The crossings of the sections of the run, in the order of time: see [`crate::path::section`].
     pub fn crossings(&self) -> &[Crossing<V>] {
         &self.path.crossings
     }
 
-    /// What was observed under this name ([`Simulation::observe`](crate::path::simulate::Simulation::observe)), at each recorded node.
+    /// The values of the observable with this name ([`Simulation::observe`](crate::path::simulate::Simulation::observe)) at the recorded nodes.
     ///
     /// # Errors
     /// [`UnknownName`] for a name that the run did not have.
@@ -192,7 +192,7 @@ impl<V: Vector, E> Trajectory<V, E> {
         self.unsaved.as_ref()
     }
 
-    /// What the closure of the drift calls the variables of the path; `q`, `p` and `t` after a path was read from a file.
+    /// The names of the variables in the closure of the drift; `q`, `p` and `t` after a path was read from a file.
     pub fn variables(&self) -> Variables {
         self.variables.unwrap_or_else(|| Variables::unnamed(self.path.last.q.components().len()))
     }

@@ -42,7 +42,7 @@ pub struct Statistics {
     /// Those that the user added.
     own: Vec<Box<dyn AnyStatistic>>,
     pub(crate) is_partial: bool,
-    /// What was to be found out to a standard error, by observable.
+    /// The targets of standard errors, by observable.
     pub(crate) targets: Vec<(usize, TargetStatus)>,
     /// What the whole run is of; a block does not say so.
     pub(crate) origin: Option<Origin>,

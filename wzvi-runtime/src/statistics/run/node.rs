@@ -283,19 +283,19 @@ impl StatisticsNode {
 
     /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
     /// mean that was seen: as if it had occurred ten times more. The standard error itself is zero until a rare event is seen, and with
-    /// heavy tails too small just where the mean is, too; this one is what [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares.
+    /// heavy tails it is too small whenever the mean is. [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares this bound.
     /// NaN where the observable is the same number on all paths, as an event that was never seen.
     pub fn error_bound(&self, observable: usize) -> f64 {
         self.independent().error_bound(observable)
     }
 
-    /// The share of the path that is farthest from the mean in the variance of an observable. An error in which one path has a large share is that of this
+    /// The share of the path that is farthest from the mean in the variance of an observable. If one path has a large share, the error is that of this
     /// path: see [`TargetStatus::Dominated`](super::TargetStatus::Dominated).
     pub fn largest_share(&self, observable: usize) -> f64 {
         self.independent().largest_share(observable)
     }
 
-    /// Whether an observable is the same number on all paths: then nothing is known of how often, and how far, it is another.
+    /// Whether an observable is the same number on all paths. If so, the frequency and size of other values are unknown.
     pub fn is_constant(&self, observable: usize) -> bool {
         self.moments.is_constant(observable)
     }
