@@ -7,8 +7,8 @@
 //! W_eps(t) = (1/eps) int_{t - eps/2}^{t + eps/2} W(s) ds    dW_eps/dt = (W(t + eps/2) - W(t - eps/2)) / eps
 //! ```
 //!
-//! A step uses the velocity at one point, `delta_i = h dW_eps/dt`, or the increment of `W_eps` ([`Sampling`]). Source: section 5 of
-//! the project's mathematics.
+//! A step uses the velocity at one point, `delta_i = h dW_eps/dt`, or the increment of `W_eps` ([`Sampling`]). The example `paper`
+//! measures the errors of both (J. Cresson, R. Safi, *Dynamics of stochastic Hamiltonian systems I: Wong-Zakai variational integrators*).
 
 use super::grid::GridTime;
 use super::truncation::truncation_setters;

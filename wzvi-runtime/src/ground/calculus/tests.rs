@@ -1,4 +1,4 @@
-//! The lemmas of the paper, with the sums as they must read (MATH.md, section 7).
+//! The lemmas of the paper, with the limits of the sums corrected (docs/guide/theory.md, section 6).
 
 use super::*;
 use nalgebra::SVector;
