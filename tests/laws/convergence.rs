@@ -1,4 +1,4 @@
-//! Orders of convergence on shared Wiener paths, against exact solutions (MATH section 8) or a fine step on the path.
+//! Orders of convergence on shared Wiener paths, against exact solutions or a fine step on the path.
 //!
 //! Strong errors are root mean squares over paths at `T = 1`. The slope of `log2 error` over `log2 h` is fitted by
 //! least squares; its standard error comes from the jackknife over ten batches of paths. A slope passes within four of
@@ -188,7 +188,7 @@ fn second_moment(level: u32) -> f64 {
 
 #[test]
 fn kubo_by_delta_plus_converges_to_the_predicted_wrong_limit() {
-    // MATH section 3.
+    // docs/guide/theory.md, section 4.
     const LIMIT: f64 = 1.415_701_365_42;
     // Richardson extrapolation of an error h (c1 + c2 h + c3 h²), with a rest of the order h⁴.
     let mut table: Vec<f64> = (8..12).map(second_moment).collect();

@@ -148,7 +148,7 @@ struct Term<const N: usize> {
     slopes: [[f64; N]; N],
 }
 
-/// The equations of MATH section 2 for one step.
+/// The equations of docs/guide/theory.md, section 3, for one step.
 struct Equations<'a, const N: usize> {
     of: Derivatives<'a, N>,
     points: [&'static [(f64, f64)]; 2],
@@ -159,7 +159,7 @@ struct Equations<'a, const N: usize> {
 }
 
 impl<const N: usize> Equations<'_, N> {
-    /// The terms `c_m H_m(P, Q_l)` of MATH section 2 and the counter-term of section 3, at `x = (q_{i+1}, P)`.
+    /// The terms `c_m H_m(P, Q_l)` of docs/guide/theory.md, section 2, and the counter-term of section 4, at `x = (q_{i+1}, P)`.
     fn terms(&self, z: &[f64; N], x: &[f64; N]) -> Vec<Term<N>> {
         let d = N / 2;
         let point =

@@ -43,7 +43,7 @@ struct Chain {
     beta: f64,
 }
 
-/// The quadrature points of drift and noise, and whether the counter-term is added: MATH section 2, by hand.
+/// The quadrature points of drift and noise, and whether the counter-term is added: docs/guide/theory.md, section 2, by hand.
 struct Quadrature {
     drift: f64,
     noise: f64,
