@@ -153,7 +153,7 @@ pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
     closest(key, names_in(KEYS)).or_else(|| synonym(key))
 }
 
-const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an equation of Ito, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
+const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an Ito equation, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
                             `a - ½ Σ_k (∂b_k/∂X) b_k`: see \"From Ito to Stratonovich\" in docs/guide/noise.md";
 
 /// Whether a name requests another sense of the stochastic integral, or a scheme in that sense.

@@ -162,7 +162,7 @@ fn covariances() {
     }
 }
 
-/// MATH section 5: increments sampled from windows converge to `sqrt(v) W`, v = 1 + f (1 - f) / rho^2, and 1 / rho for rho < 1.
+/// Increments sampled from windows converge to `sqrt(v) W`, v = 1 + f (1 - f) / rho^2, and 1 / rho for rho < 1.
 ///
 /// Their sum over N steps has covariance T with W(T), so that the variance of the difference is (v - 1) T, up to the two ends, where windows
 /// stick out: at most (rho + 1) h together.
