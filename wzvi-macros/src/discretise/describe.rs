@@ -74,14 +74,14 @@ fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     let symbols = &scheme.lagrangian.symbols;
     say!(text, "\nDiscrete Lagrangian of the step from t_i to t_i + h");
     say!(text, "  L_d = {}", graph.display(scheme.lagrangian.value));
-    for (q0, u) in symbols.q0.iter().zip(&symbols.u) {
+    for (q0, u) in symbols.nodes.iter().zip(&symbols.unknowns).take(symbols.degrees()) {
         let (node, increment) = (graph.symbol_name(*q0).to_owned(), graph.symbol_name(*u).to_owned());
         let end = node.strip_suffix("_i").map_or_else(|| node.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {increment} = {end} - {node}");
     }
     for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
         for (i, &point) in stage.q.iter().enumerate() {
-            let value = shifted(graph, symbols.q0[i], symbols.u[i], stage.at.l);
+            let value = shifted(graph, symbols.nodes[i], symbols.unknowns[i], stage.at.l);
             say!(text, "  {} = {}", graph.symbol_name(point), graph.display(value));
         }
     }
@@ -93,20 +93,19 @@ fn shifted(graph: &mut Graph, base: Symbol, by: Symbol, l: Rational) -> Expr {
 }
 
 fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
-    let symbols = &scheme.lagrangian.symbols;
+    let StepSymbols { nodes, unknowns, momentum, .. } = &scheme.lagrangian.symbols;
     say!(text, "\nDiscrete Euler-Lagrange equations");
-    for i in 0..symbols.u.len() {
-        let names =
-            [symbols.momentum[i], symbols.u[i], symbols.p0[i], symbols.v[i]].map(|s| graph.symbol_name(s));
-        let [momentum, u, p0, v] = names.map(str::to_owned);
+    for (i, of_v) in (momentum.len()..unknowns.len()).enumerate() {
+        let symbols = [momentum[i], unknowns[i], nodes[of_v], unknowns[of_v]];
+        let [momentum, u, p0, v] = symbols.map(|symbol| graph.symbol_name(symbol).to_owned());
         let equations = &scheme.equations;
-        say!(text, "  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi_u[i]));
+        say!(text, "  ∂L_d/∂{momentum} = 0:  {u} = {}", graph.display(equations.phi[i]));
         say!(
             text,
             "  {p0} = -D1 L_d:  {momentum} = {p0} + {v},  {v} = {}",
-            graph.display(equations.phi_v[i])
+            graph.display(equations.phi[of_v])
         );
-        let v = graph.symbol(symbols.v[i]);
+        let v = graph.symbol(unknowns[of_v]);
         let change = equations.update[i].change(graph, v);
         let end = p0.strip_suffix("_i").map_or_else(|| p0.clone(), |name| format!("{name}_{{i+1}}"));
         say!(text, "  {end} = D2 L_d:  {end} - {p0} = {}", graph.display(change));
@@ -140,7 +139,7 @@ fn step(graph: &Graph, scheme: &Scheme, text: &mut String) {
 }
 
 fn names(graph: &Graph, symbols: &StepSymbols, unknowns: &[Unknown]) -> String {
-    let names: Vec<&str> = unknowns.iter().map(|&x| graph.symbol_name(symbols.unknown(x))).collect();
+    let names: Vec<&str> = unknowns.iter().map(|&x| graph.symbol_name(symbols.unknowns[x])).collect();
     names.join(", ")
 }
 

@@ -30,28 +30,26 @@ impl MomentumUpdate {
     }
 }
 
-/// `φ` and the momentum update, per degree of freedom.
+/// `φ` of every unknown, and the momentum update per degree of freedom.
 #[derive(Clone)]
 pub(crate) struct Equations {
-    pub(crate) phi_u: Vec<Expr>,
-    pub(crate) phi_v: Vec<Expr>,
+    /// `φ_u`, then `φ_v`.
+    pub(crate) phi: Vec<Expr>,
     pub(crate) update: Vec<MomentumUpdate>,
 }
 
 impl Equations {
     pub(crate) fn new(graph: &mut Graph, lagrangian: &DiscreteLagrangian) -> Self {
         let symbols = &lagrangian.symbols;
-        let mut equations = Self { phi_u: Vec::new(), phi_v: Vec::new(), update: Vec::new() };
-        for i in 0..symbols.u.len() {
-            let (u, momentum) = (graph.symbol(symbols.u[i]), graph.symbol(symbols.momentum[i]));
-            let phi_u = graph.subtract(u, lagrangian.by_momentum[i]);
-            let phi_v = graph.add(momentum, lagrangian.by_start[i]);
+        let (mut phi_u, mut phi_v, mut update) = (Vec::new(), Vec::new(), Vec::new());
+        for i in 0..symbols.degrees() {
+            let (u, momentum) = (graph.symbol(symbols.unknowns[i]), graph.symbol(symbols.momentum[i]));
+            phi_u.push(graph.subtract(u, lagrangian.by_momentum[i]));
+            phi_v.push(graph.add(momentum, lagrangian.by_start[i]));
             let rest = graph.subtract(lagrangian.by_end[i], momentum);
-            equations.update.push(momentum_update(graph, lagrangian, phi_v, rest));
-            equations.phi_u.push(phi_u);
-            equations.phi_v.push(phi_v);
+            update.push(momentum_update(graph, lagrangian, phi_v[i], rest));
         }
-        equations
+        Self { phi: [phi_u, phi_v].concat(), update }
     }
 }
 

@@ -25,13 +25,10 @@ pub(crate) struct StageSymbols {
 
 /// The symbols of one step.
 pub(crate) struct StepSymbols {
-    /// `q_i` and `p_i`, the node that the step starts from.
-    pub(crate) q0: Vec<Symbol>,
-    pub(crate) p0: Vec<Symbol>,
-    /// `u = q_{i+1} - q_i`, unknown.
-    pub(crate) u: Vec<Symbol>,
-    /// `v = P - p_i`, unknown.
-    pub(crate) v: Vec<Symbol>,
+    /// `q_i`, then `p_i`: the node that the step starts from.
+    pub(crate) nodes: Vec<Symbol>,
+    /// The unknowns `u = q_{i+1} - q_i`, then `v = P - p_i`.
+    pub(crate) unknowns: Vec<Symbol>,
     /// `P`, the momentum of the step.
     pub(crate) momentum: Vec<Symbol>,
     pub(crate) t: Symbol,
@@ -60,7 +57,7 @@ impl DiscreteLagrangian {
         let decay = decay(graph, line, &symbols);
         let step_hamiltonian = step_hamiltonian(graph, line, &symbols);
         let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
-        for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.u) {
+        for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.unknowns) {
             let (momentum, u) = (graph.symbol(momentum), graph.symbol(u));
             terms.push((graph.multiply(momentum, u), Rational::ONE));
         }
@@ -68,7 +65,7 @@ impl DiscreteLagrangian {
         let by_momentum = symbols.momentum.iter().map(|&p| graph.derivative(value, p)).collect();
         let mut by_node = |of_increment: Rational, of_stage: fn(&Stage) -> Rational| -> Vec<Expr> {
             let weights = (of_increment, of_stage);
-            (0..symbols.u.len()).map(|i| symbols.by_node(graph, (value, &forces), i, weights)).collect()
+            (0..symbols.degrees()).map(|i| symbols.by_node(graph, (value, &forces), i, weights)).collect()
         };
         let by_start = by_node(Rational::MINUS_ONE, Stage::start);
         let mut by_end = by_node(Rational::ONE, Stage::end);
@@ -107,7 +104,12 @@ impl StepSymbols {
         let t = graph.new_symbol("t_i");
         let increment = |k: usize| if noises == 1 { "ΔW".to_owned() } else { format!("ΔW{k}") };
         let dw = (1..=noises).map(|k| graph.new_symbol(increment(k))).collect();
-        Self { q0, p0, u, v, momentum, t, h, dw, stages }
+        let (nodes, unknowns) = ([q0, p0].concat(), [u, v].concat());
+        Self { nodes, unknowns, momentum, t, h, dw, stages }
+    }
+
+    pub(crate) fn degrees(&self) -> usize {
+        self.momentum.len()
     }
 
     /// `∂/∂q_i = -∂/∂u + Σ_l (1 - l) ∂/∂Q_l` and `∂/∂q_{i+1} = ∂/∂u + Σ_l l ∂/∂Q_l`, with the virtual work of the forces at the stages.
@@ -118,7 +120,7 @@ impl StepSymbols {
         i: usize,
         (of_increment, of_stage): (Rational, fn(&Stage) -> Rational),
     ) -> Expr {
-        let mut terms = vec![(graph.derivative(value, self.u[i]), of_increment)];
+        let mut terms = vec![(graph.derivative(value, self.unknowns[i]), of_increment)];
         for (stage, forces) in self.stages.iter().zip(forces) {
             let weight = of_stage(&stage.at);
             terms.push((graph.derivative(value, stage.q[i]), weight));

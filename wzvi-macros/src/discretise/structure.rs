@@ -16,14 +16,8 @@ mod isolate;
 pub(crate) use blocks::Dependencies;
 pub(crate) use isolate::Pivot;
 
-/// One unknown increment.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub(crate) enum Unknown {
-    /// `u_i = q_{i+1} - q_i`, component `i`.
-    Coordinate(usize),
-    /// `v_i = P - p_i`, component `i`.
-    Momentum(usize),
-}
+/// The number of an unknown increment: of `u = q_{i+1} - q_i` its component, of `v = P - p_i` its component after all of `u`.
+pub(crate) type Unknown = usize;
 
 /// The solution of a block for its iterates `x`.
 pub(crate) enum Solution {
@@ -90,7 +84,7 @@ impl Structure {
                 blocks.extend(pivots.iter().map(|&pivot| Block::of(Solution::Isolated(pivot))));
             }
             for &unknown in &block.assigned {
-                definitions.insert(symbols.unknown(unknown), solved.phi(unknown));
+                definitions.insert(symbols.unknowns[unknown], solved.phi[unknown]);
             }
             blocks.push(block);
         }
@@ -104,56 +98,20 @@ impl Structure {
     }
 }
 
-impl Equations {
-    /// Replaces the equation of `unknown`.
-    fn with_phi(&self, unknown: Unknown, phi: Expr) -> Self {
-        let mut changed = self.clone();
-        match unknown {
-            Unknown::Coordinate(i) => changed.phi_u[i] = phi,
-            Unknown::Momentum(i) => changed.phi_v[i] = phi,
-        }
-        changed
-    }
-
-    pub(crate) fn phi(&self, unknown: Unknown) -> Expr {
-        match unknown {
-            Unknown::Coordinate(i) => self.phi_u[i],
-            Unknown::Momentum(i) => self.phi_v[i],
-        }
-    }
-}
-
 impl StepSymbols {
-    pub(crate) fn unknown(&self, unknown: Unknown) -> Symbol {
-        match unknown {
-            Unknown::Coordinate(i) => self.u[i],
-            Unknown::Momentum(i) => self.v[i],
-        }
-    }
-
     /// `P` and every `Q_l`: states shifted by increments.
     pub(crate) fn points(&self) -> Vec<Symbol> {
         self.stages.iter().flat_map(|stage| &stage.q).chain(&self.momentum).copied().collect()
     }
 
-    /// The component of the state whose increment is `unknown`.
-    pub(crate) fn base(&self, unknown: Unknown) -> Symbol {
-        match unknown {
-            Unknown::Coordinate(i) => self.q0[i],
-            Unknown::Momentum(i) => self.p0[i],
-        }
-    }
-
     /// The symbols through which an equation reads `unknown`, with `∂symbol/∂unknown`.
     pub(crate) fn views(&self, unknown: Unknown) -> Vec<(Symbol, Rational)> {
-        match unknown {
-            Unknown::Coordinate(i) => self
-                .stages
-                .iter()
-                .filter(|stage| !stage.at.l.is_zero())
-                .map(|stage| (stage.q[i], stage.at.l))
-                .collect(),
-            Unknown::Momentum(i) => vec![(self.momentum[i], Rational::ONE)],
+        match unknown.checked_sub(self.degrees()) {
+            Some(i) => vec![(self.momentum[i], Rational::ONE)],
+            None => {
+                let moving = self.stages.iter().filter(|stage| !stage.at.l.is_zero());
+                moving.map(|stage| (stage.q[unknown], stage.at.l)).collect()
+            }
         }
     }
 }
@@ -164,13 +122,14 @@ fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut Has
         let base = graph.symbol(base);
         graph.linear_combination(&[(base, Rational::ONE), (by, l)])
     };
-    for i in 0..symbols.u.len() {
-        let v = graph.symbol(symbols.v[i]);
-        let momentum = shifted(graph, symbols.p0[i], v, Rational::ONE);
+    let StepSymbols { nodes, unknowns, .. } = symbols;
+    for (i, v) in (symbols.degrees()..unknowns.len()).enumerate() {
+        let by = graph.symbol(unknowns[v]);
+        let momentum = shifted(graph, nodes[v], by, Rational::ONE);
         definitions.insert(symbols.momentum[i], momentum);
-        let u = increment(graph, symbols.u[i], definitions);
+        let u = increment(graph, unknowns[i], definitions);
         for stage in &symbols.stages {
-            let point = shifted(graph, symbols.q0[i], u, stage.at.l);
+            let point = shifted(graph, nodes[i], u, stage.at.l);
             definitions.insert(stage.q[i], point);
         }
     }
@@ -227,7 +186,7 @@ impl BlockSolver<'_> {
             && iterates
                 .iter()
                 .chain(assigned)
-                .all(|&x| !self.graph.has_pieces(self.equations.phi(x), &members));
+                .all(|&x| !self.graph.has_pieces(self.equations.phi[x], &members));
         if is_linear {
             let rhs = self.at_zero(iterates, assigned);
             return Solution::Linear { matrix: jacobian, rhs };
@@ -235,8 +194,8 @@ impl BlockSolver<'_> {
         let residual = iterates
             .iter()
             .map(|&x| {
-                let unknown = self.graph.symbol(self.symbols.unknown(x));
-                self.graph.subtract(unknown, self.equations.phi(x))
+                let unknown = self.graph.symbol(self.symbols.unknowns[x]);
+                self.graph.subtract(unknown, self.equations.phi[x])
             })
             .collect();
         let n = iterates.len();
@@ -249,13 +208,13 @@ impl BlockSolver<'_> {
         let one = self.graph.integer(1);
         let mut speeds = vec![(x, one)];
         for &unknown in assigned {
-            let speed = self.total_slope(self.equations.phi(unknown), &speeds);
+            let speed = self.total_slope(self.equations.phi[unknown], &speeds);
             speeds.push((unknown, speed));
         }
         iterates
             .iter()
             .map(|&row| {
-                let slope = self.total_slope(self.equations.phi(row), &speeds);
+                let slope = self.total_slope(self.equations.phi[row], &speeds);
                 let identity = if row == x { one } else { self.graph.integer(0) };
                 self.graph.subtract(identity, slope)
             })
@@ -289,15 +248,15 @@ impl BlockSolver<'_> {
             self.place(unknown, zero, &mut values);
         }
         for &unknown in assigned {
-            let value = self.graph.substitute(&[self.equations.phi(unknown)], &values)[0];
+            let value = self.graph.substitute(&[self.equations.phi[unknown]], &values)[0];
             self.place(unknown, value, &mut values);
         }
-        let phi: Vec<Expr> = iterates.iter().map(|&x| self.equations.phi(x)).collect();
+        let phi: Vec<Expr> = iterates.iter().map(|&x| self.equations.phi[x]).collect();
         self.graph.substitute(&phi, &values)
     }
 
     fn place(&mut self, unknown: Unknown, value: Expr, values: &mut HashMap<Symbol, Expr>) {
-        let base = self.graph.symbol(self.symbols.base(unknown));
+        let base = self.graph.symbol(self.symbols.nodes[unknown]);
         for (view, weight) in self.symbols.views(unknown) {
             let point = self.graph.linear_combination(&[(base, Rational::ONE), (value, weight)]);
             values.insert(view, point);

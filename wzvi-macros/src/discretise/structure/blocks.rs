@@ -9,34 +9,28 @@ const EXHAUSTIVE: usize = 12;
 
 /// The graph of which unknown reads which.
 pub(crate) struct Dependencies {
-    degrees: usize,
-    /// `reads[a]` lists the vertices that `φ_a` depends on.
-    reads: Vec<Vec<usize>>,
+    /// `reads[a]` lists the unknowns that `φ_a` depends on.
+    reads: Vec<Vec<Unknown>>,
     /// Estimated cost of evaluating `φ_a`.
     cost: Vec<u32>,
 }
 
 impl Dependencies {
     pub(crate) fn new(graph: &Graph, symbols: &StepSymbols, equations: &Equations) -> Self {
-        let degrees = symbols.u.len();
         let mut reads = Vec::new();
         let mut cost = Vec::new();
-        for a in 0..2 * degrees {
-            let phi = equations.phi(unknown(a, degrees));
-            let present: Vec<_> =
-                graph.reachable(&[phi]).iter().filter_map(|&e| graph.as_symbol(e)).collect();
-            let is_read = |b: &usize| {
-                symbols.views(unknown(*b, degrees)).iter().any(|(view, _)| present.contains(view))
-            };
-            reads.push((0..2 * degrees).filter(is_read).collect());
+        for &phi in &equations.phi {
+            let present = graph.symbols_in(phi);
+            let is_read = |&b: &Unknown| symbols.views(b).iter().any(|(view, _)| present.contains(view));
+            reads.push((0..equations.phi.len()).filter(is_read).collect());
             cost.push(price(graph, phi));
         }
-        Self { degrees, reads, cost }
+        Self { reads, cost }
     }
 
     /// Strongly connected components, each after those that it reads: the search trees of the reversed graph, rooted in the reverse
     /// finishing order of a search of the graph (Kosaraju).
-    pub(crate) fn components(&self) -> Vec<Vec<usize>> {
+    pub(crate) fn components(&self) -> Vec<Vec<Unknown>> {
         let mut read_by = vec![Vec::new(); self.reads.len()];
         for (vertex, reads) in self.reads.iter().enumerate() {
             reads.iter().for_each(|&read| read_by[read].push(vertex));
@@ -49,20 +43,19 @@ impl Dependencies {
     }
 
     /// Splits a component into the unknowns to iterate on and those assigned from them, in order.
-    pub(crate) fn split(&self, component: &[usize]) -> (Vec<Unknown>, Vec<Unknown>) {
+    pub(crate) fn split(&self, component: &[Unknown]) -> (Vec<Unknown>, Vec<Unknown>) {
         let (forced, free): (Vec<usize>, Vec<usize>) =
             component.iter().partition(|&&vertex| self.reads[vertex].contains(&vertex));
         let feedback = self.smallest_feedback(component, &forced, &free);
         let assigned = self
             .order_without(component, &feedback)
             .promised("without its feedback a component has an order");
-        let named = |vertices: Vec<usize>| vertices.into_iter().map(|a| unknown(a, self.degrees)).collect();
-        (named(feedback), named(assigned))
+        (feedback, assigned)
     }
 
     fn smallest_feedback(&self, component: &[usize], forced: &[usize], free: &[usize]) -> Vec<usize> {
         let mut best: Option<(usize, u32, Vec<usize>)> = None;
-        for candidate in candidates(free, self.degrees) {
+        for candidate in candidates(free, self.reads.len() / 2) {
             let mut feedback: Vec<usize> = forced.iter().chain(&candidate).copied().collect();
             feedback.sort_unstable();
             let assigned_cost = component
@@ -93,10 +86,6 @@ impl Dependencies {
         }
         Some(ordered)
     }
-}
-
-fn unknown(vertex: usize, degrees: usize) -> Unknown {
-    if vertex < degrees { Unknown::Coordinate(vertex) } else { Unknown::Momentum(vertex - degrees) }
 }
 
 /// Subsets of `free` by increasing size, or the natural ones where there are too many.

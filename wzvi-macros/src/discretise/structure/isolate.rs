@@ -23,7 +23,7 @@ pub(super) fn isolate(
     graph: &mut Graph,
     symbols: &StepSymbols,
     equations: &Equations,
-    component: &[usize],
+    component: &[Unknown],
     iterates: &[Unknown],
 ) -> Option<(Equations, Dependencies, Vec<Pivot>)> {
     if component.len() > MOST {
@@ -31,12 +31,12 @@ pub(super) fn isolate(
     }
     let mut best: Option<(Equations, Dependencies, Vec<Pivot>)> = None;
     let mut fewest = iterates.len();
-    let momenta_first = iterates.iter().filter(|x| matches!(x, Unknown::Momentum(_)));
-    let coordinates = iterates.iter().filter(|x| matches!(x, Unknown::Coordinate(_)));
-    for &unknown in momenta_first.chain(coordinates) {
+    let (coordinates, momenta): (Vec<_>, Vec<_>) = iterates.iter().partition(|x| **x < symbols.degrees());
+    for &unknown in momenta.into_iter().chain(coordinates) {
         let current = best.as_ref().map_or(equations, |(equations, ..)| equations);
-        let Some((phi, pivot)) = isolated(graph, symbols, current.phi(unknown), unknown) else { continue };
-        let changed = current.with_phi(unknown, phi);
+        let Some((phi, pivot)) = isolated(graph, symbols, current.phi[unknown], unknown) else { continue };
+        let mut changed = current.clone();
+        changed.phi[unknown] = phi;
         let dependencies = Dependencies::new(graph, symbols, &changed);
         let left = dependencies.split(component).0.len();
         if left < fewest {
@@ -56,7 +56,7 @@ fn isolated(graph: &mut Graph, symbols: &StepSymbols, phi: Expr, unknown: Unknow
     if graph.has_pieces(phi, &views) {
         return None;
     }
-    let base = graph.symbol(symbols.base(unknown));
+    let base = graph.symbol(symbols.nodes[unknown]);
     let mut slope = Vec::new();
     let mut at_base = std::collections::HashMap::new();
     for (view, weight) in symbols.views(unknown) {
@@ -83,11 +83,7 @@ impl StepSymbols {
     /// All symbols that change from step to step, except the increments and the time of the node.
     fn of_state(&self) -> Vec<Symbol> {
         let stages = self.stages.iter().flat_map(|stage| stage.q.iter().chain([&stage.t]));
-        [&self.q0, &self.p0, &self.u, &self.v, &self.momentum]
-            .into_iter()
-            .flatten()
-            .chain(stages)
-            .copied()
-            .collect()
+        let of_node = [&self.nodes, &self.unknowns, &self.momentum].into_iter().flatten();
+        of_node.chain(stages).copied().collect()
     }
 }

@@ -101,7 +101,8 @@ impl Flow {
         let mut inputs = |of: &[Symbol], level: Level| -> Vec<Op> {
             of.iter().map(|&symbol| lowering.input(symbol, level)).collect()
         };
-        let (q0, p0) = (inputs(&symbols.q0, Level::State), inputs(&symbols.p0, Level::State));
+        let mut q0 = inputs(&symbols.nodes, Level::State);
+        let p0 = q0.split_off(symbols.degrees());
         let dw = inputs(&symbols.dw, Level::Increments);
         let of_system: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).collect();
         let parameters = inputs(&of_system, Level::Prepared);
@@ -196,7 +197,7 @@ fn invert_constant_pivots(
                 let symbol = graph.new_symbol("inverse");
                 let inverse = graph.symbol(symbol);
                 let value = graph.multiply(inverse, rhs[0]);
-                definitions.insert(symbols.unknown(unknown), value);
+                definitions.insert(symbols.unknowns[unknown], value);
                 let made = of_pivot(graph, symbol, pivot);
                 if made.level == Level::Prepared {
                     let quotient = Quotient { rhs: rhs[0], pivot, inverse };
@@ -228,7 +229,7 @@ fn solve_for_points(
     Quotient { rhs, pivot, inverse }: &Quotient,
     definitions: &mut HashMap<Symbol, Expr>,
 ) {
-    let base = symbols.base(unknown);
+    let base = symbols.nodes[unknown];
     for (point, weight) in symbols.views(unknown) {
         let slope = graph.derivative(*rhs, base);
         let share = graph.linear_combination(&[(slope, weight), (*pivot, Rational::ONE)]);
@@ -251,9 +252,10 @@ fn solve_for_points(
 fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 2] {
     let symbols = &scheme.lagrangian.symbols;
     let mut ends = [Vec::new(), Vec::new()];
-    for i in 0..symbols.u.len() {
-        ends[0].push(increment(graph, symbols.u[i], definitions));
-        let v = increment(graph, symbols.v[i], definitions);
+    let (u, v) = symbols.unknowns.split_at(symbols.degrees());
+    for i in 0..symbols.degrees() {
+        ends[0].push(increment(graph, u[i], definitions));
+        let v = increment(graph, v[i], definitions);
         ends[1].push(scheme.equations.update[i].change(graph, v));
     }
     ends
@@ -272,7 +274,7 @@ fn lower_block(
         rows.iter().map(|row| all(lowering, row)).collect()
     };
     let inputs = |lowering: &mut Lowering<'_>| -> Vec<Op> {
-        let symbols = block.iterates.iter().map(|&x| scheme.lagrangian.symbols.unknown(x));
+        let symbols = block.iterates.iter().map(|&x| scheme.lagrangian.symbols.unknowns[x]);
         symbols.map(|symbol| lowering.program.input(symbol)).collect()
     };
     match (&block.solution, inverse) {
@@ -308,13 +310,14 @@ fn reciprocal(lowering: &mut Lowering<'_>, pivot: Expr, inverse: &Inverse) -> So
 fn hints(lowering: &mut Lowering<'_>, scheme: &Scheme, solves: &[Solve]) -> HashMap<Op, String> {
     let symbols = &scheme.lagrangian.symbols;
     let mut named: Vec<(Symbol, String)> = Vec::new();
-    for i in 0..symbols.u.len() {
-        let [q, p] = [symbols.u[i], symbols.v[i]].map(|increment| {
+    let (u, v) = symbols.unknowns.split_at(symbols.degrees());
+    for i in 0..symbols.degrees() {
+        let [q, p] = [u[i], v[i]].map(|increment| {
             lowering.graph().symbol_name(increment).trim_start_matches(['Δ', 'δ']).to_owned()
         });
         named.push((symbols.momentum[i], format!("node_{p}")));
-        named.push((symbols.u[i], format!("delta_{q}")));
-        named.push((symbols.v[i], format!("delta_{p}")));
+        named.push((u[i], format!("delta_{q}")));
+        named.push((v[i], format!("delta_{p}")));
         for (stage, point) in symbols.stages.iter().enumerate() {
             named.push((point.q[i], if stage == 0 { format!("stage_{q}") } else { format!("noise_{q}") }));
         }
