@@ -98,13 +98,11 @@ pub(crate) struct Element {
     pub(crate) locals: Vec<Local>,
 }
 
-/// What of the state an element reads.
+/// Whether an element reads coordinates, and whether momenta.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Reads {
-    Nothing,
-    Coordinates,
-    Momenta,
-    Both,
+pub(crate) struct Reads {
+    pub(crate) q: bool,
+    pub(crate) p: bool,
 }
 
 impl Element {
@@ -139,12 +137,7 @@ impl Element {
     }
 
     pub(crate) fn reads(&self) -> Reads {
-        match (self.coordinates().next().is_some(), self.momenta().next().is_some()) {
-            (false, false) => Reads::Nothing,
-            (true, false) => Reads::Coordinates,
-            (false, true) => Reads::Momenta,
-            (true, true) => Reads::Both,
-        }
+        Reads { q: self.coordinates().next().is_some(), p: self.momenta().next().is_some() }
     }
 }
 

@@ -184,14 +184,13 @@ impl Facts {
         Self {
             noise: if declared.is_empty() { NoiseClass::None } else { noise_class(graph, &noises) },
             has_force: force.is_some(),
-            is_separable: acting.iter().all(|element| match element.reads() {
-                Reads::Nothing | Reads::Coordinates => true,
-                Reads::Momenta => !element.is_covector(),
-                Reads::Both => false,
+            is_separable: acting.iter().all(|element| {
+                let Reads { q, p } = element.reads();
+                !p || !q && !element.is_covector()
             }),
             has_diagonal_kinetic_energy: acting
                 .iter()
-                .filter(|element| element.reads() == Reads::Momenta && !element.is_covector())
+                .filter(|element| !element.reads().q && !element.is_covector())
                 .all(|element| is_diagonal(graph, element)),
             half_defect_sum: half_defect_sum.sum,
             defect_is_constant,
@@ -334,14 +333,14 @@ fn kept_across(name: &str, boundary: &Boundary) -> Knowledge {
 fn noise_class(graph: &mut Graph, noises: &[Element]) -> NoiseClass {
     let (forces, noise): (Vec<&Element>, Vec<&Element>) =
         noises.iter().partition(|element| element.is_covector());
-    let are = |elements: &[&Element], reads: Reads| {
-        elements.iter().all(|element| [reads, Reads::Nothing].contains(&element.reads()))
-    };
-    if noise.iter().all(|element| is_affine(graph, element)) && are(&forces, Reads::Nothing) {
+    let read_q = |elements: &[&Element]| elements.iter().any(|element| element.reads().q);
+    let read_p = |elements: &[&Element]| elements.iter().any(|element| element.reads().p);
+    let is_affine = noise.iter().all(|element| is_affine(graph, element));
+    if is_affine && !read_q(&forces) && !read_p(&forces) {
         NoiseClass::Additive
-    } else if are(&noise, Reads::Coordinates) && are(&forces, Reads::Coordinates) {
+    } else if !read_p(&noise) && !read_p(&forces) {
         NoiseClass::Position
-    } else if are(&noise, Reads::Momenta) && forces.is_empty() {
+    } else if !read_q(&noise) && forces.is_empty() {
         NoiseClass::Momentum
     } else {
         NoiseClass::Multiplicative

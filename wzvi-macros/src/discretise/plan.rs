@@ -16,7 +16,7 @@ use std::rc::Rc;
 
 use crate::discretise::{Facts, Part, Quadrature, Scheme, discretise};
 use crate::embedding::Embedding;
-use crate::model::{Element, Reads, StraightLine, System, Term};
+use crate::model::{Element, StraightLine, System, Term};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -95,9 +95,7 @@ fn has_constant_curvature(system: &mut System) -> bool {
 
 fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
     let Quadrature { stages } = Quadrature::new(facts, embedding);
-    let reads_q = |term: &Term| {
-        term.elements.iter().any(|element| matches!(element.reads(), Reads::Coordinates | Reads::Both))
-    };
+    let reads_q = |term: &Term| term.elements.iter().any(|element| element.reads().q);
     let has_forces = |(part, _): &(Part, Rational)| match part {
         Part::Drift => reads_q(&model.drift),
         Part::Noise => model.noise.iter().any(|noise| noise.is_force || reads_q(&noise.term)),

@@ -151,7 +151,7 @@ impl Writer<'_> {
         opened: &mut Opened,
     ) -> Vec<(Expr, Rational)> {
         let whole = vec![(expr, Rational::ONE)];
-        let reads_state = |part: Expr| self.reads(part) != Reads::Nothing;
+        let reads_state = |part: Expr| self.reads(part) != Reads { q: false, p: false };
         let moving: Vec<usize> = (0..factors.len()).filter(|&i| reads_state(factors[i].0)).collect();
         let &[only] = moving.as_slice() else { return whole };
         let (base, exponent) = factors[only];

@@ -3,7 +3,7 @@
 use super::Facts;
 use super::kinetic::Kinetic;
 use crate::embedding::Embedding;
-use crate::model::{Element, Reads, System};
+use crate::model::{Element, System};
 
 /// Properties of `T(p) + V(q, t)`.
 #[derive(Clone, Copy, Debug)]
@@ -22,24 +22,18 @@ impl Flows {
             return None;
         }
         let timed = system.acting().filter(|element| system.graph.depends_on(element.value, &[system.t]));
-        let read: Vec<Reads> = timed
-            .map(|element| match element.reads() {
-                // A force of time alone acts on the momenta like one that reads coordinates.
-                Reads::Nothing if element.is_covector() => Reads::Coordinates,
-                reads => reads,
-            })
-            .collect();
-        if read.contains(&Reads::Momenta) {
+        let timed: Vec<&Element> = timed.collect();
+        if timed.iter().any(|element| element.reads().p) {
             return None;
         }
-        let force_reads_time = read.contains(&Reads::Coordinates);
+        // A force of time alone acts on the momenta like one that reads coordinates.
+        let force_reads_time = timed.iter().any(|element| element.reads().q || element.is_covector());
         Some(Self { is_nystrom: is_nystrom(system, facts), force_reads_time })
     }
 }
 
 /// Whether the step Hamiltonian is a constant quadratic form of the momenta plus a function of coordinates and time, and forces read no more.
 pub(crate) fn is_nystrom(model: &mut System, facts: &Facts) -> bool {
-    let moves = |element: &Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
-    let is_noisy = model.noise.iter().flat_map(|noise| &noise.term.elements).any(moves);
+    let is_noisy = model.noise.iter().flat_map(|noise| &noise.term.elements).any(|e| e.reads().p);
     facts.is_separable && !is_noisy && model.conformal.is_none() && Kinetic::of(model).is_some()
 }

@@ -2,7 +2,7 @@
 
 use super::{Rate, all, is_affine};
 use crate::discretise::{Increments, Space, Sum, Weighted};
-use crate::model::{Half, Reads};
+use crate::model::Half;
 use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// Covectors, as linear functions of displacements.
@@ -88,10 +88,8 @@ pub(super) fn commuting_forces(
     }
     let mut is_undecided = false;
     for hamiltonian in noise {
-        let is_flat = |weighted: &Weighted| {
-            let reads = weighted.element.reads();
-            matches!(reads, Reads::Nothing | Reads::Coordinates) || is_affine(graph, &weighted.element)
-        };
+        let is_flat =
+            |weighted: &Weighted| !weighted.element.reads().p || is_affine(graph, &weighted.element);
         is_undecided |= !forces.is_empty() && !hamiltonian.iter().all(is_flat);
         for force in forces {
             let one = space.contract(graph, (hamiltonian, p), (force, q), Increments::Each);

@@ -16,13 +16,10 @@ impl Kinetic {
         let System { graph, drift, t, .. } = system;
         let (mut is_diagonal, mut is_quadratic) = (true, true);
         for element in &drift.elements {
-            match element.reads() {
-                Reads::Nothing | Reads::Coordinates => {}
-                Reads::Momenta => {
-                    is_quadratic &= is_form(graph, element, *t);
-                    is_diagonal &= self::is_diagonal(graph, element);
-                }
-                Reads::Both => is_quadratic = false,
+            let Reads { q, p } = element.reads();
+            if p {
+                is_quadratic &= !q && is_form(graph, element, *t);
+                is_diagonal &= q || self::is_diagonal(graph, element);
             }
         }
         is_quadratic.then_some(Self { is_diagonal })

@@ -12,7 +12,7 @@
 
 use crate::diagnostics::{Diagnostics, Extent, facts as messages};
 use crate::discretise::is_quadratic;
-use crate::model::{Atom, Index, Reads, System, Term};
+use crate::model::{Atom, Index, System, Term};
 use crate::symbolic::{Graph, Symbol};
 
 /// The form of a part of the drift, by which its flow is known.
@@ -61,7 +61,7 @@ fn homes(system: &System, forms: &[Form]) -> Result<(), (Extent, &'static str)> 
         }
     }
     let Some(force) = force else { return Ok(()) };
-    if force.elements.iter().any(|element| matches!(element.reads(), Reads::Momenta | Reads::Both)) {
+    if force.elements.iter().any(|element| element.reads().p) {
         return Err((force.extent, "it depends on momenta, which change in the flow in which it acts"));
     }
     let Some(kicks) = forms.iter().position(|form| *form == Form::Coordinates) else {
@@ -85,13 +85,11 @@ fn form(system: &mut System, part: usize) -> Result<Form, &'static str> {
     if is_timed && others.iter().any(|other| reads_time(graph, other, *t)) {
         return Err("both parts depend on the time, so the flow of neither advances it");
     }
-    let reads: Vec<Reads> = term.elements.iter().map(|element| element.reads()).collect();
-    let reads_any = |those: &[Reads]| reads.iter().any(|read| those.contains(read));
-    if !reads_any(&[Reads::Momenta, Reads::Both]) {
+    if !term.elements.iter().any(|element| element.reads().p) {
         return Ok(Form::Coordinates);
     }
     // With friction, momenta are not constant either.
-    if !reads_any(&[Reads::Coordinates, Reads::Both]) && conformal.is_none() {
+    if !term.elements.iter().any(|element| element.reads().q) && conformal.is_none() {
         return Ok(Form::Momenta);
     }
     if is_timed || !term.elements.iter().all(|element| is_quadratic(graph, element)) {

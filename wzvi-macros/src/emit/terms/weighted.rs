@@ -99,10 +99,10 @@ impl Nests<'_> {
         let element = &weighted.element;
         let condition = match element.reads() {
             _ if element.is_covector() => quote!(__wanted.by_q),
-            Reads::Nothing => return TokenStream::new(),
-            Reads::Coordinates => quote!(__wanted.by_q),
-            Reads::Momenta => quote!(__wanted.by_p),
-            Reads::Both => quote!((__wanted.by_q || __wanted.by_p)),
+            Reads { q: false, p: false } => return TokenStream::new(),
+            Reads { q: true, p: false } => quote!(__wanted.by_q),
+            Reads { q: false, p: true } => quote!(__wanted.by_p),
+            Reads { q: true, p: true } => quote!((__wanted.by_q || __wanted.by_p)),
         };
         let (value, weight) = self.weighed(element, weight);
         let outputs = match (element.is_covector(), self.wanted) {

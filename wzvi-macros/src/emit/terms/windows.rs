@@ -44,19 +44,19 @@ fn have_runs(model: &System, parts: &[PartElements]) -> bool {
     elements(model, parts).all(|element| match element.reads() {
         // A covector may read anything.
         _ if element.is_covector() => false,
-        Reads::Nothing => true,
-        Reads::Coordinates => {
+        Reads { q: false, p: false } => true,
+        Reads { q: true, p: false } => {
             let mut strides =
                 element.coordinates().map(|(_, index)| stretch_of(element, index).map(|(stride, _)| stride));
             let first = strides.next().flatten();
             first.is_some() && strides.all(|stride| stride == first)
         }
-        Reads::Momenta => {
+        Reads { q: false, p: true } => {
             let mut read = element.momenta().map(|(_, index)| stretch_of(element, index));
             let first = read.next().flatten();
             first.is_some() && read.all(|other| other == first)
         }
-        Reads::Both => false,
+        Reads { q: true, p: true } => false,
     })
 }
 
@@ -95,8 +95,7 @@ pub(super) fn gathered(model: &System, parts: &[PartElements]) -> Option<TokenSt
 
 /// Whether the velocity of every degree of freedom is the slope of one element, in a loop over all places or points, and nothing else.
 pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool {
-    let moves = |element: &&Element| matches!(element.reads(), Reads::Momenta | Reads::Both);
-    let mut read = elements(model, parts).filter(moves);
+    let mut read = elements(model, parts).filter(|element| element.reads().p);
     let (Some(element), None) = (read.next(), read.next()) else { return false };
     let [only] = element.loops.as_slice() else { return false };
     let is_all = only.start == Index::default() && only.end == model.size;
@@ -104,8 +103,7 @@ pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool 
     let first = Index::atom(Atom::Loop(only.variable)).multiply(&Index::integer(model.components));
     let read: Vec<&Index> = element.momenta().map(|(_, index)| index).collect();
     let is_each = i128::try_from(read.len()) == Ok(model.components);
-    let is_kinetic = matches!(element.reads(), Reads::Momenta);
-    is_kinetic && is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
+    !element.reads().q && is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
 }
 
 /// The types for slopes of `f64` states: one by one, and in loops over neighbours. If only correctly rounded functions are

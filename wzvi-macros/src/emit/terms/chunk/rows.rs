@@ -29,7 +29,7 @@ pub(in crate::emit::terms) fn partners(
     let length = inner.end.subtract(&inner.start).and_then(|length| length.as_integer());
     let is_short = length.is_some_and(|length| length < SHORT);
     let changes = increments.iter().any(|number| number.loops().contains(&inner.variable));
-    let reads_coordinates = element.reads() == Reads::Coordinates && !element.is_covector();
+    let reads_coordinates = element.reads() == Reads { q: true, p: false } && !element.is_covector();
     if outer.is_empty() || is_short || changes || !reads_coordinates {
         return None;
     }
