@@ -8,6 +8,7 @@ mod compile;
 mod describe;
 mod diagnostics;
 mod discretise;
+mod distinct;
 mod embedding;
 mod emit;
 mod functions;

@@ -6,13 +6,14 @@ use syn::{Block, Expr as Syntax, Stmt};
 
 use super::Space;
 use super::loops::Loops;
-use super::names::Parameters;
 use super::scope::Scope;
 use super::sequences::Sequence;
 use super::tables::Tables;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
+use crate::distinct::Distinct;
 use crate::input::{Container, Function, Kind, Library, peeled};
+use crate::model::Parameter;
 use crate::model::symbols::Symbols;
 use crate::symbolic::{Expr, Graph};
 
@@ -39,7 +40,8 @@ pub(super) struct Closure<'a> {
 pub(super) struct Interpreter<'a, 'd> {
     pub(super) graph: Graph,
     pub(super) system: &'a Container,
-    pub(super) parameters: Parameters,
+    /// In the order of their first use; one per distinct expression.
+    pub(super) parameters: Distinct<String, Parameter>,
     /// The shared functions of the declaration.
     pub(super) root: &'a Library,
     pub(super) symbols: Symbols,
@@ -76,7 +78,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         (system, root): (&'a Container, &'a Library),
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let (parameters, now) = (Parameters::default(), Evaluation::default());
+        let (parameters, now) = (Distinct::default(), Evaluation::default());
         Self { graph, system, parameters, root, symbols, tables, space, now, diagnostics }
     }
 
@@ -248,8 +250,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// A symbol that stands for the `f64` expression `tokens`.
     pub(super) fn parameter(&mut self, name: &str, tokens: TokenStream) -> Expr {
-        let symbol = self.parameters.symbol(&mut self.graph, name, tokens);
-        self.graph.symbol(symbol)
+        let made = || Parameter { symbol: self.graph.new_symbol(name), tokens: tokens.clone() };
+        let place = self.parameters.place(tokens.to_string(), made);
+        self.graph.symbol(self.parameters.values[place].symbol)
     }
 
     /// The content of a place: a real number is read at once, anything else on use.

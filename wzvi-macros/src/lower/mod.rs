@@ -112,7 +112,7 @@ pub(crate) fn lower(
         labels: phase_space.labels.clone(),
         symbols,
         t,
-        parameters: parameters.into_list(),
+        parameters: parameters.values,
         tables: tables.into_list(),
         drift,
         parts,

@@ -1,7 +1,5 @@
 //! Name resolution: variables, fields, constants.
 
-use std::collections::HashMap;
-
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
@@ -12,29 +10,6 @@ use super::interpreter::Interpreter;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::{Field, Kind, peeled};
-use crate::model::Parameter;
-use crate::symbolic::{Graph, Symbol};
-
-/// The parameters in the order of their first use; one per distinct expression.
-#[derive(Default)]
-pub(super) struct Parameters {
-    list: Vec<Parameter>,
-    known: HashMap<String, Symbol>,
-}
-
-impl Parameters {
-    pub(super) fn symbol(&mut self, graph: &mut Graph, name: &str, tokens: TokenStream) -> Symbol {
-        *self.known.entry(tokens.to_string()).or_insert_with(|| {
-            let symbol = graph.new_symbol(name);
-            self.list.push(Parameter { symbol, tokens });
-            symbol
-        })
-    }
-
-    pub(super) fn into_list(self) -> Vec<Parameter> {
-        self.list
-    }
-}
 
 impl<'a> Interpreter<'a, '_> {
     /// A path that is used as a value.

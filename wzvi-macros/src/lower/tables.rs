@@ -1,27 +1,23 @@
 //! Lists and integers of the struct or of constants.
 
-use std::collections::HashMap;
-
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::diagnostics::source;
+use crate::distinct::Distinct;
 use crate::model::{Atom, Index, Table};
 
 /// One table per distinct expression.
 #[derive(Default)]
-pub(super) struct Tables {
-    list: Vec<Table>,
-    known: HashMap<String, u32>,
-}
+pub(super) struct Tables(Distinct<String, Table>);
 
 impl Tables {
     pub(super) fn as_list(&self) -> &[Table] {
-        &self.list
+        &self.0.values
     }
 
     pub(super) fn into_list(self) -> Vec<Table> {
-        self.list
+        self.0.values
     }
 
     /// The value read by `tokens`.
@@ -33,16 +29,8 @@ impl Tables {
         lengths: Vec<Option<usize>>,
     ) -> u32 {
         let (name, suffix) = (name.to_owned(), TokenStream::new());
-        self.once(tokens.to_string(), Table { name, tokens: tokens.clone(), suffix, is_unsigned, lengths })
-    }
-
-    /// The number of the table with this key.
-    fn once(&mut self, key: String, table: Table) -> u32 {
-        let list = &mut self.list;
-        *self.known.entry(key).or_insert_with(|| {
-            list.push(table);
-            (list.len() - 1) as u32
-        })
+        let table = || Table { name, tokens: tokens.clone(), suffix, is_unsigned, lengths };
+        self.0.place(tokens.to_string(), table) as u32
     }
 
     /// A size of the phase space or of a family, as it was written.
@@ -58,19 +46,19 @@ impl Tables {
 
     /// The integer that `suffix` reads of the entries of a list.
     pub(super) fn part(&mut self, id: u32, suffix: TokenStream, is_unsigned: bool) -> u32 {
-        let Some(list) = self.list.get(id as usize).cloned() else { return id };
+        let Some(list) = self.0.values.get(id as usize).cloned() else { return id };
         let name = format!("{}{suffix}", list.name).replace(' ', "");
         let key = format!("{} [..] {suffix}", list.tokens);
-        self.once(key, Table { name, suffix, is_unsigned, ..list })
+        self.0.place(key, || Table { name, suffix, is_unsigned, ..list }) as u32
     }
 
     pub(super) fn name(&self, id: u32) -> String {
-        self.list.get(id as usize).map_or_else(String::new, |table| table.name.clone())
+        self.0.values.get(id as usize).map_or_else(String::new, |table| table.name.clone())
     }
 
     /// The name of an integer, and how it is read as an `f64`.
     pub(super) fn integer(&self, id: u32) -> Option<(String, TokenStream)> {
-        let Table { name, tokens, .. } = self.list.get(id as usize)?;
+        let Table { name, tokens, .. } = self.0.values.get(id as usize)?;
         Some((name.clone(), quote! { (#tokens as ::core::primitive::f64) }))
     }
 }

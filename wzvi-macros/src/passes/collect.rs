@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use super::unroll::{Writer, parts};
 use crate::diagnostics::{Diagnostics, expressions};
+use crate::distinct::Distinct;
 use crate::model::symbols::Sum;
 use crate::model::{Element, Family, Loop, Reads, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
@@ -135,7 +136,7 @@ impl Writer<'_> {
                     let one = self.graph.integer(1);
                     all.add(self.graph, one, constant);
                 }
-                all.terms
+                all.0.values
             }
             Node::Product(factors) => self.multiply_out(expr, &factors, opened),
             _ => vec![(expr, Rational::ONE)],
@@ -182,24 +183,19 @@ struct Opened {
 
 /// Terms and their coefficients, in the order in which they came.
 #[derive(Default)]
-struct Merged {
-    terms: Vec<(Expr, Rational)>,
-    places: HashMap<Expr, usize>,
-}
+struct Merged(Distinct<Expr, (Expr, Rational)>);
 
 impl Merged {
     fn add(&mut self, graph: &mut Graph, term: Expr, coefficient: Rational) {
-        let place = *self.places.entry(term).or_insert(self.terms.len());
-        match self.terms.get_mut(place) {
-            None => self.terms.push((term, coefficient)),
-            Some((_, total)) => match total.add(coefficient) {
-                Some(sum) => *total = sum,
-                // The coefficient leaves the exact range.
-                None => {
-                    let scaled = graph.scale(term, coefficient);
-                    self.add(graph, scaled, Rational::ONE);
-                }
-            },
+        let place = self.0.place(term, || (term, Rational::ZERO));
+        let (_, total) = &mut self.0.values[place];
+        match total.add(coefficient) {
+            Some(sum) => *total = sum,
+            // The coefficient leaves the exact range.
+            None => {
+                let scaled = graph.scale(term, coefficient);
+                self.add(graph, scaled, Rational::ONE);
+            }
         }
     }
 }

@@ -21,6 +21,7 @@ mod vanish;
 
 use std::collections::HashMap;
 
+use crate::distinct::Distinct;
 use crate::model::index::{Atom, Bounds, Index, Loop};
 use crate::model::{Element, Half, Local, Slot, System, Table};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -181,10 +182,7 @@ impl Space {
 
 /// Adds up terms in the same loops with the same increments, in the order of their first terms.
 #[derive(Default)]
-struct Groups {
-    positions: HashMap<(Vec<Loop>, Vec<Index>), usize>,
-    groups: Vec<Group>,
-}
+struct Groups(Distinct<(Vec<Loop>, Vec<Index>), Group>);
 
 struct Group {
     loops: Vec<Loop>,
@@ -194,17 +192,14 @@ struct Group {
 
 impl Groups {
     fn add(&mut self, loops: Vec<Loop>, increments: Vec<Index>, value: Expr, factor: Rational) {
-        let next = self.groups.len();
-        let position = *self.positions.entry((loops.clone(), increments.clone())).or_insert(next);
-        if position == next {
-            self.groups.push(Group { loops, increments, values: Vec::new() });
-        }
-        self.groups[position].values.push((value, factor));
+        let key = (loops.clone(), increments.clone());
+        let place = self.0.place(key, || Group { loops, increments, values: Vec::new() });
+        self.0.values[place].values.push((value, factor));
     }
 
     fn finish(self, space: &Space, graph: &mut Graph) -> Sum {
         let mut sum = Sum::new();
-        for Group { loops, increments, values } in self.groups {
+        for Group { loops, increments, values } in self.0.values {
             let value = graph.linear_combination(&values);
             if !graph.is_zero(value) {
                 sum.push(Weighted { element: space.element(graph, loops, value), increments });

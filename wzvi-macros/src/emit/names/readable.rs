@@ -6,12 +6,13 @@
 //! `h` would match a constant `h`, so all bound names are imported as functions, which patterns may shadow. An argument `L` would
 //! be read as a type `L`, so numbers among the arguments of types are in braces.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::quote;
 
 use super::{MARK, OF_FORMULA, plain};
+use crate::distinct::Distinct;
 use crate::tokens::regrouped;
 
 /// The first segment of every emitted path: the module for generated code.
@@ -101,10 +102,8 @@ struct Survey {
     /// The user's words, and the const generics of the struct among them.
     of_user: HashSet<String>,
     generic_numbers: HashSet<String>,
-    numbers: HashMap<String, usize>,
-    words: Vec<Word>,
-    path_numbers: HashMap<String, usize>,
-    paths: Vec<Vec<String>>,
+    words: Distinct<String, Word>,
+    paths: Distinct<String, Vec<String>>,
 }
 
 impl Survey {
@@ -125,10 +124,12 @@ impl Survey {
                         && let Some((path, end)) = path_to_type(&tokens, i)
                     {
                         next = end;
-                        Node::Path(self.path(path), ident.clone(), tokens[i + 1..end].to_vec())
+                        let number = self.paths.place(path.concat(), || path);
+                        Node::Path(number, ident.clone(), tokens[i + 1..end].to_vec())
                     } else {
                         let number = self.word(word, &tokens, i);
-                        let is_argument = self.words[number].is_generic_number && is_argument(&tokens, i);
+                        let is_argument =
+                            self.words.values[number].is_generic_number && is_argument(&tokens, i);
                         braced(Node::Word(number, ident.clone()), is_argument)
                     }
                 }
@@ -146,27 +147,18 @@ impl Survey {
         let is_generic = is_declared && [',', '<'].iter().any(|&c| is(before(tokens, i, 2), c));
         let is_capital = plain(&word).starts_with(char::is_uppercase) && !is_of_formula(&word);
         let is_item = is_declared || is_capital || word == ROOT;
-        let number = *self.numbers.entry(word.clone()).or_insert_with(|| {
-            self.words.push(Word { text: word, is_bound: true, is_generic_number: false });
-            self.words.len() - 1
-        });
-        let known = &mut self.words[number];
+        let made = || Word { text: word.clone(), is_bound: true, is_generic_number: false };
+        let number = self.words.place(word.clone(), made);
+        let known = &mut self.words.values[number];
         known.is_bound &= !is_item;
         known.is_generic_number |= is_generic;
         number
     }
 
-    fn path(&mut self, path: Vec<String>) -> usize {
-        let key = path.concat();
-        *self.path_numbers.entry(key).or_insert_with(|| {
-            self.paths.push(path);
-            self.paths.len() - 1
-        })
-    }
-
     /// Words are assigned to items first, then to types, then to bound names: those of formulas before those of emitters.
     fn decide(self) -> Decided {
-        let Self { of_user, words, paths, .. } = self;
+        let Self { of_user, words: Distinct { values: words, .. }, paths, .. } = self;
+        let paths = paths.values;
         let mut taken = of_user;
         let root = free(ROOT, &mut taken);
         let mut names: Vec<String> = vec![String::new(); words.len()];

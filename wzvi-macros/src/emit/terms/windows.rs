@@ -103,7 +103,11 @@ pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool 
     let first = Index::atom(Atom::Loop(only.variable)).multiply(&Index::integer(model.components));
     let read: Vec<&Index> = element.momenta().map(|(_, index)| index).collect();
     let is_each = i128::try_from(read.len()) == Ok(model.components);
-    !element.reads().q && is_all && is_each && first.is_some() && read.into_iter().all(|index| point(index) == first)
+    !element.reads().q
+        && is_all
+        && is_each
+        && first.is_some()
+        && read.into_iter().all(|index| point(index) == first)
 }
 
 /// The types for slopes of `f64` states: one by one, and in loops over neighbours. If only correctly rounded functions are
