@@ -151,13 +151,12 @@ impl Facts {
         let System { graph, noise: declared, force, .. } = system;
         let all_noise: Sum = noise.concat();
         let (q, p) = (Half::Coordinates, Half::Momenta);
-        let half_defect_sum =
-            Rate::of(space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal));
+        let half_defect_sum = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal);
         let defect_is_constant =
-            half_defect_sum.known(|sum| space.is_constant(graph, sum, Increments::Diagonal));
+            known(&half_defect_sum, |sum| space.is_constant(graph, sum, Increments::Diagonal));
         let counter_term = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Together);
         let counter_term_is_constant =
-            Rate::of(counter_term.clone()).known(|sum| space.is_constant(graph, sum, Increments::Together));
+            known(&counter_term, |sum| space.is_constant(graph, sum, Increments::Together));
 
         let explicit_rate = space.partial(graph, &drift, t);
         let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
@@ -165,18 +164,22 @@ impl Facts {
             noise.is_empty() && forces.are_absent() && matches!(conserves_energy[..], [Knowledge::Proven]);
         let powers = forces.powers(graph, &mut space, &drift);
         conserves_energy.extend(
-            powers.iter().map(|(_, rate)| rate.known(|sum| space.vanishes(graph, sum, Increments::Each))),
+            powers.iter().map(|(_, rate)| known(rate, |sum| space.vanishes(graph, sum, Increments::Each))),
         );
         let half_force_defect = forces.defect(graph, &mut space);
         let force_defect_vanishes =
-            half_force_defect.known(|sum| space.vanishes(graph, sum, Increments::Diagonal));
+            known(&half_force_defect, |sum| space.vanishes(graph, sum, Increments::Diagonal));
         let mut energy_rates = Vec::new();
         for one in &noise {
-            let rate = Rate::of(space.bracket(graph, one, &drift));
-            let known = rate.known(|sum| space.vanishes(graph, sum, Increments::Each));
+            let rate = space.bracket(graph, one, &drift);
+            let verdict = known(&rate, |sum| space.vanishes(graph, sum, Increments::Each));
             // A vanishing rate is printed and evaluated as zero, not as a difference of equal terms.
-            energy_rates.push(if let Knowledge::Proven = known { Sum::new() } else { rate.sum });
-            conserves_energy.push(known);
+            energy_rates.push(if let Knowledge::Proven = verdict {
+                Sum::new()
+            } else {
+                rate.unwrap_or_default()
+            });
+            conserves_energy.push(verdict);
         }
         let boundaries: Vec<Vec<Boundary>> =
             [&drift].into_iter().chain(&noise).map(|sum| boundaries_of(graph, sum, t)).collect();
@@ -192,9 +195,9 @@ impl Facts {
                 .iter()
                 .filter(|element| !element.reads().q && !element.is_covector())
                 .all(|element| is_diagonal(graph, element)),
-            half_defect_sum: half_defect_sum.sum,
+            half_defect_sum: half_defect_sum.unwrap_or_default(),
             defect_is_constant,
-            half_force_defect: half_force_defect.sum,
+            half_force_defect: half_force_defect.unwrap_or_default(),
             force_defect_vanishes,
             counter_term,
             counter_term_is_constant,
@@ -203,7 +206,7 @@ impl Facts {
             energy_form: Form::of(graph, &drift),
             boundaries,
             energy_rates,
-            powers: powers.into_iter().map(|(name, rate)| (name, rate.sum)).collect(),
+            powers: powers.into_iter().map(|(name, rate)| (name, rate.unwrap_or_default())).collect(),
             commuting: all([
                 commuting_hamiltonians(graph, &mut space, &noise),
                 commuting_forces(graph, &mut space, &noise, &forces.noise),
@@ -257,23 +260,10 @@ impl Facts {
     }
 }
 
-/// The sum, unless its indices exceeded the arithmetic of indices.
-struct Rate {
-    sum: Sum,
-    is_complete: bool,
-}
-
-impl Rate {
-    fn of(sum: Option<Sum>) -> Self {
-        Self { is_complete: sum.is_some(), sum: sum.unwrap_or_default() }
-    }
-
-    fn known(&self, judge: impl FnOnce(&Sum) -> Knowledge) -> Knowledge {
-        match self.is_complete {
-            true => judge(&self.sum),
-            false => Knowledge::Unknown("its indices exceed 128 bits".to_owned()),
-        }
-    }
+/// What is known of a sum, which is absent where its indices exceeded the arithmetic of indices.
+fn known(sum: &Option<Sum>, judge: impl FnOnce(&Sum) -> Knowledge) -> Knowledge {
+    let beyond = || Knowledge::Unknown("its indices exceed 128 bits".to_owned());
+    sum.as_ref().map_or_else(beyond, judge)
 }
 
 /// Whether all statements hold; one refuted statement refutes the conjunction.
@@ -301,8 +291,8 @@ fn commuting_hamiltonians(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -
         }
     }
     all(statements.into_iter().map(|(first, second)| {
-        let bracket = Rate::of(space.bracket(graph, second, first));
-        bracket.known(|sum| space.is_constant(graph, sum, Increments::Each))
+        let bracket = space.bracket(graph, second, first);
+        known(&bracket, |sum| space.is_constant(graph, sum, Increments::Each))
     }))
 }
 

@@ -1,6 +1,6 @@
 //! Forces: the powers that change the energy, the defect of noise forces, commutators.
 
-use super::{Rate, all, is_affine};
+use super::{all, is_affine, known};
 use crate::discretise::{Increments, Space, Sum, Weighted};
 use crate::model::Half;
 use crate::symbolic::{Graph, Knowledge, Rational};
@@ -35,24 +35,29 @@ impl Forces {
     }
 
     /// `f · ∂H_0/∂p` of each force.
-    pub(super) fn powers(&self, graph: &mut Graph, space: &mut Space, drift: &Sum) -> Vec<(String, Rate)> {
+    pub(super) fn powers(
+        &self,
+        graph: &mut Graph,
+        space: &mut Space,
+        drift: &Sum,
+    ) -> Vec<(String, Option<Sum>)> {
         self.named().map(|(name, force)| (name, along(graph, space, force, drift))).collect()
     }
 
     /// `Σ_k (f_k · ∂/∂p) f_k` of noise forces: with `dp = f(p) ∘ dW`, `p' = p + f(p + (1 - l) (p' - p)) ΔW` is
     /// `p + f ΔW + (1 - l) f' f ΔW²` to the relevant order, whereas the Stratonovich system has `1/2` instead
     /// of `1 - l`.
-    pub(super) fn defect(&self, graph: &mut Graph, space: &mut Space) -> Rate {
+    pub(super) fn defect(&self, graph: &mut Graph, space: &mut Space) -> Option<Sum> {
         let all: Sum = self.noise.concat();
         let (displaced, momenta) = (Half::Displacements, Half::Momenta);
-        Rate::of(space.contract(graph, (&all, displaced), (&all, momenta), Increments::Diagonal))
+        space.contract(graph, (&all, displaced), (&all, momenta), Increments::Diagonal)
     }
 }
 
 /// `f · ∂F/∂p`
-pub(super) fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function: &Sum) -> Rate {
+pub(super) fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function: &Sum) -> Option<Sum> {
     let (displaced, momenta) = (Half::Displacements, Half::Momenta);
-    Rate::of(space.contract(graph, (force, displaced), (function, momenta), Increments::Each))
+    space.contract(graph, (force, displaced), (function, momenta), Increments::Each)
 }
 
 /// The commutators of `X_f = f · ∂/∂p`:
@@ -76,8 +81,7 @@ pub(super) fn commuting_forces(
         let difference = both.map(|(one, other)| {
             space.combine(graph, &[(&one, Rational::ONE), (&other, Rational::MINUS_ONE)])
         });
-        let rate = Rate::of(difference);
-        statements.push(rate.known(|sum| space.vanishes(graph, sum, Increments::Each)));
+        statements.push(known(&difference, |sum| space.vanishes(graph, sum, Increments::Each)));
     };
     for (k, first) in forces.iter().enumerate() {
         for second in &forces[..=k] {

@@ -1,7 +1,7 @@
 //! First integrals: the rates of a function along the drift, the noises and the forces.
 
 use super::forces::{self, Forces};
-use super::{Form, Rate, boundaries_of, kept_across};
+use super::{Form, boundaries_of, kept_across, known};
 use crate::diagnostics::Extent;
 use crate::discretise::{Increments, Space, Sum};
 use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
@@ -34,19 +34,19 @@ pub(super) fn invariant(
     (extent, name, value): (Extent, String, Sum),
 ) -> Invariant {
     let mut failure = None;
-    let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Rate| {
+    let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Option<Sum>| {
         if failure.is_some() {
             return;
         }
-        match rate.known(|sum| space.vanishes(graph, sum, Increments::Each)) {
+        match known(&rate, |sum| space.vanishes(graph, sum, Increments::Each)) {
             Knowledge::Proven => {}
-            knowledge => failure = Some(Failure { along, rate: Some(rate.sum), knowledge }),
+            knowledge => failure = Some(Failure { along, rate, knowledge }),
         }
     };
     let (rate, along) = rate_of_drift(graph, space, (drift, forces, t), &value);
     check(graph, space, along, rate);
     for (number, hamiltonian) in noise {
-        let rate = Rate::of(space.bracket(graph, hamiltonian, &value));
+        let rate = space.bracket(graph, hamiltonian, &value);
         let name = number.trim_start_matches('_');
         check(graph, space, format!("noise {name}: {{H{number}, F}}"), rate);
     }
@@ -76,11 +76,11 @@ fn rate_of_drift(
     space: &mut Space,
     (drift, forces, t): (&Sum, &Forces, Symbol),
     value: &Sum,
-) -> (Rate, String) {
+) -> (Option<Sum>, String) {
     let mut along = "the drift: {H0, F} + ∂F/∂t".to_owned();
     let mut rates = vec![
-        (Rate::of(space.bracket(graph, drift, value)), Rational::ONE),
-        (Rate::of(Some(space.partial(graph, value, t))), Rational::ONE),
+        (space.bracket(graph, drift, value), Rational::ONE),
+        (Some(space.partial(graph, value, t)), Rational::ONE),
     ];
     if !forces.force.is_empty() {
         along.push_str(" + F0 · ∂F/∂p");
@@ -90,7 +90,7 @@ fn rate_of_drift(
         along.push_str(" less that of the friction");
         rates.push((forces::along(graph, space, &forces.friction, value), Rational::MINUS_ONE));
     }
-    let is_complete = rates.iter().all(|(rate, _)| rate.is_complete);
-    let sums: Vec<(&Sum, Rational)> = rates.iter().map(|(rate, factor)| (&rate.sum, *factor)).collect();
-    (Rate { sum: space.combine(graph, &sums), is_complete }, along)
+    let sums = rates.iter().map(|(rate, factor)| Some((rate.as_ref()?, *factor)));
+    let sums: Option<Vec<(&Sum, Rational)>> = sums.collect();
+    (sums.map(|sums| space.combine(graph, &sums)), along)
 }
