@@ -109,10 +109,10 @@ impl<'a> Interpreter<'a, '_> {
     /// `sum`: of real numbers a loop, of integers term by term.
     fn sum(&mut self, sequence: &Sequence, syntax: &'a ExprMethodCall) -> Option<Value> {
         let receiver = origin(&syntax.receiver);
-        let mut has_integers = asks_for_integers(syntax);
+        let mut has_integers = asks_for(syntax, is_integer_type);
         if !has_integers {
             let sum = self.through(sequence, false, receiver, &mut |this, item| {
-                has_integers |= item.is_integer() && !asks_for_reals(syntax);
+                has_integers |= item.is_integer() && !asks_for(syntax, |name| name == "f64");
                 if has_integers { None } else { this.real(item, receiver) }
             });
             if !has_integers || self.is_abandoned() {
@@ -126,7 +126,7 @@ impl<'a> Interpreter<'a, '_> {
     /// `sum` and `product` term by term, of real numbers or of integers.
     fn total(&mut self, product: bool, items: Vec<Value>, syntax: &'a ExprMethodCall) -> Option<Value> {
         let are_integers = items.iter().all(Value::is_integer);
-        if are_integers && (!items.is_empty() || asks_for_integers(syntax)) {
+        if are_integers && (!items.is_empty() || asks_for(syntax, is_integer_type)) {
             let operator =
                 if product { BinOp::Mul(Default::default()) } else { BinOp::Add(Default::default()) };
             return items.iter().try_fold(Value::integer(product.into()), |total, item| {
@@ -200,17 +200,8 @@ fn origin(mut syntax: &Syntax) -> &Syntax {
     syntax
 }
 
-/// `sum::<usize>()`
-fn asks_for_integers(syntax: &ExprMethodCall) -> bool {
-    names_type(syntax, is_integer_type)
-}
-
-/// `sum::<f64>()`
-fn asks_for_reals(syntax: &ExprMethodCall) -> bool {
-    names_type(syntax, |name| name == "f64")
-}
-
-fn names_type(syntax: &ExprMethodCall, is_wanted: impl Fn(&str) -> bool) -> bool {
+/// Whether the call is `sum::<T>()` with such a type.
+fn asks_for(syntax: &ExprMethodCall, is_wanted: impl Fn(&str) -> bool) -> bool {
     let argument = syntax.turbofish.as_ref().and_then(|turbofish| turbofish.args.first());
     match argument {
         Some(GenericArgument::Type(Type::Path(path))) => {

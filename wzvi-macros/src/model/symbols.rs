@@ -12,6 +12,8 @@ use crate::symbolic::{Expr, Graph, Symbol};
 pub(crate) struct Sum {
     pub(crate) range: Loop,
     pub(crate) body: Expr,
+    /// How many sums are inside of each other in it, with itself.
+    depth: usize,
 }
 
 /// The symbols of a graph that are neither time nor parameters.
@@ -24,8 +26,6 @@ pub(crate) struct Symbols {
     /// Position among the locals.
     of_symbol: HashMap<Symbol, usize>,
     sums: HashMap<Symbol, Sum>,
-    /// How many sums are inside of each other in each of them, with itself.
-    depths: HashMap<Symbol, usize>,
     /// The coordinates and momenta in the order of the state vector, where each is a variable from the start.
     phase: [Vec<Symbol>; 2],
     letters: Vec<&'static str>,
@@ -100,14 +100,14 @@ impl Symbols {
     pub(crate) fn sum(&mut self, graph: &mut Graph, range: Loop, body: Expr) -> Symbol {
         let symbol = graph.new_symbol("Σ");
         let depth = 1 + self.depth(graph, body);
-        self.sums.insert(symbol, Sum { range, body });
-        self.depths.insert(symbol, depth);
+        self.sums.insert(symbol, Sum { range, body, depth });
         symbol
     }
 
     /// Sums inside of each other in an expression, at most.
     pub(crate) fn depth(&self, graph: &Graph, of: Expr) -> usize {
-        graph.symbols_in(of).iter().filter_map(|symbol| self.depths.get(symbol)).copied().max().unwrap_or(0)
+        let sums = graph.symbols_in(of).into_iter().filter_map(|symbol| self.sums.get(&symbol));
+        sums.map(|sum| sum.depth).max().unwrap_or(0)
     }
 
     pub(crate) fn sum_of(&self, symbol: Symbol) -> Option<&Sum> {

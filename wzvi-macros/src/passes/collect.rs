@@ -44,7 +44,7 @@ impl Writer<'_> {
 
     fn decompose(&mut self, expr: Expr, loops: &[Loop], into: &mut Vec<Element>) -> Option<()> {
         let (expr, present) = self.linear_in_sums(expr)?;
-        for (symbol, Sum { range, body }) in &present {
+        for (symbol, Sum { range, body, .. }) in &present {
             let factor = self.graph.derivative(expr, *symbol);
             let body = self.graph.multiply(factor, *body);
             let mut inner = loops.to_vec();

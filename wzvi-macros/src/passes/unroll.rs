@@ -114,7 +114,7 @@ impl<'a> Writer<'a> {
     fn without_short_sums(&mut self, expr: Expr, turns: i128) -> Expr {
         let mut images = HashMap::new();
         for symbol in self.graph.symbols_in(expr) {
-            let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() else { continue };
+            let Some(Sum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() else { continue };
             let body = self.without_short_sums(body, TURNS);
             let is_short = range.length().is_some_and(|length| length <= turns);
             let written = if is_short { self.turns(&range, body, &BTreeMap::new()) } else { None };
@@ -147,7 +147,7 @@ impl<'a> Writer<'a> {
         let symbols: Vec<Symbol> = parts.into_iter().filter_map(|part| self.graph.as_symbol(part)).collect();
         let mut images = HashMap::new();
         for symbol in symbols {
-            if let Some(Sum { range, body }) = self.symbols.sum_of(symbol).cloned() {
+            if let Some(Sum { range, body, .. }) = self.symbols.sum_of(symbol).cloned() {
                 images.insert(symbol, self.turns(&range, body, values)?);
             } else if let Some(local) = self.symbols.local_of(symbol) {
                 let slot = local.slot.clone();
