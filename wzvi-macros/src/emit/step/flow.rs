@@ -65,14 +65,14 @@ pub(crate) struct Flow {
     pub(crate) parameters: Vec<Op>,
     pub(crate) h: Op,
     pub(crate) t: Op,
-    pub(crate) q0: Vec<Op>,
-    pub(crate) p0: Vec<Op>,
+    /// `q_i`, then `p_i`.
+    pub(crate) nodes: Vec<Op>,
     pub(crate) dw: Vec<Op>,
     pub(crate) solves: Vec<Solve>,
     /// The reciprocals for isolated unknowns of Newton blocks.
     pub(crate) isolated: Vec<Op>,
-    pub(crate) dq: Vec<Op>,
-    pub(crate) dp: Vec<Op>,
+    /// `q_{i+1} - q_i`, then `p_{i+1} - p_i`.
+    pub(crate) changes: Vec<Op>,
     /// Whether there is no noise.
     pub(crate) is_deterministic: bool,
 }
@@ -87,12 +87,12 @@ impl Flow {
         let symbols = &scheme.lagrangian.symbols;
         let mut definitions = scheme.structure.definitions.clone();
         let inverses = invert_constant_pivots(graph, parameters, scheme, &mut definitions);
-        let ends = ends(graph, scheme, &definitions);
+        let changes = changes(graph, scheme, &definitions);
 
         let points: Vec<Expr> =
             symbols.points().iter().filter_map(|point| definitions.get(point)).copied().collect();
         let mut lowering = Lowering::new(graph, definitions);
-        for &sum in points.iter().chain(ends.iter().flatten()) {
+        for &sum in points.iter().chain(&changes) {
             lowering.keep(sum);
         }
         for inverse in inverses.iter().flatten() {
@@ -101,8 +101,7 @@ impl Flow {
         let mut inputs = |of: &[Symbol], level: Level| -> Vec<Op> {
             of.iter().map(|&symbol| lowering.input(symbol, level)).collect()
         };
-        let mut q0 = inputs(&symbols.nodes, Level::State);
-        let p0 = q0.split_off(symbols.degrees());
+        let nodes = inputs(&symbols.nodes, Level::State);
         let dw = inputs(&symbols.dw, Level::Increments);
         let of_system: Vec<Symbol> = parameters.iter().map(|parameter| parameter.symbol).collect();
         let parameters = inputs(&of_system, Level::Prepared);
@@ -118,10 +117,10 @@ impl Flow {
             _ => None,
         });
         let isolated = isolated.collect();
-        let [dq, dp] = ends.map(|ends| ends.into_iter().map(|end| lowering.lower(end)).collect());
+        let changes = changes.into_iter().map(|change| lowering.lower(change)).collect();
         let hints = hints(&mut lowering, scheme, &solves);
         let program = lowering.program;
-        Self { program, hints, parameters, h, t, q0, p0, dw, solves, isolated, dq, dp, is_deterministic }
+        Self { program, hints, parameters, h, t, nodes, dw, solves, isolated, changes, is_deterministic }
     }
 
     /// Whether compensated sums, six additions per component, cost less than 5 % of the step, with about two Newton
@@ -130,7 +129,7 @@ impl Flow {
         let price: usize =
             self.program.needed(&self.roots(), &|_| false).iter().map(|&op| self.program.price(op)).sum();
         let step = if self.newton_sizes().is_empty() { price } else { 2 * price };
-        step > 20 * 6 * 2 * self.q0.len()
+        step > 20 * 6 * self.nodes.len()
     }
 
     /// The sizes of the Newton blocks.
@@ -141,7 +140,7 @@ impl Flow {
 
     /// Everything that the step computes.
     pub(crate) fn roots(&self) -> Vec<Op> {
-        let ends = self.dq.iter().chain(&self.dp).chain(&self.isolated).copied();
+        let ends = self.changes.iter().chain(&self.isolated).copied();
         ends.chain(self.solves.iter().flat_map(Solve::read)).collect()
     }
 
@@ -249,16 +248,13 @@ fn solve_for_points(
 
 /// `q_{i+1} - q_i = u` and `p_{i+1} - p_i`. The increments stay separate from the state, for compensated
 /// summation.
-fn ends(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> [Vec<Expr>; 2] {
-    let symbols = &scheme.lagrangian.symbols;
-    let mut ends = [Vec::new(), Vec::new()];
-    let (u, v) = symbols.unknowns.split_at(symbols.degrees());
-    for i in 0..symbols.degrees() {
-        ends[0].push(increment(graph, u[i], definitions));
-        let v = increment(graph, v[i], definitions);
-        ends[1].push(scheme.equations.update[i].change(graph, v));
-    }
-    ends
+fn changes(graph: &mut Graph, scheme: &Scheme, definitions: &HashMap<Symbol, Expr>) -> Vec<Expr> {
+    let StepSymbols { unknowns, .. } = &scheme.lagrangian.symbols;
+    let mut changes: Vec<Expr> =
+        unknowns.iter().map(|&unknown| increment(graph, unknown, definitions)).collect();
+    let of_momenta = changes[unknowns.len() / 2..].iter_mut();
+    of_momenta.zip(&scheme.equations.update).for_each(|(v, update)| *v = update.change(graph, *v));
+    changes
 }
 
 fn lower_block(

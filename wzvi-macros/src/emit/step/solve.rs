@@ -38,10 +38,8 @@ pub(super) fn solution(
         Printer::new(&flow.program, quote!(__S), &flow.hints, names).with_constants(&constants, quote!(__K));
     printer.set(flow.h, format_ident!("__h"));
     printer.set(flow.t, format_ident!("__t"));
-    for (ops, names) in [(&flow.q0, q), (&flow.p0, p), (&flow.dw, dw)] {
-        for (&op, name) in ops.iter().zip(names) {
-            printer.set(op, name.clone());
-        }
+    for (&op, name) in flow.nodes.iter().chain(&flow.dw).zip(q.iter().chain(p).chain(dw)) {
+        printer.set(op, name.clone());
     }
     for (op, name) in prepared.constants.iter().chain(&prepared.truths) {
         printer.set(*op, name.clone());
@@ -181,10 +179,10 @@ impl SolveBody<'_> {
 
     fn finish(&mut self) -> TokenStream {
         let flow = self.flow;
-        let roots: Vec<Op> = flow.dq.iter().chain(&flow.dp).copied().collect();
-        let statements = self.bind(&roots);
-        let (q, p) = (self.values(&flow.q0), self.values(&flow.p0));
-        let (dq, dp) = (self.values(&flow.dq), self.values(&flow.dp));
+        let statements = self.bind(&flow.changes);
+        let (nodes, changes) = (self.values(&flow.nodes), self.values(&flow.changes));
+        let (q, p) = nodes.split_at(nodes.len() / 2);
+        let (dq, dp) = changes.split_at(changes.len() / 2);
         let isolated = self.values(&flow.isolated);
         let isolated =
             isolated.iter().map(|inverse| quote!(__wzvi::Effort::isolated::<__S, __CAREFUL>(#inverse)));
