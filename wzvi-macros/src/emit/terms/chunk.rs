@@ -93,22 +93,17 @@ struct Stretch {
 }
 
 /// A loop, with the code before and after the outermost loop around it.
+#[derive(Default)]
 pub(super) struct Emitted {
     pub(super) buffers: TokenStream,
     pub(super) body: TokenStream,
     pub(super) after: TokenStream,
 }
 
-impl Emitted {
-    fn new(buffers: TokenStream, body: TokenStream) -> Self {
-        Self { buffers, body, after: TokenStream::new() }
-    }
-}
-
 impl Chunk<'_> {
     pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> Emitted {
         let Some((inner, [start, end])) = &self.inner else {
-            return Emitted::new(TokenStream::new(), self.single(inside, values));
+            return Emitted { body: self.single(inside, values), ..Emitted::default() };
         };
         let (inner, name) = (*inner, variable(*inner));
         let mut code = Code::default();
@@ -147,7 +142,7 @@ impl Chunk<'_> {
         let buffers = quote!(#items #buffers);
         let (places, sums) = (self.places(inner), written(self.outputs));
         let nest = Nest { indices: self.indices, name, start, end, code: &code, chunk, places, sums };
-        Emitted::new(buffers, nest.emit())
+        Emitted { buffers, body: nest.emit(), ..Emitted::default() }
     }
 
     fn places(&self, inner: u32) -> Option<Places> {
@@ -195,12 +190,12 @@ impl Chunk<'_> {
     fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
         let mut statements = TokenStream::new();
         for (k, local) in self.read_locals(inside, values) {
-            let (own, value) = (&self.locals[k], self.read(&local.slot));
+            let (own, value) = (&self.locals[k], self.read(self.indices, &local.slot));
             statements.extend(quote!(let #own = #value;));
         }
         statements.extend(inside.clone());
         for ((_, target), value) in self.outputs.iter().zip(values) {
-            statements.extend(self.add(target, value));
+            statements.extend(self.add(self.indices, target, value));
         }
         let place = |target: &Target| match target {
             Target::Slope { index, .. } => Some(self.indices.position(index)),
@@ -225,7 +220,7 @@ impl Chunk<'_> {
         let list = self.list(&local.slot);
         match self.motion(&local.slot, inner) {
             Motion::Fixed => {
-                let value = self.read(&local.slot);
+                let value = self.read(self.indices, &local.slot);
                 code.before.extend(quote!(let #own = #value;));
             }
             Motion::Run => {
@@ -246,7 +241,7 @@ impl Chunk<'_> {
                 code.reads.extend(quote!(let #own = #value;));
             }
             Motion::Free => {
-                let value = self.read_by(self.in_loop(), &local.slot);
+                let value = self.read(self.in_loop(), &local.slot);
                 code.reads.extend(quote!(let #own = #value;));
             }
         }
@@ -337,11 +332,7 @@ impl Chunk<'_> {
         Indices { lists, ..self.indices }
     }
 
-    fn read(&self, slot: &Slot) -> TokenStream {
-        self.read_by(self.indices, slot)
-    }
-
-    fn read_by(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {
+    fn read(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {
         match slot {
             Slot::State(Half::Coordinates | Half::Momenta, index) => {
                 let (list, position) = (self.list(slot), indices.position(index));
@@ -355,11 +346,7 @@ impl Chunk<'_> {
         }
     }
 
-    fn add(&self, target: &Target, value: &TokenStream) -> TokenStream {
-        self.add_by(self.indices, target, value)
-    }
-
-    fn add_by(&self, indices: Indices<'_>, target: &Target, value: &TokenStream) -> TokenStream {
+    fn add(&self, indices: Indices<'_>, target: &Target, value: &TokenStream) -> TokenStream {
         match target {
             Target::Value { factor: None } => value.clone(),
             Target::Value { factor: Some(factor) } => quote!(#value * #factor),

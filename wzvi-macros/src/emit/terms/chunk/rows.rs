@@ -168,7 +168,7 @@ impl Chunk<'_> {
             let (slot, name) = (&local.slot, self.locals[k].clone());
             match (slot, moves_on(slot, inner, self.components)) {
                 (_, Motion::Fixed) => {
-                    let value = self.read(slot);
+                    let value = self.read(self.indices, slot);
                     before.extend(quote!(let #name = #value;));
                     pair.own.push(name);
                 }

@@ -239,10 +239,11 @@ impl Chunk<'_> {
         if is_fixed {
             code.before.extend(quote!(let mut #buffer = #zero;));
             code.stores.extend(quote!(#buffer = #buffer + #value;));
-            code.after.extend(self.add(target, &quote!(#buffer)));
+            code.after.extend(self.add(self.indices, target, &quote!(#buffer)));
         } else if is_shared {
             self.store_in_buffer(code, &buffer, value);
-            let (name, add) = (variable(inner), self.add(target, &quote!(#buffer[__place])));
+            let name = variable(inner);
+            let add = self.add(self.indices, target, &quote!(#buffer[__place]));
             code.closing.extend(quote! {
                 for __place in 0..__len {
                     let #name = #name + __place as __wzvi::isize;
@@ -250,7 +251,7 @@ impl Chunk<'_> {
                 }
             });
         } else {
-            code.stores.extend(self.add_by(self.in_loop(), target, value));
+            code.stores.extend(self.add(self.in_loop(), target, value));
         }
     }
 }
