@@ -88,8 +88,8 @@ mod tests {
     #[test]
     fn mistakes_are_found() {
         let error = |text: &str| read(text).unwrap_err();
-        assert!(error("[(0, 1/3), (1, 1/2)]").contains("these to 5/6"));
-        assert!(error("[(0, 0.1), (1, 0.2)]").contains("these to 3/10"));
+        assert!(error("[(0, 1/3), (1, 1/2)]").contains("these add up to 5/6"));
+        assert!(error("[(0, 0.1), (1, 0.2)]").contains("these add up to 3/10"));
         assert!(error("[(3/2, 1)]").contains("to 1, where it ends"));
         assert!(error("[(-1, 1)]").contains("to 1, where it ends"));
         assert!(error("[(1/2, 1/2), (0.5, 1/2)]").contains("listed already"));
