@@ -68,11 +68,11 @@ impl Convergence {
         Self { curved: f64::INFINITY, is_patient: true, unseen, ..Self::new(false) }
     }
 
-    /// The first correction.
+    /// The first correction. One that is larger than its unknown, which it leaves near zero, predicts no more than the whole step does.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self, relative: f64) {
         self.iterations = 1;
-        self.expect(relative * relative);
+        self.expect(f64::min(relative * relative, 1.0));
         self.curved = self.second;
     }
 
@@ -156,4 +156,17 @@ impl Convergence {
 pub(super) fn allowed(curved: f64) -> f64 {
     let half = curved.sqrt();
     half.min(curved.max(NEAR))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The correction after one that ended near zero is as large as the step, and not the last.
+    #[test]
+    fn a_first_correction_that_ends_near_zero_predicts_nothing() {
+        let mut convergence = Convergence::new(true);
+        assert!(matches!(convergence.judge(1e10, || 1e10), Verdict::Contracting));
+        assert!(matches!(convergence.judge(0.5, || 0.5), Verdict::Straying));
+    }
 }
