@@ -63,8 +63,16 @@ fn along<const N: usize>(z: [f64; N], j: usize) -> [Dual<1>; N] {
     from_fn(|i| if i == j { Dual::variable(z[i], 0) } else { Dual::constant(z[i]) })
 }
 
+fn draws<const N: usize>(random: &mut Random, scale: f64) -> [f64; N] {
+    from_fn(|_| scale * random.draw())
+}
+
+fn increments(random: &mut Random, h: f64, noises: usize) -> Vec<f64> {
+    (0..noises).map(|_| h.abs().sqrt() * random.draw()).collect()
+}
+
 /// The matrix whose columns `column` gives.
-fn by_columns<const N: usize>(column: impl Fn(usize) -> [Dual<1>; N]) -> [[f64; N]; N] {
+fn by_columns<const N: usize>(column: &dyn Fn(usize) -> [Dual<1>; N]) -> [[f64; N]; N] {
     let columns: [[Dual<1>; N]; N] = from_fn(column);
     from_fn(|i| from_fn(|j| columns[j][i].derivative[0]))
 }
@@ -93,13 +101,13 @@ fn hessian<const N: usize, H: Hamiltonian>(
         system.differentiate(term, &z[..N / 2], &z[N / 2..], t, dq, dp);
         slopes
     };
-    (slopes(0).map(|x| x.value), by_columns(slopes))
+    (slopes(0).map(|x| x.value), by_columns(&slopes))
 }
 
 /// Gradients of all terms, generated against dual numbers, at rounding level of the value and the gradient.
 fn check_gradient<const N: usize, H: Hamiltonian>(system: &H, random: &mut Random) {
     for _ in 0..20 {
-        let (z, t): ([f64; N], f64) = (from_fn(|_| 2.0 * random.draw()), random.draw());
+        let (z, t): ([f64; N], f64) = (draws(random, 2.0), random.draw());
         for term in 0..=system.noises() {
             let (expected, (got, hessian)) = (gradient(system, term, z, t), hessian(system, term, z, t));
             let value = system.evaluate(term, &z[..N / 2], &z[N / 2..], t);
@@ -258,7 +266,7 @@ fn advance<E, S: wzvi::scalar::Scalar, const N: usize, H: Discretized<E>>(
     mut z: [S; N],
     dw: &[f64],
 ) -> [S; N] {
-    let dw: Vec<S> = dw.iter().map(|&dw| S::from_f64(dw)).collect();
+    let dw = fixtures::steps::constants::<S>(dw);
     let prepared = system.prepare(h).unwrap();
     let (q, p) = z.split_at_mut(N / 2);
     system.advance(&prepared, t, h, q, p, &dw, &mut Default::default()).unwrap();
@@ -286,12 +294,12 @@ fn check_scheme<E: Scheme, const N: usize, H: Discretized<E>>(
 ) -> [f64; 2] {
     let mut worst = [0.0_f64; 2];
     for case in 0..12 {
-        let z: [f64; N] = from_fn(|_| random.draw());
+        let z: [f64; N] = draws(random, 1.0);
         let t = random.draw();
         let h = if case % 4 == 3 { -h } else { h };
-        let dw: Vec<f64> = (0..system.noises()).map(|_| h.abs().sqrt() * random.draw()).collect();
+        let dw = increments(random, h, system.noises());
         let dual = |j: usize| advance::<E, Dual<1>, N, H>(system, [t, h], along(z, j), &dw);
-        let defect = symplectic_defect(by_columns(dual));
+        let defect = symplectic_defect(by_columns(&dual));
         assert!(defect <= SYMPLECTIC, "not symplectic by {defect:.1e} at {z:?}, t = {t}, {dw:?}");
 
         let dual = dual(0);

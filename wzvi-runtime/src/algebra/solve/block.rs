@@ -68,14 +68,21 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn rounded(&self, x: &[S; N], lane: usize) -> [Rounded; N] {
         let (numbers, masks, constants, truths) = self.given;
-        let given = (
-            numbers.map(|number| number.lane(lane)),
-            masks.map(|mask| mask.lane(lane)),
-            constants.map(|constant| constant.lane(lane)),
-            truths.map(|truth| truth.lane(lane)),
-        );
-        rounded::<B, G, M, C, T, N>(given, x.map(|number| number.lane(lane)))
+        let (numbers, masks) = (of_lane(numbers, lane), truths_of_lane(masks, lane));
+        let given = (numbers, masks, of_lane(constants, lane), truths_of_lane(truths, lane));
+        rounded::<B, G, M, C, T, N>(given, of_lane(*x, lane))
     }
+}
+
+// Functions of the numbers alone: a closure would be compiled again for every block.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn of_lane<S: Scalar, const N: usize>(numbers: [S; N], lane: usize) -> [f64; N] {
+    numbers.map(|number| number.lane(lane))
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn truths_of_lane<M: Mask, const N: usize>(masks: [M; N], lane: usize) -> [bool; N] {
+    masks.map(|mask| mask.lane(lane))
 }
 
 /// The residuals at all numbers that round to `x`. The inputs count as exact.

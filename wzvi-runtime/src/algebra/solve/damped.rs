@@ -59,7 +59,7 @@ pub(crate) trait Problem {
     fn correct(&mut self, r: &mut Self::Vector) -> Result<(), StepFailure>;
 
     /// Whether the residual of each equation at `x` is at most a rounding of its own terms.
-    fn are_settled(&mut self, x: &Self::Vector) -> impl Fn(usize) -> bool;
+    fn are_settled(&mut self, x: &Self::Vector) -> impl AsRef<[bool]>;
 
     /// Whether the determinant of the factored Jacobian is negative.
     fn is_reversed(&self) -> bool;
@@ -139,10 +139,11 @@ impl<P: Problem> Search<'_, P> {
         let is_far = !is_about(self.room.correction.as_ref(), self.room.first.as_ref());
         loop {
             self.go(1.0);
-            let size = largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|_| true);
+            let Room { x, correction, trial, .. } = &*self.room;
+            let size = largest(correction.as_ref(), trial.as_ref(), ALL);
             let verdict = convergence.judge(size, || {
-                let is_settled = self.problem.are_settled(&self.room.x);
-                largest(self.room.correction.as_ref(), self.room.trial.as_ref(), &|k| !is_settled(k))
+                let are_settled = self.problem.are_settled(x);
+                largest(correction.as_ref(), trial.as_ref(), are_settled.as_ref())
             });
             let is_lost = match verdict {
                 Verdict::Converged => {
@@ -214,48 +215,27 @@ impl<P: Problem> Search<'_, P> {
         if self.problem.correct(&mut self.room.next).is_err() {
             return false;
         }
-        let Room { next, trial, .. } = &*self.room;
-        let leads = |counts: &dyn Fn(usize) -> bool| {
-            let ends = start.as_ref().iter().zip(trial.as_ref()).zip(next.as_ref()).enumerate();
-            let (mut left, mut way) = (0.0, 0.0);
-            for (_, ((&from, &to), &back)) in ends.filter(|&(k, _)| counts(k)) {
-                let own = from - to;
-                let size = from.magnitude() + own.magnitude().max(back.magnitude());
-                left = larger(left, (back - own).magnitude().relative_to(size));
-                way = larger(way, own.magnitude().relative_to(size));
-            }
-            left <= RETURN * way
-        };
-        leads(&|_| true) || {
-            let is_settled = self.problem.are_settled(start);
-            leads(&|k| !is_settled(k))
+        let (to, back) = (&self.room.trial, &self.room.next);
+        leads_back(start.as_ref(), to.as_ref(), back.as_ref(), ALL) || {
+            let are_settled = self.problem.are_settled(start);
+            leads_back(start.as_ref(), to.as_ref(), back.as_ref(), are_settled.as_ref())
         }
     }
 
     /// `trial = x - length · correction`
     fn go(&mut self, length: f64) {
-        let from = self.room.x.as_ref().iter().zip(self.room.correction.as_ref());
-        for (trial, (&x, &correction)) in self.room.trial.as_mut().iter_mut().zip(from) {
-            *trial = x - correction * length;
-        }
+        let Room { x, correction, trial, .. } = &mut *self.room;
+        go(x.as_ref(), correction.as_ref(), length, trial.as_mut());
     }
 
     /// Whether the next correction is at most the fraction `to` of this one, each in units of its unknown. Unknowns whose
     /// equations at the trial are at rounding, which no step makes smaller, do not count. False for NaN.
     fn shrinks(&mut self, to: f64) -> bool {
-        let (x, correction) = (self.room.x.as_ref(), self.room.correction.as_ref());
-        let level = |c: &P::Vector, counts: &dyn Fn(usize) -> bool| {
-            let unknowns = c.as_ref().iter().zip(x.iter().zip(correction)).enumerate();
-            unknowns.filter(|&(k, _)| counts(k)).fold(0.0, |most, (_, (c, (x, correction)))| {
-                larger(most, c.magnitude().relative_to(x.magnitude() + correction.magnitude()))
-            })
-        };
-        let (next, own) = (&self.room.next, &self.room.correction);
-        if level(next, &|_| true) <= to * level(own, &|_| true) {
-            return true;
+        let Room { x, correction, next, .. } = &*self.room;
+        shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, ALL) || {
+            let are_settled = self.problem.are_settled(&self.room.trial);
+            shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, are_settled.as_ref())
         }
-        let is_settled = self.problem.are_settled(&self.room.trial);
-        level(next, &|k| !is_settled(k)) <= to * level(own, &|k| !is_settled(k))
     }
 }
 
@@ -267,6 +247,45 @@ struct Descent {
     contracts: bool,
 }
 
+// What follows is of numbers alone, and compiled once for all systems. Unknowns whose equations are settled do not count; of `ALL` none is.
+const ALL: &[bool] = &[];
+
+/// The places of `0..len` that are not settled.
+fn unsettled(len: usize, are_settled: &[bool]) -> impl Iterator<Item = usize> {
+    (0..len).filter(|&k| are_settled.get(k) != Some(&true))
+}
+
+/// `to = x - length · correction`
+fn go<S: Scalar>(x: &[S], correction: &[S], length: f64, to: &mut [S]) {
+    for (to, (&x, &correction)) in to.iter_mut().zip(x.iter().zip(correction)) {
+        *to = x - correction * length;
+    }
+}
+
+/// Whether the correction `next` is at most the fraction `to` of `correction` at `x`. False for NaN.
+fn shrinks<S: Scalar>(x: &[S], correction: &[S], next: &[S], to: f64, are_settled: &[bool]) -> bool {
+    let (mut left, mut own) = (0.0, 0.0);
+    for k in unsettled(x.len(), are_settled) {
+        let taken = correction[k].magnitude();
+        let size = x[k].magnitude() + taken;
+        left = larger(left, next[k].magnitude().relative_to(size));
+        own = larger(own, taken.relative_to(size));
+    }
+    left <= to * own
+}
+
+/// Whether `back`, which the Jacobian at `to` takes for the way from there to `from`, is that way to the fraction [`RETURN`] of it.
+fn leads_back<S: Scalar>(from: &[S], to: &[S], back: &[S], are_settled: &[bool]) -> bool {
+    let (mut left, mut way) = (0.0, 0.0);
+    for k in unsettled(from.len(), are_settled) {
+        let own = from[k] - to[k];
+        let size = from[k].magnitude() + own.magnitude().max(back[k].magnitude());
+        left = larger(left, (back[k] - own).magnitude().relative_to(size));
+        way = larger(way, own.magnitude().relative_to(size));
+    }
+    left <= RETURN * way
+}
+
 /// Whether these corrections are close to the residuals from which they follow.
 fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
     corrections.iter().zip(residuals).all(|(&correction, &residual)| {
@@ -275,10 +294,23 @@ fn is_about<S: Scalar>(corrections: &[S], residuals: &[S]) -> bool {
     })
 }
 
-/// The largest correction, of those that count, relative to its unknown; NaN if any is.
-fn largest<S: Scalar>(correction: &[S], x: &[S], counts: &dyn Fn(usize) -> bool) -> f64 {
-    let unknowns = correction.iter().zip(x).enumerate().filter(|&(k, _)| counts(k));
-    unknowns.fold(0.0, |most, (_, (c, &x))| larger(most, c.relative_to(x)))
+/// The largest correction relative to its unknown; NaN if any is.
+fn largest<S: Scalar>(correction: &[S], x: &[S], are_settled: &[bool]) -> f64 {
+    let mut most = 0.0;
+    for k in unsettled(x.len(), are_settled) {
+        most = larger(most, correction[k].relative_to(x[k]));
+    }
+    most
+}
+
+/// Copies the lower triangle into the upper one.
+fn mirror<S: Scalar, const N: usize>(matrix: &mut [[S; N]; N]) {
+    for i in 1..N {
+        let (above, below) = matrix.split_at_mut(i);
+        for (row, &entry) in above.iter_mut().zip(&below[0]) {
+            row[i] = entry;
+        }
+    }
 }
 
 /// The equations of a straight-line block; of a `SYMMETRIC` Jacobian only the lower triangle is read.
@@ -305,12 +337,12 @@ impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Probl
     }
 
     fn factor(&mut self) -> Result<(), StepFailure> {
-        let entry = |i: usize, j: usize| match SYMMETRIC {
-            true => self.jacobian[i.max(j)][i.min(j)],
-            false => self.jacobian[i][j],
-        };
         self.factor = None;
-        self.factor = Some(Factor::new(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))?);
+        let mut matrix = self.jacobian;
+        if SYMMETRIC {
+            mirror(&mut matrix);
+        }
+        self.factor = Some(Factor::new(matrix)?);
         Ok(())
     }
 
@@ -320,15 +352,15 @@ impl<E: Equations<S, N>, S: Scalar, const N: usize, const SYMMETRIC: bool> Probl
         Ok(())
     }
 
-    fn are_settled(&mut self, x: &[S; N]) -> impl Fn(usize) -> bool {
+    fn are_settled(&mut self, x: &[S; N]) -> impl AsRef<[bool]> {
         let mut are_settled = [true; N];
         for lane in 0..S::LANES {
             let residual = self.equations.rounded(x, lane);
-            for (is_settled, residual) in are_settled.iter_mut().zip(residual) {
-                *is_settled &= residual.is_below(1.0);
+            for i in 0..N {
+                are_settled[i] &= residual[i].is_below(1.0);
             }
         }
-        move |k| are_settled[k]
+        are_settled
     }
 
     fn is_reversed(&self) -> bool {

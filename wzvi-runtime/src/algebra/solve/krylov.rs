@@ -34,12 +34,12 @@ pub struct Krylov<S> {
 }
 
 /// A matrix and its preconditioner, by what they do with vectors.
-#[derive(Debug)]
-pub struct Operator<A, P> {
+#[expect(missing_debug_implementations, reason = "closures")]
+pub struct Operator<'o, S> {
     /// `y = A x`
-    pub product: A,
+    pub product: &'o mut dyn FnMut(&[S], &mut [S]),
     /// `x` becomes an approximation of `A⁻¹ x`.
-    pub precondition: P,
+    pub precondition: &'o mut dyn FnMut(&mut [S]),
     /// The largest number of restarts.
     pub most_cycles: u32,
 }
@@ -75,7 +75,7 @@ impl<S: Scalar> Krylov<S> {
         &mut self,
         b: &mut [S],
         tolerance: f64,
-        operator: &mut Operator<impl FnMut(&[S], &mut [S]), impl FnMut(&mut [S])>,
+        operator: &mut Operator<'_, S>,
     ) -> Result<u32, StepFailure> {
         self.solution.fill(S::from_f64(0.0));
         let largest = b.iter().fold(0.0, |most, b| larger(most, b.magnitude()));
@@ -95,7 +95,7 @@ impl<S: Scalar> Krylov<S> {
         &mut self,
         b: &mut [S],
         tolerance: f64,
-        operator: &mut Operator<impl FnMut(&[S], &mut [S]), impl FnMut(&mut [S])>,
+        operator: &mut Operator<'_, S>,
     ) -> Result<u32, StepFailure> {
         let size = norm(b);
         let enough = tolerance * size.magnitude();
@@ -107,7 +107,7 @@ impl<S: Scalar> Krylov<S> {
             }
             let dimension = self.cycle(residual, enough, operator);
             products += dimension as u32;
-            self.combine(dimension, &mut operator.precondition);
+            self.combine(dimension, operator.precondition);
             // The residual of the recurrence is the true one but for rounding: where it is small enough, so is that.
             if self.projection_residual(dimension) <= enough {
                 b.copy_from_slice(&self.solution);
@@ -133,12 +133,7 @@ impl<S: Scalar> Krylov<S> {
     }
 
     /// The basis from the residual in its first vector; its dimension at the end.
-    fn cycle(
-        &mut self,
-        residual: S,
-        enough: f64,
-        operator: &mut Operator<impl FnMut(&[S], &mut [S]), impl FnMut(&mut [S])>,
-    ) -> usize {
+    fn cycle(&mut self, residual: S, enough: f64, operator: &mut Operator<'_, S>) -> usize {
         let n = self.n;
         let zero = S::from_f64(0.0);
         self.projection.fill(zero);
@@ -190,7 +185,7 @@ impl<S: Scalar> Krylov<S> {
     }
 
     /// Adds the best combination of the first `dimension` vectors to the solution.
-    fn combine(&mut self, dimension: usize, precondition: &mut impl FnMut(&mut [S])) {
+    fn combine(&mut self, dimension: usize, precondition: &mut dyn FnMut(&mut [S])) {
         let mut coefficients = self.projection;
         for i in (0..dimension).rev() {
             let mut value = coefficients[i];
@@ -243,13 +238,16 @@ mod tests {
         }
     }
 
-    /// A product, with the diagonal of its matrix.
-    fn by_diagonal<F: Fn(&[f64], &mut [f64])>(
-        product: F,
+    /// The solution for a product, with the diagonal of its matrix.
+    fn solve(
+        x: &mut [f64],
+        tolerance: f64,
+        mut product: impl FnMut(&[f64], &mut [f64]),
         diagonal: f64,
-    ) -> Operator<F, impl FnMut(&mut [f64])> {
-        let precondition = move |x: &mut [f64]| x.iter_mut().for_each(|x| *x /= diagonal);
-        Operator { product, precondition, most_cycles: MOST_CYCLES }
+    ) -> Result<u32, StepFailure> {
+        let precondition = &mut |x: &mut [f64]| x.iter_mut().for_each(|x| *x /= diagonal);
+        let operator = &mut Operator { product: &mut product, precondition, most_cycles: MOST_CYCLES };
+        Krylov::new(x.len()).solve(x, tolerance, operator)
     }
 
     #[test]
@@ -259,8 +257,7 @@ mod tests {
             let product = torus(side, c, slope);
             let b: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin()).collect();
             let mut x = b.clone();
-            let mut krylov = Krylov::new(side * side);
-            krylov.solve(&mut x, tolerance, &mut by_diagonal(&product, 4.0 * c + 1.0)).unwrap();
+            solve(&mut x, tolerance, &product, 4.0 * c + 1.0).unwrap();
             let mut image = vec![0.0; side * side];
             product(&x, &mut image);
             let rest: Vec<f64> = image.iter().zip(&b).map(|(a, b)| a - b).collect();
@@ -273,30 +270,27 @@ mod tests {
     #[test]
     fn solutions_scale_with_the_right_hand_side() {
         let (side, c) = (12, 3.0);
-        let solve = |scale: f64| {
+        let scaled = |scale: f64| {
             let mut x: Vec<f64> = (0..side * side).map(|k| (1.7 * k as f64).sin() * scale).collect();
-            let operator = &mut by_diagonal(torus(side, c, 0.2), 4.0 * c + 1.0);
-            Krylov::new(side * side).solve(&mut x, 1e-10, operator).unwrap();
+            solve(&mut x, 1e-10, torus(side, c, 0.2), 4.0 * c + 1.0).unwrap();
             x
         };
-        let one = solve(1.0);
+        let one = scaled(1.0);
         for exponent in [-1000, -500, 500, 1000] {
             let scale = 2.0_f64.powi(exponent);
-            let scaled: Vec<f64> = one.iter().map(|x| x * scale).collect();
-            assert_eq!(solve(scale), scaled, "2^{exponent}");
+            let expected: Vec<f64> = one.iter().map(|x| x * scale).collect();
+            assert_eq!(scaled(scale), expected, "2^{exponent}");
         }
     }
 
     #[test]
     fn a_singular_matrix_is_given_up() {
-        let mut krylov = Krylov::new(2);
         let projection = |x: &[f64], y: &mut [f64]| (y[0], y[1]) = (x[0], 0.0);
         let mut b = [1.0, 1.0];
-        let outcome = krylov.solve(&mut b, 1e-10, &mut by_diagonal(projection, 1.0));
+        let outcome = solve(&mut b, 1e-10, projection, 1.0);
         assert!(matches!(outcome, Err(StepFailure::NotConverged { .. })), "{outcome:?}");
         assert_eq!(b, [1.0, 1.0]);
-        let outcome =
-            krylov.solve(&mut b, 1e-10, &mut by_diagonal(|_: &[f64], y: &mut [f64]| y.fill(f64::NAN), 1.0));
+        let outcome = solve(&mut b, 1e-10, |_: &[f64], y: &mut [f64]| y.fill(f64::NAN), 1.0);
         assert_eq!(outcome, Err(StepFailure::NonFinite));
     }
 }

@@ -142,7 +142,7 @@ pub(super) fn beyond_in_any_lane<S: Scalar, const N: usize>(
     correction: &[S; N],
     end: &[S; N],
 ) -> f64 {
-    let sizes = std::array::from_fn(|i| relative(correction[i], end[i]));
+    let sizes = relatives(correction, end);
     let mut most = 0.0;
     for lane in 0..S::LANES {
         most = larger(most, beyond(equations.rounded(x, lane), sizes));
@@ -164,6 +164,12 @@ pub(crate) fn astray(iterations: u32, correction: f64) -> StepFailure {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn relative<S: Scalar>(correction: S, unknown: S) -> f64 {
     correction.relative_to(unknown)
+}
+
+/// The same of each unknown.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn relatives<S: Scalar, const N: usize>(correction: &[S; N], unknowns: &[S; N]) -> [f64; N] {
+    std::array::from_fn(|i| relative(correction[i], unknowns[i]))
 }
 
 /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start other
@@ -260,7 +266,7 @@ fn resumed<S: Scalar, const N: usize, const SYMMETRIC: bool>(
             }
             Verdict::Contracting => x = end,
             Verdict::Straying => {
-                let size = (0..N).fold(0.0, |most, i| larger(most, relative(correction[i], end[i])));
+                let size = relatives(&correction, &end).into_iter().fold(0.0, larger);
                 return Err(explain::<N>(convergence.iterations, size, jacobian[0][0].magnitude()));
             }
         }

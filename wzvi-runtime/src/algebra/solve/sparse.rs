@@ -304,6 +304,7 @@ fn filled(n: usize, neighbours: &Neighbours, position: &[usize], most: u64) -> O
 mod tests {
     use super::super::krylov::{Krylov, Operator};
     use super::*;
+    use crate::error::StepFailure;
 
     type Places = Vec<(usize, usize)>;
 
@@ -329,21 +330,24 @@ mod tests {
         /// The largest number that `A x - b` leaves.
         fn residual(&mut self, x: &[f64], b: &[f64]) -> f64 {
             let mut image = vec![0.0; x.len()];
-            (self.operator().product)(x, &mut image);
+            multiply(&self.entries, x, &mut image);
             image.iter().zip(b).fold(0.0, |most, (image, b)| most.max((image - b).abs()))
         }
 
-        /// With the identity, as in the factors.
-        #[expect(clippy::type_complexity, reason = "closures have no names")]
-        fn operator(&mut self) -> Operator<impl FnMut(&[f64], &mut [f64]), impl FnMut(&mut [f64])> {
+        /// GMRES, preconditioned by the factors.
+        fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Result<u32, StepFailure> {
             let Self { entries, factors } = self;
-            let product = |x: &[f64], y: &mut [f64]| {
-                y.copy_from_slice(x);
-                entries.iter().for_each(|&(row, column, value)| y[row] += value * x[column]);
-            };
-            let precondition = |x: &mut [f64]| factors.solve(x);
-            Operator { product, precondition, most_cycles: Krylov::<f64>::MOST_CYCLES }
+            let product = &mut |x: &[f64], y: &mut [f64]| multiply(entries, x, y);
+            let precondition = &mut |x: &mut [f64]| factors.solve(x);
+            let most_cycles = Krylov::<f64>::MOST_CYCLES;
+            Krylov::new(x.len()).solve(x, tolerance, &mut Operator { product, precondition, most_cycles })
         }
+    }
+
+    /// `y = x + A x`: with the identity, as in the factors.
+    fn multiply(entries: &[(usize, usize, f64)], x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+        entries.iter().for_each(|&(row, column, value)| y[row] += value * x[column]);
     }
 
     fn torus(side: usize) -> Places {
@@ -423,12 +427,11 @@ mod tests {
     fn iterations_do_not_grow_with_the_stiffness() {
         let (side, n) = (48, 48 * 48);
         let places = torus(side);
-        let mut krylov = Krylov::new(n);
-        let mut taken = |factors: Sparse<f64>, stiffness: f64| {
+        let taken = |factors: Sparse<f64>, stiffness: f64| {
             let mut matrix = Matrix::new(factors, springs(&places, stiffness));
             let b = wave(n);
             let mut x = b.clone();
-            krylov.solve(&mut x, 1e-3, &mut matrix.operator())
+            matrix.solve(&mut x, 1e-3)
         };
         for stiffness in [1.0, 1e2, 1e4, 1e6] {
             let complete = taken(Sparse::complete(n, &places, u64::MAX).unwrap(), stiffness);
@@ -449,7 +452,7 @@ mod tests {
         assert_eq!(matrix.factors.is_reversed(), None);
         let b = [1.0, 2.0, 3.0];
         let mut x = b;
-        assert!(Krylov::new(3).solve(&mut x, 1e-14, &mut matrix.operator()).unwrap() <= 3);
+        assert!(matrix.solve(&mut x, 1e-14).unwrap() <= 3);
         assert!(matrix.residual(&x, &b) < 1e-13);
     }
 }

@@ -38,7 +38,7 @@ impl Linear {
     pub(super) fn new(
         degrees: usize,
         s: f64,
-        mut slopes: impl FnMut(&[f64], &mut [f64]),
+        slopes: &mut dyn FnMut(&[f64], &mut [f64]),
     ) -> Result<Self, ConfigError> {
         let size = 2 * degrees;
         let (mut x, mut origin) = (vec![0.0; size], vec![0.0; size]);
@@ -194,10 +194,10 @@ mod tests {
     fn flows_are_those_of_the_closed_form() {
         // H = (q0² + p0²) ω/2 + p1²/2 + g q1 + q2 p2
         let (omega, g, s) = (40.0, 0.3, 0.7);
-        let slopes = |x: &[f64], y: &mut [f64]| {
+        let mut slopes = |x: &[f64], y: &mut [f64]| {
             y.copy_from_slice(&[omega * x[0], g, x[5], omega * x[3], x[4], x[2]]);
         };
-        let linear = Linear::new(3, s, slopes).unwrap_or(Linear { blocks: Vec::new() });
+        let linear = Linear::new(3, s, &mut slopes).unwrap_or(Linear { blocks: Vec::new() });
         let rows: Vec<&[f64]> = linear.blocks.iter().map(|block| block.rows.as_slice()).collect();
         let (sin, cos) = (omega * s).sin_cos();
         let exact: [[f64; 6]; 3] = [

@@ -66,6 +66,12 @@ fn lanes<P, T, const L: usize>(prepared: [&P; L], part: impl Fn(&P) -> Option<&T
     parts.try_into().ok()
 }
 
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn scale<S: Scalar>(dw: &[S], weight: f64, into: &mut Vec<S>) {
+    into.clear();
+    into.extend(dw.iter().map(|dw| *dw * weight));
+}
+
 impl<A, B> Prepared<A, B> {
     /// Takes all parts of a step by `take_first` and `take_second`. On `Err`, everything is as it was.
     ///
@@ -90,8 +96,7 @@ impl<A, B> Prepared<A, B> {
         let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
         for part in &self.parts {
             let Memory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
-            scaled.clear();
-            scaled.extend(dw.iter().map(|dw| *dw * part.weight));
+            scale(dw, part.weight, scaled);
             let (t, h) = (t + h * part.start, h * part.weight);
             let at = At { t, h, q: &mut *q, p: &mut *p, dw: scaled };
             let taken = match &part.kind {

@@ -119,7 +119,7 @@ fn prepare<F: Parts>(
         {
             return Ok(Act::Map(map.clone()));
         }
-        let map = Linear::new(degrees, stage.weight * h, |x, slopes| {
+        let map = Linear::new(degrees, stage.weight * h, &mut |x, slopes| {
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
             system.slopes_of_part::<f64, true, true>(half, 0.0, 1.0, q, p, by_q, by_p);
             if F::FACTS.kind.is_conformal {

@@ -42,8 +42,14 @@ impl Blocks {
             // Conditions of piecewise functions couple degrees of freedom even where no derivative does.
             (1..degrees).for_each(|degree| apart.join(degree - 1, degree));
         }
-        pattern(system, scheme, degrees, |row, column| apart.join(row / per_degree, column / per_degree));
+        let join = &mut |row, column| apart.join(row / per_degree, column / per_degree);
+        pattern(system, scheme, degrees, join);
         (self.count, self.of) = apart.parts();
+    }
+
+    /// Whether no degree of freedom is held fixed.
+    pub(super) fn are_all(&self) -> bool {
+        self.wanted.is_none()
     }
 
     /// Whether a degree of freedom is held fixed.

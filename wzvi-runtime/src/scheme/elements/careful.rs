@@ -1,8 +1,9 @@
 //! The equations of a step in the form that [`damped`] takes, for steps where the fast iteration fails.
 
 use super::blocks::Blocks;
+use super::jacobian::Held;
 use super::linear::Linear;
-use super::memory::{Lists, Scratch, Solver};
+use super::memory::{Care, Lists, Scratch, Solver};
 use super::rounding::Rounding;
 use super::step::Step;
 use super::{Elements, Memory};
@@ -31,12 +32,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let mut scratch = memory.scratch(self.scheme, self.degrees());
         scratch.guess(known);
         let Scratch { mut lists, solver, .. } = scratch;
-        let Solver { diagonal, linear, rounding, care: (start, room), .. } = solver;
+        let Solver { diagonal, linear, rounding, care: Care { start, are_settled, room }, .. } = solver;
         let Some(linear) = linear else { return Err(astray(0, f64::INFINITY)) };
         start.clear();
         start.extend_from_slice(lists.x);
         let lists = &mut lists;
-        let mut sweep = Sweep { step: self, blocks, lists, diagonal, linear, rounding };
+        let mut sweep = Sweep { step: self, blocks, lists, diagonal, linear, rounding, are_settled };
         let effort = damped(&mut sweep, room, start)?;
         lists.x.copy_from_slice(room.solution());
         self.refresh(lists);
@@ -52,6 +53,7 @@ struct Sweep<'a, 's, H, S> {
     diagonal: &'a mut [S],
     linear: &'a mut Linear<S>,
     rounding: &'a mut Option<Box<Rounding>>,
+    are_settled: &'a mut Vec<bool>,
 }
 
 impl<H: Elements, S: Scalar> Sweep<'_, '_, H, S> {
@@ -78,8 +80,9 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
 
     fn factor(&mut self) -> Result<(), StepFailure> {
         let (blocks, unknowns) = (self.blocks, self.step.scheme.unknowns);
-        let are_held = |unknown| blocks.holds_unknown(unknowns, unknown);
-        self.step.factor(self.lists, self.diagonal, self.linear, true, are_held)
+        let is_held = |unknown| blocks.holds_unknown(unknowns, unknown);
+        let held: Held<'_> = if blocks.are_all() { None } else { Some(&is_held) };
+        self.step.factor(self.lists, self.diagonal, self.linear, true, held)
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
@@ -90,10 +93,13 @@ impl<H: Elements, S: Scalar> Problem for Sweep<'_, '_, H, S> {
         Ok(())
     }
 
-    fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
-        let (rounding, blocks, unknowns) =
-            (self.step.round(x, self.rounding), self.blocks, self.step.scheme.unknowns);
-        move |k| rounding[k].is_below(1.0) || blocks.holds_unknown(unknowns, k)
+    fn are_settled(&mut self, x: &Vec<S>) -> impl AsRef<[bool]> {
+        self.are_settled.clear();
+        for (unknown, residual) in self.step.round(x, self.rounding).iter().enumerate() {
+            let is_held = self.blocks.holds_unknown(self.step.scheme.unknowns, unknown);
+            self.are_settled.push(residual.is_below(1.0) || is_held);
+        }
+        &*self.are_settled
     }
 
     /// `false` if the determinant is not known.

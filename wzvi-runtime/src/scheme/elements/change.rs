@@ -19,7 +19,7 @@ use std::ops::Range;
 use super::memory::Lists;
 use super::passes::{Block, in_blocks, load, poisoned, widened};
 use super::step::Step;
-use super::{Elements, Stage, Unknowns};
+use super::{Elements, Quadrature, Stage, Unknowns};
 use crate::algebra::scalar::Scalar;
 
 /// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by [`CONTRACTS`](super::CONTRACTS), so
@@ -93,48 +93,59 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         // The first one mostly decides.
         let first = 0..self.degrees().min(1);
         size_of::<S>() == size_of::<f64>()
-            && self.change::<1>(lists, first) == Change::Unseen
+            && change::<S, 1>(self.scheme, self.q, lists, first) == Change::Unseen
             && spans.all(|first| {
                 let places = first..self.degrees().min(first + AT_ONCE);
-                self.change::<AT_ONCE>(lists, places) == Change::Unseen
+                change::<S, AT_ONCE>(self.scheme, self.q, lists, places) == Change::Unseen
             })
     }
+}
 
-    /// The change by the last correction at some places.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>) -> Change {
-        let mut seen = Seen::<L>::new();
-        if self.scheme.unknowns == Unknowns::Both {
-            self.change_of_both(lists, places, &mut seen);
-            return seen.finish();
-        }
-        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
-        for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-            let (q, u, before) = (&self.q[places.clone()], &u[places.clone()], &before[places.clone()]);
-            in_blocks::<L>(places.len(), &mut Moved { q, u, before, point, seen: &mut seen });
-        }
-        if self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
-            // Elements at the node may depend on momenta.
-            let (x, correction) = (&x[places.clone()], &correction[places.clone()]);
-            let momentum = &momentum[places.clone()];
-            in_blocks::<L>(places.len(), &mut Kicked { x, correction, momentum, seen: &mut seen });
-        }
-        seen.finish()
+/// The change by the last correction at some places.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn change<S: Scalar, const L: usize>(
+    scheme: &Quadrature,
+    q: &[S],
+    lists: &Lists<'_, S>,
+    places: Range<usize>,
+) -> Change {
+    let mut seen = Seen::<L>::new();
+    if scheme.unknowns == Unknowns::Both {
+        change_of_both(scheme, q, lists, places, &mut seen);
+        return seen.finish();
     }
+    let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
+    for &Stage { point, .. } in scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+        let (q, u, before) = (&q[places.clone()], &u[places.clone()], &before[places.clone()]);
+        in_blocks::<L>(places.len(), &mut Moved { q, u, before, point, seen: &mut seen });
+    }
+    if scheme.stages.iter().any(|stage| stage.point == 0.0) {
+        // Elements at the node may depend on momenta.
+        let (x, correction) = (&x[places.clone()], &correction[places.clone()]);
+        let momentum = &momentum[places.clone()];
+        in_blocks::<L>(places.len(), &mut Kicked { x, correction, momentum, seen: &mut seen });
+    }
+    seen.finish()
+}
 
-    /// The same where both halves are unknown.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_of_both<const L: usize>(&self, lists: &Lists<'_, S>, places: Range<usize>, seen: &mut Seen<L>) {
-        let Lists { x, correction, momentum, .. } = lists;
-        let (x, correction) =
-            (&x.as_chunks::<2>().0[places.clone()], &correction.as_chunks::<2>().0[places.clone()]);
-        let state = self.q[places.clone()].iter().zip(&momentum[places]);
-        for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in x.iter().zip(correction).zip(state) {
-            for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-                seen.take([(change_u * point).magnitude()], [moved(q, u, point)]);
-            }
-            seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
+/// The same where both halves are unknown.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn change_of_both<S: Scalar, const L: usize>(
+    scheme: &Quadrature,
+    q: &[S],
+    lists: &Lists<'_, S>,
+    places: Range<usize>,
+    seen: &mut Seen<L>,
+) {
+    let Lists { x, correction, momentum, .. } = lists;
+    let (x, correction) =
+        (&x.as_chunks::<2>().0[places.clone()], &correction.as_chunks::<2>().0[places.clone()]);
+    let state = q[places.clone()].iter().zip(&momentum[places]);
+    for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in x.iter().zip(correction).zip(state) {
+        for &Stage { point, .. } in scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+            seen.take([(change_u * point).magnitude()], [moved(q, u, point)]);
         }
+        seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
     }
 }
 

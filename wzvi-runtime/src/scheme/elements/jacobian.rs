@@ -7,7 +7,7 @@ use super::passes::largest;
 use super::step::Step;
 use super::{Curvature, Elements, Quadrature, Slopes, Stage, Unknowns};
 use crate::algebra::scalar::Scalar;
-use crate::algebra::solve::{Krylov, Operator, power_of_two};
+use crate::algebra::solve::{Banded, Krylov, Operator, power_of_two};
 use crate::error::StepFailure;
 
 /// `y += A x` from the entries of `A`.
@@ -16,8 +16,17 @@ fn product<S: Scalar>(x: &[S], y: &mut [S]) -> impl FnMut(usize, usize, S) {
     |row, column, value| y[row] = y[row] + value * x[column]
 }
 
-/// Multiplies each kind of unknown by a power of two, which is exact.
-fn multiply<S: Scalar>(list: &mut [S], [first, second]: [f64; 2]) {
+/// Takes entries of a Jacobian where that is rare. The second derivatives of a system are long, and compiled for each type that takes them.
+type Rarely<'r, S> = &'r mut dyn FnMut(usize, usize, S);
+
+/// Rows that stay zero, if there are any.
+pub(super) type Held<'h> = Option<&'h dyn Fn(usize) -> bool>;
+
+/// The powers of two by which the two kinds of unknowns are multiplied, which is exact; `None` where there is one kind.
+type Units = Option<[f64; 2]>;
+
+fn multiply<S: Scalar>(list: &mut [S], units: Units) {
+    let Some([first, second]) = units else { return };
     let (first, second) = (S::from_f64(first), S::from_f64(second));
     for pair in list.as_chunks_mut().0 {
         let [u, v] = *pair;
@@ -26,13 +35,17 @@ fn multiply<S: Scalar>(list: &mut [S], [first, second]: [f64; 2]) {
 }
 
 /// Units of the unknowns where there are two kinds: about the largest of each kind, or its largest residual where that is zero.
-fn units<S: Scalar>(kind: Unknowns, x: &[S], residual: &[S]) -> Option<[f64; 2]> {
+fn units<S: Scalar>(kind: Unknowns, x: &[S], residual: &[S]) -> Units {
     let (sizes, others) = (largest(kind, x), largest(kind, residual));
     let unit = |i: usize| match [sizes[i], others[i]].into_iter().find(|&size| size > 0.0) {
         Some(size) => power_of_two(size),
         None => 1.0,
     };
     (kind == Unknowns::Both).then(|| [unit(0), unit(1)])
+}
+
+fn inverse(units: Units) -> Units {
+    units.map(|units| units.map(f64::recip))
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
@@ -48,7 +61,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
     }
 
-    /// Factors the Jacobian at the current stages, without the rows that `are_held`. The factors for Krylov's method are complete if `all` and
+    /// Factors the Jacobian at the current stages, without the rows that are `held`. The factors for Krylov's method are complete if `all` and
     /// cheap enough.
     ///
     /// # Errors
@@ -59,25 +72,30 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         diagonal: &mut [S],
         linear: &mut Linear<S>,
         all: bool,
-        are_held: impl Fn(usize) -> bool,
+        held: Held<'_>,
     ) -> Result<(), StepFailure> {
         self.differentiate_velocities(lists, diagonal);
         match linear {
             Linear::Band(band) => {
                 band.reset();
-                self.entries(lists, diagonal, &mut |row, column, value| {
-                    if !are_held(row) {
-                        band.add(row, column, value);
-                    }
-                });
+                match held {
+                    None => self.add_to(band, lists, diagonal),
+                    Some(is_held) => self.entries_rarely(lists, diagonal, &mut |i, j, value| {
+                        if !is_held(i) {
+                            band.add(i, j, value);
+                        }
+                    }),
+                }
                 band.factor()
             }
             Linear::Krylov(wide) => {
-                let factors = wide.room(self.system, self.scheme, self.degrees(), all);
+                let (scheme, degrees) = (self.scheme, self.degrees());
+                let pattern = |visit: Visit<'_>| pattern(self.system, scheme, degrees, visit);
+                let factors = wide.room(&pattern, scheme.unknowns.count(degrees), all);
                 factors.reset();
-                self.entries(lists, diagonal, &mut |row, column, value| {
-                    if !are_held(row) {
-                        factors.add(row, column, value);
+                self.entries_rarely(lists, diagonal, &mut |i, j, value| {
+                    if !held.is_some_and(|is_held| is_held(i)) {
+                        factors.add(i, j, value);
                     }
                 });
                 factors.factor();
@@ -108,22 +126,25 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                 let (factors, all) = factors.as_mut().ok_or(StepFailure::NonFinite)?;
                 let correction = std::mem::take(&mut lists.correction);
                 let units = units(self.scheme.unknowns, lists.x, correction);
-                units.into_iter().for_each(|units| multiply(correction, units.map(f64::recip)));
+                let inverse = inverse(units);
+                multiply(correction, inverse);
                 // Incomplete factors get fewer cycles before complete ones replace them.
                 let most = Krylov::<S>::MOST_CYCLES;
                 let most_cycles = if *all { most } else { most.min(PATIENCE / Krylov::<S>::BASIS as u32) };
                 let stages = lists.lend();
                 let operator = &mut Operator {
-                    product: |x: &[S], y: &mut [S]| self.product(&stages, diagonal, units, (x, y), room),
-                    precondition: |x: &mut [S]| {
-                        units.into_iter().for_each(|units| multiply(x, units));
+                    product: &mut |x: &[S], y: &mut [S]| {
+                        self.product(&stages, diagonal, units, (x, y), room);
+                    },
+                    precondition: &mut |x: &mut [S]| {
+                        multiply(x, units);
                         factors.solve(x);
-                        units.into_iter().for_each(|units| multiply(x, units.map(f64::recip)));
+                        multiply(x, inverse);
                     },
                     most_cycles,
                 };
                 let solved = krylov.solve(correction, tolerance, operator);
-                units.into_iter().for_each(|units| multiply(correction, units));
+                multiply(correction, units);
                 lists.correction = correction;
                 solved.map(Some)
             }
@@ -135,33 +156,43 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         &self,
         lists: &Lists<'_, S>,
         diagonal: &[S],
-        units: Option<[f64; 2]>,
+        units: Units,
         (x, y): (&[S], &mut [S]),
         room: &mut Vec<S>,
     ) {
-        let Some(units) = units else {
+        if units.is_none() {
             y.copy_from_slice(x);
             return self.entries(lists, diagonal, &mut product(x, y));
-        };
+        }
         room.clear();
         room.extend_from_slice(x);
         multiply(room, units);
         y.copy_from_slice(room);
         self.entries(lists, diagonal, &mut product(room, y));
-        multiply(y, units.map(f64::recip));
+        multiply(y, inverse(units));
+    }
+
+    /// A function of its own: only then is it known that the lists do not overlap.
+    #[inline(never)]
+    fn add_to(&self, band: &mut Banded<S>, lists: &Lists<'_, S>, diagonal: &[S]) {
+        self.entries(lists, diagonal, &mut |i, j, value| band.add(i, j, value));
+    }
+
+    fn entries_rarely(&self, lists: &Lists<'_, S>, diagonal: &[S], mut into: Rarely<'_, S>) {
+        self.entries(lists, diagonal, &mut into);
     }
 
     /// `-φ'` at the current stages.
-    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], into: &mut impl FnMut(usize, usize, S)) {
+    fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], add: &mut impl FnMut(usize, usize, S)) {
         let Lists { stages, momentum, .. } = lists;
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, _) = stages.at(s);
             match self.scheme.unknowns {
                 Unknowns::Both => {
-                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { add: into, stage });
+                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { add, stage });
                 }
                 _ => {
-                    let reduced = &mut Reduced { add: into, diagonal, stage };
+                    let reduced = &mut Reduced { add, diagonal, stage };
                     self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, reduced);
                 }
             }
@@ -169,17 +200,15 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     }
 }
 
+/// Takes positions of a Jacobian.
+pub(super) type Visit<'v> = &'v mut dyn FnMut(usize, usize);
+
 /// Calls `visit` with every off-diagonal position where the Jacobian may have an entry, some more than once.
-pub(super) fn pattern<H: Elements>(
-    system: &H,
-    scheme: &Quadrature,
-    degrees: usize,
-    mut visit: impl FnMut(usize, usize),
-) {
+pub(super) fn pattern<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize, visit: Visit<'_>) {
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
     let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
     let (mut work, diagonal) = (Work::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
-    step.entries(&work.lists(scheme, degrees), &diagonal, &mut |row, column, _: f64| {
+    step.entries_rarely(&work.lists(scheme, degrees), &diagonal, &mut |row, column, _| {
         if row != column {
             visit(row, column);
         }

@@ -216,7 +216,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         step.residual(lists);
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
-        let made = step.factor(lists, diagonal, linear, anchor.all, |_| false);
+        let made = step.factor(lists, diagonal, linear, anchor.all, None);
         kept.anchor = anchor;
         if made.is_ok() {
             kept.made = Made::AtAnchor;
@@ -239,7 +239,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         kept.made = Made::Unknown;
         kept.work.factorisations += 1;
         let all = kept.wants_all();
-        self.factor(lists, diagonal, linear, all, |_| false)?;
+        self.factor(lists, diagonal, linear, all, None)?;
         if !self.scheme.is_linear && linear.is_reversed() {
             // A negative determinant indicates a fold: the careful solver is needed.
             return Err(astray(0, f64::INFINITY));

@@ -4,7 +4,7 @@
 use super::hamiltonian::fits;
 use super::step::{Step, decay, scale_at};
 use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
-use crate::algebra::scalar::Rounded;
+use crate::algebra::scalar::{Rounded, Scalar};
 use crate::algebra::solve::larger;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
@@ -12,6 +12,8 @@ use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
 /// The arguments of the discrete Lagrangian: a segment of checked size, and the noise increments.
 struct Evaluated<'a, V> {
     segment: &'a Segment<V>,
+    /// `q_{i+1} - q_i`
+    increment: Vec<f64>,
     dw: &'a [f64],
 }
 
@@ -20,13 +22,7 @@ impl<'a, V: Vector> Evaluated<'a, V> {
     fn new<H: Elements>(system: &H, segment: &'a Segment<V>, dw: &'a [f64]) -> Option<Self> {
         let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
         let fits = q1.len() == q0.len() && dw.len() == system.noises() && fits(system, q0, p);
-        fits.then_some(Self { segment, dw })
-    }
-
-    /// `q_{i+1} - q_i`
-    fn increment(&self) -> impl Iterator<Item = f64> {
-        let ends = self.segment.q0.components().iter().zip(self.segment.q1.components());
-        ends.map(|(start, end)| end - start)
+        fits.then(|| Self { segment, increment: differences(q0, q1), dw })
     }
 
     /// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point.
@@ -38,12 +34,13 @@ impl<'a, V: Vector> Evaluated<'a, V> {
     ) {
         let Segment { q0, p, t, h, .. } = self.segment;
         for stage in scheme.stages {
-            let q: Vec<f64> =
-                q0.components().iter().zip(self.increment()).map(|(q, u)| q + stage.point * u).collect();
+            let q = along(q0.components(), &self.increment, stage.point);
             let (t, acting) = (t + stage.point * h, 0..self.dw.len());
             let scale = scale_at(system, stage.point * h);
             let at = Point { q: &q[..], p: p.components(), t, h: *h, dw: self.dw, acting, scale };
-            stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
+            for &(part, weight) in stage.parts {
+                take(part, stage, weight, &at);
+            }
         }
     }
 }
@@ -56,7 +53,7 @@ pub(crate) fn discrete_lagrangian<H: Elements>(
     dw: &[f64],
 ) -> f64 {
     let Some(evaluated) = Evaluated::new(system, segment, dw) else { return f64::NAN };
-    let mut value: f64 = segment.p.components().iter().zip(evaluated.increment()).map(|(p, u)| p * u).sum();
+    let mut value = dot(segment.p.components(), &evaluated.increment);
     evaluated.for_each(system, scheme, |part, _, weight, at| value -= system.value(part, weight, at));
     value
 }
@@ -75,8 +72,10 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
         LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: segment.q1.clone() };
     let [by_start, by_end, by_momentum] =
         [&mut gradient.q0, &mut gradient.q1, &mut gradient.p].map(Vector::components_mut);
-    by_start.iter_mut().for_each(|p| *p = -*p);
-    by_momentum.iter_mut().zip(evaluated.increment()).for_each(|(by_p, u)| *by_p = u);
+    for p in &mut *by_start {
+        *p = -*p;
+    }
+    by_momentum.copy_from_slice(&evaluated.increment);
     let mut force = vec![0.0; by_start.len()];
     let mut velocity = force.clone();
     evaluated.for_each(system, scheme, |part, stage, weight, at| {
@@ -91,7 +90,9 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     });
     if H::KIND.is_conformal {
         let decay = decay(system, segment.h);
-        by_end.iter_mut().for_each(|end| *end += decay * *end);
+        for end in by_end {
+            *end += decay * *end;
+        }
     }
     gradient
 }
@@ -142,7 +143,7 @@ fn momentum_solved<H: Elements>(
 ) -> H::Vector {
     let mut momentum = before.p.clone();
     match momentum_increment(system, scheme, before, after, h, dw) {
-        Some(v) => momentum.components_mut().iter_mut().zip(v).for_each(|(p, v)| *p += v),
+        Some(v) => add(momentum.components_mut(), &v),
         None => momentum.components_mut().fill(f64::NAN),
     }
     momentum
@@ -162,7 +163,7 @@ fn momentum_increment<H: Elements>(
     if [p.len(), end_q.len(), after.p.components().len()] != [q.len(); 3] || dw.len() != system.noises() {
         return None;
     }
-    let u: Vec<f64> = q.iter().zip(end_q).map(|(a, b)| b - a).collect();
+    let u = differences(q, end_q);
     let scheme = &Quadrature { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
     let mut memory = Memory::default();
     memory.fit(system, scheme, q.len()).ok()?;
@@ -174,13 +175,14 @@ fn momentum_increment<H: Elements>(
         ends.are_joined_by(&v).then_some(v)
     };
     let from = |memory: &mut Memory<f64>, v: Vec<f64>| {
-        memory.solver.past.iter_mut().for_each(|past| past.clone_from(&v));
+        for past in &mut memory.solver.past {
+            past.clone_from(&v);
+        }
         memory.known = 1;
         solved(memory)
     };
-    let change = || after.p.components().iter().zip(p).map(|(end, start)| end - start).collect();
     solved(&mut memory)
-        .or_else(|| from(&mut memory, change()))
+        .or_else(|| from(&mut memory, differences(p, after.p.components())))
         .or_else(|| from(&mut memory, Step { increment: None, ..step }.momenta()?))
 }
 
@@ -192,7 +194,7 @@ impl<H: Elements> Step<'_, H, f64> {
         memory.fit(self.system, scheme, self.degrees()).ok()?;
         Step { scheme, ..self }.careful(&mut memory).ok()?;
         let x = memory.work.lists(scheme, self.degrees()).x;
-        Some(x.as_chunks().0.iter().map(|&[_, v]| v).collect())
+        Some(second_of_each(x))
     }
 }
 
@@ -214,12 +216,11 @@ struct Ends<'a, H> {
 
 impl<'a, H: Elements> Ends<'a, H> {
     fn new(step: &Step<'a, H, f64>, after: &State<H::Vector>) -> Self {
-        let lift =
-            |list: &[f64], as_what: fn(f64) -> Rounded| list.iter().copied().map(as_what).collect::<Vec<_>>();
-        let [q, end_q] = [step.q, after.q.components()].map(|list| lift(list, Rounded::nearest));
-        let u = end_q.iter().zip(&q).map(|(&end, &start)| end - start).collect();
-        let [p, end_p] = [step.p, after.p.components()].map(|list| lift(list, Rounded::nearest));
-        Self { step: *step, q, u, p, end_p, dw: lift(step.dw, Rounded::exact) }
+        let (q, p) = (lifted(step.q, Rounded::nearest), lifted(step.p, Rounded::nearest));
+        let end_q = lifted(after.q.components(), Rounded::nearest);
+        let end_p = lifted(after.p.components(), Rounded::nearest);
+        let dw = lifted(step.dw, Rounded::exact);
+        Self { step: *step, u: differences(&q, &end_q), q, p, end_p, dw }
     }
 
     /// Whether `P = p_i + v` solves the equations of both momenta within the rounding of the ends and of each term.
@@ -228,19 +229,11 @@ impl<'a, H: Elements> Ends<'a, H> {
     /// `δ_k = M δ_{k-1}`. As `M` has no negative entry, `δ_k <= θ δ_{k-1}` in each component implies the same for all later terms, which then
     /// sum to at most `θ/(1 - θ) δ_k`.
     fn are_joined_by(&self, v: &[f64]) -> bool {
-        let mut momentum: Vec<Rounded> =
-            self.step.p.iter().zip(v).map(|(p, v)| Rounded { value: p + v, error: 0.0 }).collect();
+        let mut momentum = exact_sums(self.step.p, v);
         let (mut terms, mut shrinking) = (vec![0.0; momentum.len()], f64::INFINITY);
         for _ in 0..PASSES {
             let pull = self.pull(&momentum, |stage| stage.start);
-            shrinking = 0.0;
-            for (((p, term), &start), &pull) in momentum.iter_mut().zip(&mut terms).zip(&self.p).zip(&pull) {
-                let next = start - pull;
-                let error = (next.value - p.value).abs() + next.error;
-                let grown = (error - p.error).max(0.0);
-                shrinking = larger(shrinking, if grown > 0.0 { grown / *term } else { grown });
-                (p.error, *term) = (error, grown);
-            }
+            shrinking = add_term(&mut momentum, &mut terms, &self.p, &pull);
             if shrinking <= HALVES {
                 break;
             }
@@ -253,8 +246,7 @@ impl<'a, H: Elements> Ends<'a, H> {
         }
         let pull = self.pull(&momentum, |stage| stage.end);
         let kept = if H::KIND.is_conformal { 1.0 + decay(self.step.system, self.step.h) } else { 1.0 };
-        let ends = momentum.iter().zip(&pull).zip(&self.end_p);
-        ends.map(|((&p, &pull), &end)| (p - pull) * kept - end).all(|left| left.is_below(1.0))
+        are_joined(&momentum, &pull, kept, &self.end_p)
     }
 
     /// `Σ w_s F_q(q_i + c_s u, P)`
@@ -264,12 +256,63 @@ impl<'a, H: Elements> Ends<'a, H> {
         let nothing = vec![Rounded::exact(0.0); self.q.len()];
         let (mut sum, mut unused) = (nothing.clone(), nothing.clone());
         for stage in scheme.stages.iter().filter(|stage| weight(stage) != 0.0) {
-            let places: Vec<Rounded> =
-                self.q.iter().zip(&self.u).map(|(&q, &u)| q + u * stage.point).collect();
-            let mut by_q = nothing.clone();
+            let (places, mut by_q) = (along(&self.q, &self.u, stage.point), nothing.clone());
             step.slopes(stage, &places, momentum, Slopes::BY_COORDINATES, &mut by_q, &mut unused);
-            sum.iter_mut().zip(by_q).for_each(|(sum, force)| *sum = *sum + force * weight(stage));
+            add_multiple(&mut sum, &by_q, weight(stage));
         }
         sum
     }
+}
+
+// The same for all systems.
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn add(sum: &mut [f64], list: &[f64]) {
+    sum.iter_mut().zip(list).for_each(|(sum, number)| *sum += number);
+}
+
+fn second_of_each(pairs: &[f64]) -> Vec<f64> {
+    pairs.as_chunks().0.iter().map(|&[_, v]| v).collect()
+}
+
+fn lifted(list: &[f64], as_what: fn(f64) -> Rounded) -> Vec<Rounded> {
+    list.iter().copied().map(as_what).collect()
+}
+
+fn differences<S: Scalar>(from: &[S], to: &[S]) -> Vec<S> {
+    to.iter().zip(from).map(|(&to, &from)| to - from).collect()
+}
+
+fn exact_sums(p: &[f64], v: &[f64]) -> Vec<Rounded> {
+    p.iter().zip(v).map(|(p, v)| Rounded { value: p + v, error: 0.0 }).collect()
+}
+
+/// `q + c u`
+fn along<S: Scalar>(q: &[S], u: &[S], c: f64) -> Vec<S> {
+    q.iter().zip(u).map(|(&q, &u)| q + u * c).collect()
+}
+
+fn add_multiple(sum: &mut [Rounded], list: &[Rounded], weight: f64) {
+    sum.iter_mut().zip(list).for_each(|(sum, &number)| *sum = *sum + number * weight);
+}
+
+/// The next errors of the momenta, from the intervals `starts - pull`, and the next terms of their series; the largest ratio of a term to the one before.
+fn add_term(momentum: &mut [Rounded], terms: &mut [f64], starts: &[Rounded], pull: &[Rounded]) -> f64 {
+    let mut shrinking = 0.0;
+    for (((p, term), &start), &pull) in momentum.iter_mut().zip(terms).zip(starts).zip(pull) {
+        let next = start - pull;
+        let error = (next.value - p.value).abs() + next.error;
+        let grown = (error - p.error).max(0.0);
+        shrinking = larger(shrinking, if grown > 0.0 { grown / *term } else { grown });
+        (p.error, *term) = (error, grown);
+    }
+    shrinking
+}
+
+fn are_joined(momentum: &[Rounded], pull: &[Rounded], kept: f64, ends: &[Rounded]) -> bool {
+    let ends = momentum.iter().zip(pull).zip(ends);
+    ends.map(|((&p, &pull), &end)| (p - pull) * kept - end).all(|left| left.is_below(1.0))
 }

@@ -1,7 +1,6 @@
 //! The linear equations of Newton's method, solved by elimination in a band or by a preconditioned Krylov iteration.
 
-use super::jacobian::pattern;
-use super::{Elements, Quadrature};
+use super::jacobian::Visit;
 use crate::algebra::memory::Method;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Banded, Krylov, Sparse, reverse_cuthill_mckee};
@@ -21,6 +20,9 @@ const SPARSE: usize = 64;
 const MANY_ITERATIONS: u64 = 512;
 /// Cost of the second derivatives of all elements, in solutions of the linear equations: a tuning parameter.
 const ASSEMBLY: u64 = 2;
+
+/// Visits all positions off the diagonal where the matrix may have an entry, some more than once.
+type Pattern<'p> = &'p dyn Fn(Visit<'_>);
 
 /// The solver of the linear equations of Newton's method.
 #[derive(Clone, Debug)]
@@ -42,38 +44,31 @@ pub(super) struct Wide<S> {
 
 impl<S: Scalar> Wide<S> {
     /// Storage for factors; complete if `all` and cheap enough.
-    pub(super) fn room<H: Elements>(
-        &mut self,
-        system: &H,
-        scheme: &Quadrature,
-        degrees: usize,
-        all: bool,
-    ) -> &mut Sparse<S> {
+    pub(super) fn room(&mut self, pattern: Pattern<'_>, unknowns: usize, all: bool) -> &mut Sparse<S> {
         let known = self.factors.take().filter(|&(_, known)| known == all);
-        &mut self.factors.insert(known.unwrap_or_else(|| (factors(system, scheme, degrees, all), all))).0
+        &mut self.factors.insert(known.unwrap_or_else(|| (factors(pattern, unknowns, all), all))).0
     }
 }
 
 impl<S: Scalar> Linear<S> {
     /// A band if it is narrow or small, after a renumbering where that pays; otherwise Krylov's method.
-    pub(super) fn new<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize) -> Self {
-        let unknowns = scheme.unknowns.count(degrees);
+    pub(super) fn new(pattern: Pattern<'_>, unknowns: usize) -> Self {
         let (mut natural, mut entries) = (0_usize, 0_usize);
-        pattern(system, scheme, degrees, |row, column| {
+        pattern(&mut |row, column| {
             natural = natural.max(row.abs_diff(column));
             entries += 1;
         });
         if natural <= NARROW_AS_IT_IS || is_dense(entries, unknowns) {
             let (size, mut is_parted) = (natural + 1, natural > 0 && natural <= NARROW_AS_IT_IS);
             if is_parted {
-                pattern(system, scheme, degrees, |row, column| is_parted &= row / size == column / size);
+                pattern(&mut |row, column| is_parted &= row / size == column / size);
             }
             return match Self::of_band(unknowns, natural, Vec::new()) {
                 Self::Band(band) => Self::Band(band.parted(is_parted)),
                 wide => wide,
             };
         }
-        let (half, position) = rearranged(unknowns, &pairs(system, scheme, degrees, entries));
+        let (half, position) = rearranged(unknowns, &pairs(pattern, entries));
         if half < natural {
             Self::of_band(unknowns, half, position)
         } else {
@@ -126,14 +121,13 @@ impl<S: Scalar> Linear<S> {
 }
 
 /// Storage for factors: incomplete, with the pattern of the matrix; complete if `all` and cheap enough; diagonal for a dense matrix.
-fn factors<H: Elements, S: Scalar>(system: &H, scheme: &Quadrature, degrees: usize, all: bool) -> Sparse<S> {
-    let unknowns = scheme.unknowns.count(degrees);
+fn factors<S: Scalar>(pattern: Pattern<'_>, unknowns: usize, all: bool) -> Sparse<S> {
     let mut entries = 0;
-    pattern(system, scheme, degrees, |_, _| entries += 1);
+    pattern(&mut |_, _| entries += 1);
     if is_dense(entries, unknowns) {
         return Sparse::diagonal(unknowns);
     }
-    let pairs = pairs(system, scheme, degrees, entries);
+    let pairs = pairs(pattern, entries);
     // An iteration takes a product, and a dot product and an update with each vector of the basis so far.
     let iteration = (2 * pairs.len() + Krylov::<S>::BASIS * unknowns) as u64;
     let most = if all { Some(MANY_ITERATIONS * iteration) } else { None };
@@ -152,14 +146,9 @@ fn is_dense(entries: usize, unknowns: usize) -> bool {
 }
 
 /// The positions above the diagonal where the Jacobian or its transpose may have entries.
-fn pairs<H: Elements>(
-    system: &H,
-    scheme: &Quadrature,
-    degrees: usize,
-    entries: usize,
-) -> Vec<(usize, usize)> {
+fn pairs(pattern: Pattern<'_>, entries: usize) -> Vec<(usize, usize)> {
     let mut pairs = Vec::with_capacity(entries);
-    pattern(system, scheme, degrees, |row, column| pairs.push((row.min(column), row.max(column))));
+    pattern(&mut |row, column| pairs.push((row.min(column), row.max(column))));
     sorted(pairs)
 }
 

@@ -1,6 +1,7 @@
 //! The memory of a stepper of a system of elements, allocated once.
 
 use super::blocks::Blocks;
+use super::jacobian::{Visit, pattern};
 use super::kept::Kept;
 use super::linear::Linear;
 use super::preference::Preference;
@@ -43,8 +44,16 @@ pub(super) struct Solver<S> {
     pub(super) rounding: Option<Box<Rounding>>,
     /// The windows of the fixed point of a large system.
     pub(super) sweeps: Option<Box<Sweeps>>,
-    /// The start of a careful step, and its scratch.
-    pub(super) care: (Vec<S>, Room<Vec<S>>),
+    pub(super) care: Care<S>,
+}
+
+/// The scratch of a careful step.
+#[derive(Debug, Default)]
+pub(super) struct Care<S> {
+    pub(super) start: Vec<S>,
+    /// Which equations are solved to rounding.
+    pub(super) are_settled: Vec<bool>,
+    pub(super) room: Room<Vec<S>>,
 }
 
 /// Scratch for the equations of one step: a single list, because the compiler knows only of parts of one list that they do not overlap.
@@ -391,7 +400,8 @@ impl<S: Scalar> Memory<S> {
         }
         self.degrees = degrees;
         self.solver.kept.lose();
-        self.solver.linear = is_implicit.then(|| Linear::new(system, scheme, degrees));
+        let pattern = |visit: Visit<'_>| pattern(system, scheme, degrees, visit);
+        self.solver.linear = is_implicit.then(|| Linear::new(&pattern, scheme.unknowns.count(degrees)));
     }
 }
 

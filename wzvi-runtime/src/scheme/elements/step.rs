@@ -226,14 +226,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         match self.scheme.unknowns {
             Unknowns::None => {
                 let (_, forces) = stages.at(0);
-                dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = -force);
+                negate(dp, forces);
             }
             Unknowns::Momenta => dp.copy_from_slice(x),
-            Unknowns::Both => dp.iter_mut().zip(x.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v),
+            Unknowns::Both => second_of_each(dp, x),
         }
         match self.scheme.update {
             MomentumUpdate::Multiple(1.0) => {}
-            MomentumUpdate::Multiple(factor) => dp.iter_mut().for_each(|dp| *dp = *dp * factor),
+            MomentumUpdate::Multiple(factor) => multiply(dp, factor),
             MomentumUpdate::Slopes => {
                 for (s, stage) in self.scheme.stages.iter().enumerate() {
                     if stage.end == 0.0 {
@@ -243,15 +243,42 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     self.place(stage, q, by_q, u);
                     // Slopes by momenta go to `correction`, where they are not used.
                     self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
-                    dp.iter_mut().zip(&*by_q).for_each(|(dp, &force)| *dp = *dp - force * stage.end);
+                    subtract_multiple(dp, by_q, stage.end);
                 }
             }
         }
         if H::KIND.is_conformal {
-            let decay = decay(self.system, self.h);
-            dp.iter_mut().zip(self.p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
+            damp(dp, self.p, decay(self.system, self.h));
         }
     }
+}
+
+// Loops over numbers alone: closures in a function would be compiled again for every system.
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn negate<S: Scalar>(dp: &mut [S], forces: &[S]) {
+    dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = -force);
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn second_of_each<S: Scalar>(dp: &mut [S], pairs: &[S]) {
+    dp.iter_mut().zip(pairs.as_chunks().0).for_each(|(dp, &[_, v])| *dp = v);
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn multiply<S: Scalar>(dp: &mut [S], factor: f64) {
+    dp.iter_mut().for_each(|dp| *dp = *dp * factor);
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn subtract_multiple<S: Scalar>(dp: &mut [S], forces: &[S], weight: f64) {
+    dp.iter_mut().zip(forces).for_each(|(dp, &force)| *dp = *dp - force * weight);
+}
+
+/// The part `decay` of the momentum at the end.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: f64) {
+    dp.iter_mut().zip(p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
 }
 
 /// [`Elements::slopes`] as a separate function: inlining loses the information that its lists do not overlap, which numbers

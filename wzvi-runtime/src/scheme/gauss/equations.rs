@@ -64,7 +64,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// `t + c_i h` for the stages of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(&self, part: usize) -> Part<S, N> {
-        let [t, h] = [self.t, self.h].map(|number| S::Stages::<N>::same(S::constant(number)));
+        let (t, h) = (S::constant(self.t), S::constant(self.h));
+        let (t, h) = (S::Stages::<N>::same(t), S::Stages::<N>::same(h));
         S::Stages::weighted(h, &self.common.table().c, part) + t
     }
 
@@ -92,7 +93,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let Placement { at: [q, p], by_p, by_q } = into;
         for part in 0..S::Stages::<N>::PARTS {
             for d in 0..q.len() {
-                let [start_q, start_p] = self.start.map(|start| S::Stages::<N>::same(start[d]));
+                let [start_q, start_p] = self.start;
+                let (start_q, start_p) = (S::Stages::<N>::same(start_q[d]), S::Stages::<N>::same(start_p[d]));
                 let [next_q, next_p] = match by_q {
                     Some(by_q) => {
                         [start_q + by_p[d].product(once, part), start_p - by_q[d].product(once, part)]

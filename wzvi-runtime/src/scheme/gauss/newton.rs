@@ -89,7 +89,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         &self,
         jacobian: &mut Jacobian<T>,
         stage: Option<usize>,
-        arguments: impl Fn(usize, usize) -> f64,
+        arguments: &dyn Fn(usize, usize) -> f64,
         along: usize,
     ) {
         let degrees = self.start[0].len();
@@ -97,9 +97,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         for list in [&mut *q, p, by_q, by_p] {
             list.resize(degrees, Dual::from_f64(0.0));
         }
-        let own = |stages: S::Stages<N>| Dual::from_f64(stages.get(stage.unwrap_or(0)).lane(0));
         dw.clear();
-        dw.extend(self.dw.iter().map(|&dw| own(dw)));
+        for stages in self.dw {
+            dw.push(Dual::from_f64(stages.get(stage.unwrap_or(0)).lane(0)));
+        }
         for d in 0..degrees {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
@@ -108,10 +109,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 p[d] = p[d] * inverse;
             }
         }
-        let (c, b) =
-            (self.common.table().c[stage.unwrap_or(0)], stage.map_or(1.0, |i| self.common.table().b[i]));
-        let [t, h] = [self.t, self.h].map(|number| number.lane(0));
-        let [t, h] = [h * c + t, h * b].map(Dual::from_f64);
+        let table = self.common.table();
+        let (c, b) = (table.c[stage.unwrap_or(0)], stage.map_or(1.0, |stage| table.b[stage]));
+        let (t, h) = (self.t.lane(0), self.h.lane(0));
+        let (t, h) = (Dual::from_f64(h * c + t), Dual::from_f64(h * b));
         let parameters = &F::Parameters::lane(self.parameters, 0);
         self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, t, h, q, p, dw, by_q, by_p);
         if F::FACTS.kind.is_conformal {
@@ -163,10 +164,36 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
         self.jacobian.inverse_mass.resize(degrees * degrees, 0.0);
         for column in 0..degrees {
             let start = |kind: usize, d: usize| if kind == 0 { self.step.start[0][d].lane(0) } else { 0.0 };
-            self.step.vary(self.jacobian, None, start, degrees + column);
+            self.step.vary(self.jacobian, None, &start, degrees + column);
             for row in 0..degrees {
                 self.jacobian.inverse_mass[row * degrees + column] =
                     self.jacobian.lists[3][row].derivative[0];
+            }
+        }
+    }
+
+    /// Adds the entries from the slopes of degree of freedom `a` at stage `j`, by the unknowns of `b` there.
+    fn add_entries(&self, matrix: &mut Banded<S>, j: usize, [a, b]: [usize; 2]) {
+        let (degrees, table) = (self.degrees(), self.step.common.table());
+        let Jacobian { hessian, inverse_mass, .. } = &*self.jacobian;
+        let second = |row: usize, column: usize| hessian[row * 2 * degrees + column];
+        let force: f64 = match F::IS_NYSTROM {
+            true => (0..degrees).map(|k| inverse_mass[a * degrees + k] * second(k, b)).sum(),
+            false => 0.0,
+        };
+        for i in 0..N {
+            let mut add = |row: usize, column: usize, value: f64| {
+                let (row, column) = (Self::place(degrees, i, row, a), Self::place(degrees, j, column, b));
+                matrix.add(row, column, S::from_f64(value));
+            };
+            if F::IS_NYSTROM {
+                add(0, 0, table.eta[j][i] * force);
+            } else {
+                let weight = table.mu[j][i];
+                for column in 0..2 {
+                    add(0, column, -weight * second(degrees + a, column * degrees + b));
+                    add(1, column, weight * second(a, column * degrees + b));
+                }
             }
         }
     }
@@ -181,7 +208,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
                 true => point[Self::place(degrees, stage, kind, d)].lane(0),
                 false => 0.0,
             };
-            self.step.vary(self.jacobian, Some(stage), at, column);
+            self.step.vary(self.jacobian, Some(stage), &at, column);
             self.jacobian.point = point;
             let Jacobian { hessian, lists: [_, _, by_q, by_p], .. } = &mut *self.jacobian;
             for (row, slope) in by_q.iter().chain(&*by_p).enumerate() {
@@ -219,29 +246,9 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         }
         for j in 0..N {
             self.second_derivatives(j);
-            let Jacobian { hessian, inverse_mass, .. } = &*self.jacobian;
-            let second = |row: usize, column: usize| hessian[row * 2 * degrees + column];
-            for (a, b) in (0..degrees).flat_map(|a| (0..degrees).map(move |b| (a, b))) {
-                // `∂(∂F/∂p)` and `∂(∂F/∂q)` of degree of freedom `a` by the unknowns of `b`.
-                let force: f64 = match F::IS_NYSTROM {
-                    true => (0..degrees).map(|k| inverse_mass[a * degrees + k] * second(k, b)).sum(),
-                    false => 0.0,
-                };
-                for i in 0..N {
-                    let mut add = |row: usize, column: usize, value: f64| {
-                        let [row, column] =
-                            [Self::place(degrees, i, row, a), Self::place(degrees, j, column, b)];
-                        matrix.add(row, column, S::from_f64(value));
-                    };
-                    if F::IS_NYSTROM {
-                        add(0, 0, self.step.common.table().eta[j][i] * force);
-                    } else {
-                        let weight = self.step.common.table().mu[j][i];
-                        for column in 0..2 {
-                            add(0, column, -weight * second(degrees + a, column * degrees + b));
-                            add(1, column, weight * second(a, column * degrees + b));
-                        }
-                    }
+            for a in 0..degrees {
+                for b in 0..degrees {
+                    self.add_entries(&mut matrix, j, [a, b]);
                 }
             }
         }
@@ -255,16 +262,16 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         Ok(())
     }
 
-    fn are_settled(&mut self, x: &Vec<S>) -> impl Fn(usize) -> bool {
+    fn are_settled(&mut self, x: &Vec<S>) -> impl AsRef<[bool]> {
         self.write(x);
         let (degrees, unknowns) = (self.degrees(), self.unknowns());
         let are_settled = &mut self.jacobian.are_settled;
         are_settled.clear();
         are_settled.resize(unknowns, true);
-        self.step.residuals(0, self.lists, self.exact, |kind, d, i, residual| {
+        self.step.residuals(0, self.lists, self.exact, &mut |kind, d, i, residual| {
             are_settled[Self::place(degrees, i, kind, d)] = residual.is_below(1.0);
         });
-        move |k| are_settled[k]
+        &*are_settled
     }
 
     fn is_reversed(&self) -> bool {

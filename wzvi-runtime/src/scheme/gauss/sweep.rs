@@ -187,7 +187,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let mut found = S::Mask::from_bool(false);
         for lane in (0..S::LANES).filter(|&lane| asked.lane(lane)) {
             let mut all = true;
-            self.residuals(lane, lists, exact, |_, _, _, residual| all &= residual.is_below(1.0));
+            self.residuals(lane, lists, exact, &mut |_, _, _, residual| all &= residual.is_below(1.0));
             if all {
                 found = found | S::Mask::of_lane(lane);
             }
@@ -201,7 +201,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lane: usize,
         lists: &Lists<S, F::Shape, N>,
         exact: &mut ExactOf<F, N>,
-        mut seen: impl FnMut(usize, usize, usize, Rounded),
+        seen: &mut dyn FnMut(usize, usize, usize, Rounded),
     ) {
         let ExactLists { given, lists: exact, scratch } = exact.lists(self.start[0].len(), self.dw.len());
         for (exact, start) in given.start.iter_mut().zip(self.start) {

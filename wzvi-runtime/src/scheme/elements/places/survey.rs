@@ -1,6 +1,8 @@
 //! Checks by intervals, before any loop runs, that everything that a system reads exists.
 
-use super::{Atom, Index, Loop, Name, Nest, Position, Slot, Span};
+use std::ops::Range;
+
+use super::{Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot, Span};
 use crate::error::{IndexError, IndexLimit, StepFailure};
 use crate::scheme::elements::Elements;
 
@@ -19,11 +21,15 @@ struct Bounds<'b> {
     outer: Option<&'b Self>,
 }
 
-/// The check of one system with one state size.
-struct Survey<'s, H> {
-    system: &'s H,
+/// The check of one system with one state size; of any system, so that it is compiled once.
+struct Survey<'s> {
+    places: &'static Places,
+    entries: Lookup<'s>,
     degrees: usize,
 }
+
+/// The method [`Elements::entries`] of a system.
+type Lookup<'s> = &'s dyn Fn(usize, &[usize], Range<usize>) -> Entries;
 
 /// Checks that everything that the elements of `system` read exists for a state with `degrees`.
 ///
@@ -36,15 +42,8 @@ pub(in crate::scheme::elements) fn check<H: Elements>(system: &H, degrees: usize
         let expected = (degrees / components + 1).saturating_mul(components);
         return Err(StepFailure::Dimension { expected, got: degrees });
     }
-    let survey = Survey { system, degrees };
-    match survey.fault() {
-        None => Ok(()),
-        Some(Fault { needs_degrees: true, .. }) => Err(match survey.required() {
-            Ok(expected) => StepFailure::Dimension { expected, got: degrees },
-            Err(Fault { error, .. }) => StepFailure::Index(error),
-        }),
-        Some(Fault { error, .. }) => Err(StepFailure::Index(error)),
-    }
+    // The whole check is compiled only for systems with loops or lists.
+    if const { H::PLACES.nests.is_empty() } { Ok(()) } else { of(system, degrees, |survey| survey.check()) }
 }
 
 /// The index that is out of range for a state with `degrees`, if one is.
@@ -52,12 +51,28 @@ pub(in crate::scheme::elements) fn index_error<H: Elements>(
     system: &H,
     degrees: usize,
 ) -> Option<IndexError> {
-    Survey { system, degrees }.fault().map(|fault| fault.error)
+    of(system, degrees, |survey| survey.fault().map(|fault| fault.error))
 }
 
-impl<H: Elements> Survey<'_, H> {
+fn of<H: Elements, R>(system: &H, degrees: usize, ask: fn(Survey<'_>) -> R) -> R {
+    let entries = |table, outer: &[usize], range| system.entries(table, outer, range);
+    ask(Survey { places: &H::PLACES, entries: &entries, degrees })
+}
+
+impl Survey<'_> {
+    fn check(&self) -> Result<(), StepFailure> {
+        match self.fault() {
+            None => Ok(()),
+            Some(Fault { needs_degrees: true, .. }) => Err(match self.required() {
+                Ok(expected) => StepFailure::Dimension { expected, got: self.degrees },
+                Err(Fault { error, .. }) => StepFailure::Index(error),
+            }),
+            Some(Fault { error, .. }) => Err(StepFailure::Index(error)),
+        }
+    }
+
     fn fault(&self) -> Option<Fault> {
-        H::PLACES.nests.iter().find_map(|nest| self.prove(nest, None).err())
+        self.places.nests.iter().find_map(|nest| self.prove(nest, None).err())
     }
 
     /// Proves that all reads in the loops of `nest` inside `fixed` are in range.
@@ -112,7 +127,7 @@ impl<H: Elements> Survey<'_, H> {
     /// The reason why `index`, with the possible value `value`, is not a place in the state: an integer of the system in it
     /// that is not a point, or the index as a whole.
     fn outside(&self, index: &'static Index, value: i128, at: Option<&Bounds<'_>>) -> Fault {
-        let components = H::PLACES.components;
+        let components = self.places.components;
         let points = self.degrees / components;
         for (atom, coefficient) in index.terms {
             let Atom::Given(table, positions) = atom else { continue };
@@ -134,7 +149,7 @@ impl<H: Elements> Survey<'_, H> {
     }
 
     fn error(&self, table: usize, value: i128, limit: IndexLimit) -> IndexError {
-        let name = H::PLACES.tables.get(table).unwrap_or(&Name { name: "", suffix: "" });
+        let name = self.places.tables.get(table).unwrap_or(&Name { name: "", suffix: "" });
         IndexError::new(name, value, limit)
     }
 
@@ -167,7 +182,7 @@ impl<H: Elements> Survey<'_, H> {
         };
         let value = match atom {
             Atom::Loop(depth) => Bounds::span_at(at, *depth),
-            Atom::Size => Span::at((self.degrees / H::PLACES.components) as i128),
+            Atom::Size => Span::at((self.degrees / self.places.components) as i128),
             Atom::Given(table, positions) => {
                 let span = self.given(*table, positions, at)?.unwrap_or(Span::at(0));
                 let limit = |value: i128| Fault {
@@ -230,13 +245,13 @@ impl<H: Elements> Survey<'_, H> {
         at: Option<&Bounds<'_>>,
     ) -> Result<Option<Span>, Fault> {
         let Some(Position { index, is_inside }) = positions.get(level) else {
-            return Ok(self.system.entries(table, &[], 0..0).span);
+            return Ok((self.entries)(table, &[], 0..0).span);
         };
         let Span { low, high } = self.span(index, at)?;
         let is_last = level + 1 == positions.len();
         let range = usize::try_from(low).unwrap_or(0)..usize::try_from(high + 1).unwrap_or(0);
         let wanted = if is_last { range.clone() } else { 0..0 };
-        let found = self.system.entries(table, &outer[..level], wanted);
+        let found = (self.entries)(table, &outer[..level], wanted);
         if low < 0 || (!is_inside && high >= found.length as i128) {
             let value = if low < 0 { low } else { high };
             let mut error = self.error(table, value, IndexLimit::Entries(found.length));
@@ -259,7 +274,7 @@ impl<H: Elements> Survey<'_, H> {
     #[cold]
     fn required(&self) -> Result<usize, Fault> {
         let mut most = -1;
-        for nest in H::PLACES.nests {
+        for nest in self.places.nests {
             for slot in nest.slots {
                 if let Slot::State(index) | Slot::Natural(index) = slot
                     && !index.reads_lists()
@@ -269,7 +284,7 @@ impl<H: Elements> Survey<'_, H> {
             }
         }
         let degrees = usize::try_from(most.saturating_add(1)).unwrap_or(usize::MAX);
-        Ok(degrees.checked_next_multiple_of(H::PLACES.components).unwrap_or(degrees))
+        Ok(degrees.checked_next_multiple_of(self.places.components).unwrap_or(degrees))
     }
 
     /// Raises `most` to the largest value of `index`, by branch and bound over halved intervals.

@@ -61,7 +61,10 @@ impl Check {
         let mut zeros = self.0;
         for (k, (into, terms)) in into.iter_mut().zip(terms).enumerate() {
             let base = if IN_PLACE { *into } else { base[k] };
-            let new: [f64; BESIDE] = std::array::from_fn(|i| sum(base[i], terms[i]));
+            let mut new = [0.0; BESIDE];
+            for i in 0..BESIDE {
+                new[i] = sum(base[i], terms[i]);
+            }
             *into = new;
             add_zeros(&mut zeros, &new);
         }
