@@ -22,6 +22,9 @@ pub(super) const ASTRAY: f64 = CURVATURE * GUIDED * GUIDED;
 pub(super) const GUIDED: f64 = 1.0 / 16.0;
 /// Corrections below twice this fraction of an unknown cannot lead to another solution, and need only halve.
 pub(super) const NEAR: f64 = 1.0 / 4096.0;
+/// The largest correction that predicts anything, squared: that of the whole step. A larger one, relative to an unknown that it leaves near zero, says nothing of
+/// the others.
+const WHOLE: f64 = 1.0;
 /// The corrections of an iteration, as far as they say when to stop.
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence {
@@ -68,11 +71,11 @@ impl Convergence {
         Self { curved: f64::INFINITY, is_patient: true, unseen, ..Self::new(false) }
     }
 
-    /// The first correction. One that is larger than its unknown, which it leaves near zero, predicts no more than the whole step does.
+    /// The first correction.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self, relative: f64) {
         self.iterations = 1;
-        self.expect(f64::min(relative * relative, 1.0));
+        self.expect(relative * relative);
         self.curved = self.second;
     }
 
@@ -121,7 +124,7 @@ impl Convergence {
             return Verdict::Converged;
         }
         // What is rounding may have been the larger part of the correction before.
-        let own = if self.is_beyond_rounding { 0.0 } else { self.allowed(CURVATURE * square) };
+        let own = if self.is_beyond_rounding { 0.0 } else { self.allowed(CURVATURE * square.min(WHOLE)) };
         if beyond < allowed.max(own) {
             self.is_beyond_rounding = true;
             self.expect(beyond * beyond);
@@ -138,6 +141,7 @@ impl Convergence {
     /// Quadratic convergence from a correction of this size, with its square.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn expect(&mut self, square: f64) {
+        let square = square.min(WHOLE);
         self.curved = CURVATURE * square;
         // The correction is above `ROUNDING` here, so that neither product underflows.
         let (predicted, floor) = (self.unseen * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);
@@ -168,5 +172,13 @@ mod tests {
         let mut convergence = Convergence::new(true);
         assert!(matches!(convergence.judge(1e10, || 1e10), Verdict::Contracting));
         assert!(matches!(convergence.judge(0.5, || 0.5), Verdict::Straying));
+    }
+
+    /// Nor does a later one, whose square may overflow.
+    #[test]
+    fn a_correction_that_ends_at_zero_is_no_contraction() {
+        let mut convergence = Convergence::new(false);
+        convergence.begin(1.0);
+        assert!(matches!(convergence.judge(1e307, || 1e306), Verdict::Straying));
     }
 }
