@@ -22,9 +22,9 @@ pub(super) const ASTRAY: f64 = CURVATURE * GUIDED * GUIDED;
 pub(super) const GUIDED: f64 = 1.0 / 16.0;
 /// Corrections below twice this fraction of an unknown cannot lead to another solution, and need only halve.
 pub(super) const NEAR: f64 = 1.0 / 4096.0;
-/// The largest correction that predicts anything, squared: that of the whole step. A larger one, relative to an unknown that it leaves near zero, says nothing of
-/// the others.
-const WHOLE: f64 = 1.0;
+/// The largest square of a correction that predicts the next one: that of the whole step. A correction is larger where it leaves an unknown near zero, which
+/// says nothing about the others.
+pub(super) const WHOLE: f64 = 1.0;
 /// The corrections of an iteration, as far as they say when to stop.
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence {
@@ -75,7 +75,7 @@ impl Convergence {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self, relative: f64) {
         self.iterations = 1;
-        self.expect(relative * relative);
+        self.expect(f64::min(relative * relative, WHOLE));
         self.curved = self.second;
     }
 
@@ -114,7 +114,7 @@ impl Convergence {
             return Verdict::Contracting;
         }
         self.iterations += 1;
-        let (allowed, square) = (self.allowed(self.curved), relative * relative);
+        let (allowed, square) = (self.allowed(self.curved), f64::min(relative * relative, WHOLE));
         if relative < allowed {
             self.expect(square);
             return Verdict::Contracting;
@@ -124,10 +124,10 @@ impl Convergence {
             return Verdict::Converged;
         }
         // What is rounding may have been the larger part of the correction before.
-        let own = if self.is_beyond_rounding { 0.0 } else { self.allowed(CURVATURE * square.min(WHOLE)) };
+        let own = if self.is_beyond_rounding { 0.0 } else { self.allowed(CURVATURE * square) };
         if beyond < allowed.max(own) {
             self.is_beyond_rounding = true;
-            self.expect(beyond * beyond);
+            self.expect(f64::min(beyond * beyond, WHOLE));
             return Verdict::Contracting;
         }
         Verdict::Straying
@@ -138,10 +138,9 @@ impl Convergence {
         if self.is_patient { curved.sqrt() } else { allowed(curved) }
     }
 
-    /// Quadratic convergence from a correction of this size, with its square.
+    /// Quadratic convergence from a correction with this square, at most [`WHOLE`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn expect(&mut self, square: f64) {
-        let square = square.min(WHOLE);
         self.curved = CURVATURE * square;
         // The correction is above `ROUNDING` here, so that neither product underflows.
         let (predicted, floor) = (self.unseen * ROUNDING * square, ROUNDING * ROUNDING * ROUNDING);

@@ -5,7 +5,7 @@
 //! finds, gets NaN, which marks it at the end of the step; the caller then takes its step alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, allowed};
+use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, WHOLE, allowed};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -81,6 +81,8 @@ impl<const L: usize> LaneConvergence<L> {
     /// difference is smaller than a rounding of what it is taken from.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn expect(&mut self, done: LaneMask<L>, square: Lanes<L>) {
+        let whole = Lanes::from_f64(WHOLE);
+        let square = Lanes::select(exceeds(square, whole), whole, square);
         self.curved = square * CURVATURE;
         let predicted = square * (UNSEEN * ROUNDING);
         let floor = Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING);
@@ -121,7 +123,7 @@ impl<const L: usize> LaneConvergence<L> {
                 continue;
             }
             let beyond = beyond_rounding(lane);
-            let own = allowed(CURVATURE * (relative[lane] * relative[lane]));
+            let own = allowed(CURVATURE * f64::min(relative[lane] * relative[lane], WHOLE));
             let allowed = if self.is_beyond_rounding.lane(lane) { known } else { known.max(own) };
             if beyond == 0.0 {
                 done.set(lane, true);
