@@ -155,14 +155,13 @@ fn checked<H: Discretized<E>, E>(
     start: Option<State<H::Vector>>,
 ) -> Result<State<H::Vector>, ConfigError> {
     let state = start.ok_or(ConfigError::Missing(START))?;
-    let (q, p) = (state.q.components(), state.p.components());
     sized(system, &state)?;
-    system.check(q.len()).map_err(ConfigError::Start)?;
-    if q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
-        Ok(state)
-    } else {
-        Err(ConfigError::Start(StepFailure::NonFiniteInput))
-    }
+    system.check(state.q.components().len()).map_err(ConfigError::Start)?;
+    if is_finite(&state) { Ok(state) } else { Err(ConfigError::Start(StepFailure::NonFiniteInput)) }
+}
+
+fn is_finite<V: Vector>(state: &State<V>) -> bool {
+    state.q.components().iter().chain(state.p.components()).chain([&state.t]).all(|x| x.is_finite())
 }
 
 fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {

@@ -110,6 +110,16 @@ impl<V: PartialEq, E> PartialEq for Trajectory<V, E> {
     }
 }
 
+/// The columns of functions of the recorded states.
+fn observed<V>(
+    states: &[State<V>],
+    names: Vec<String>,
+    functions: &[Observable<'_, V>],
+) -> Vec<(String, Vec<f64>)> {
+    let columns = names.into_iter().zip(functions);
+    columns.map(|(name, f)| (name, states.iter().map(|state| f(state)).collect())).collect()
+}
+
 impl<V: Vector, E> Trajectory<V, E> {
     /// The state at the end of the run.
     pub fn last(&self) -> &State<V> {
@@ -211,10 +221,7 @@ impl<V: Vector, E> Trajectory<V, E> {
 
     /// Adds what functions of the state, by name, are at the recorded nodes.
     pub(crate) fn observing(mut self, names: Vec<String>, functions: &[Observable<'_, V>]) -> Self {
-        let states = &self.path.states;
-        let columns = names.into_iter().zip(functions);
-        self.path.observed =
-            columns.map(|(name, f)| (name, states.iter().map(|state| f(state)).collect())).collect();
+        self.path.observed = observed(&self.path.states, names, functions);
         self
     }
 

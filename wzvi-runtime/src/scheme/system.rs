@@ -298,8 +298,14 @@ pub(crate) fn check_lengths(
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
 pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
-    let mut parameters = (0..).map_while(|index| system.parameter(index));
-    if parameters.any(|(_, value)| value.is_nan()) { Err(ConfigError::Parameter) } else { Ok(()) }
+    let mut index = 0;
+    while let Some((_, value)) = system.parameter(index) {
+        if value.is_nan() {
+            return Err(ConfigError::Parameter);
+        }
+        index += 1;
+    }
+    Ok(())
 }
 
 /// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound for generic user code; every

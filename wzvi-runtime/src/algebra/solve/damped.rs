@@ -140,7 +140,7 @@ impl<P: Problem> Search<'_, P> {
         loop {
             self.go(1.0);
             let Room { x, correction, trial, .. } = &*self.room;
-            let size = largest(correction.as_ref(), trial.as_ref(), ALL);
+            let size = largest(correction.as_ref(), trial.as_ref(), NONE);
             let verdict = convergence.judge(size, || {
                 let are_settled = self.problem.are_settled(x);
                 largest(correction.as_ref(), trial.as_ref(), are_settled.as_ref())
@@ -216,7 +216,7 @@ impl<P: Problem> Search<'_, P> {
             return false;
         }
         let (to, back) = (&self.room.trial, &self.room.next);
-        leads_back(start.as_ref(), to.as_ref(), back.as_ref(), ALL) || {
+        leads_back(start.as_ref(), to.as_ref(), back.as_ref(), NONE) || {
             let are_settled = self.problem.are_settled(start);
             leads_back(start.as_ref(), to.as_ref(), back.as_ref(), are_settled.as_ref())
         }
@@ -232,7 +232,7 @@ impl<P: Problem> Search<'_, P> {
     /// equations at the trial are at rounding, which no step makes smaller, do not count. False for NaN.
     fn shrinks(&mut self, to: f64) -> bool {
         let Room { x, correction, next, .. } = &*self.room;
-        shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, ALL) || {
+        shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, NONE) || {
             let are_settled = self.problem.are_settled(&self.room.trial);
             shrinks(x.as_ref(), correction.as_ref(), next.as_ref(), to, are_settled.as_ref())
         }
@@ -247,10 +247,12 @@ struct Descent {
     contracts: bool,
 }
 
-// What follows is of numbers alone, and compiled once for all systems. Unknowns whose equations are settled do not count; of `ALL` none is.
-const ALL: &[bool] = &[];
+// The functions from here on know numbers and no system, and are compiled once. Unknowns whose equations are settled do not count.
 
-/// The places of `0..len` that are not settled.
+/// No equation is settled: all unknowns count.
+const NONE: &[bool] = &[];
+
+/// The unknowns that count.
 fn unsettled(len: usize, are_settled: &[bool]) -> impl Iterator<Item = usize> {
     (0..len).filter(|&k| are_settled.get(k) != Some(&true))
 }

@@ -147,7 +147,11 @@ impl<V: Vector> Recorder<V> {
     }
 
     /// The trajectory, which ends at `last`.
-    pub(crate) fn finish<E>(mut self, last: State<V>) -> Trajectory<V, E> {
+    pub(crate) fn finish<E>(self, last: State<V>) -> Trajectory<V, E> {
+        Trajectory { path: self.path(last), variables: None, unsaved: None, scheme: PhantomData }
+    }
+
+    fn path(mut self, last: State<V>) -> Path<V> {
         if self.path.steps > self.kept {
             self.keep(&last);
         }
@@ -157,6 +161,6 @@ impl<V: Vector> Recorder<V> {
         // A crossing at a node is known one step later than those of other sections.
         let sign = self.path.h.signum();
         self.path.crossings.sort_by(|a, b| (sign * a.state.t).total_cmp(&(sign * b.state.t)));
-        Trajectory { path: self.path, variables: None, unsaved: None, scheme: PhantomData }
+        self.path
     }
 }

@@ -50,6 +50,10 @@ fn counts(substeps: &[Substep]) -> [usize; 2] {
     [first, substeps.len() - first]
 }
 
+fn rooms<M>(count: usize, room: &dyn Fn() -> M) -> Vec<M> {
+    (0..count).map(|_| room()).collect()
+}
+
 impl<A, B> Kind<A, B> {
     fn first(&self) -> Option<&A> {
         if let Self::First(first) = self { Some(first) } else { None }
@@ -151,8 +155,8 @@ where
 
     fn memory(system: &H) -> Self::Memory<f64> {
         let [first, second] = counts(&W::list());
-        let first = (0..first).map(|_| SchemeOf::<H, A>::memory(system)).collect();
-        let second = (0..second).map(|_| SchemeOf::<H, B>::memory(system)).collect();
+        let first = rooms(first, &|| SchemeOf::<H, A>::memory(system));
+        let second = rooms(second, &|| SchemeOf::<H, B>::memory(system));
         Memory::of((first, second)).with_room(system.degrees(), system.noises())
     }
 

@@ -39,7 +39,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             *work = Work::new(self.scheme, self.degrees());
         }
         let mut lists = work.lists(self.scheme, self.degrees());
-        lists.x.iter_mut().zip(x).for_each(|(rounded, number)| *rounded = Rounded::nearest(number.lane(0)));
+        read_nearest(x, lists.x);
         let increment = self.increment.map(|known| {
             lift(known, increment, Rounded::nearest);
             &**increment
@@ -56,14 +56,23 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[inline(never)]
     pub(super) fn beyond_rounding(self, lists: Lists<'_, S>, rounding: &mut Option<Box<Rounding>>) -> f64 {
         let rounding = self.round(lists.x, rounding);
-        let sizes = largest(self.scheme.unknowns, lists.x);
-        let left = lists.correction.iter().enumerate().filter(|&(k, _)| !rounding[k].is_below(1.0));
-        left.fold(0.0, |most, (k, correction)| {
-            let taken = correction.magnitude();
-            let size = if taken == 0.0 { rounding[k].magnitude() } else { taken };
-            larger(most, size.relative_to(sizes[k % 2]))
-        })
+        beyond(largest(self.scheme.unknowns, lists.x), lists.correction, rounding)
     }
+}
+
+fn read_nearest<S: Scalar>(from: &[S], into: &mut [Rounded]) {
+    into.iter_mut().zip(from).for_each(|(into, number)| *into = Rounded::nearest(number.lane(0)));
+}
+
+/// The largest correction relative to the size of its kind, of those whose residual is more than its rounding.
+fn beyond<S: Scalar>(sizes: [f64; 2], correction: &[S], residual: &[Rounded]) -> f64 {
+    let left =
+        correction.iter().zip(residual).enumerate().filter(|(_, (_, residual))| !residual.is_below(1.0));
+    left.fold(0.0, |most, (k, (correction, residual))| {
+        let taken = correction.magnitude();
+        let size = if taken == 0.0 { residual.magnitude() } else { taken };
+        larger(most, size.relative_to(sizes[k % 2]))
+    })
 }
 
 /// The largest correction of a derivative relative to that of its unknown.

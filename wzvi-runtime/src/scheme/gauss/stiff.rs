@@ -78,7 +78,11 @@ impl<const N: usize> Modes<N> {
         }
         system.stiffness(&mut stiffness);
         let stiffness = DMatrix::from_row_slice(degrees, degrees, &stiffness);
-        let inverse_mass = inverse_mass(system, parameters, degrees);
+        Self::of(stiffness, inverse_mass(system, parameters, degrees), table, h)
+    }
+
+    fn of(stiffness: DMatrix<f64>, inverse_mass: DMatrix<f64>, table: &Table<N>, h: f64) -> Option<Self> {
+        let degrees = stiffness.nrows();
         if !stiffness.iter().chain(inverse_mass.iter()).all(|number| number.is_finite()) {
             return None;
         }

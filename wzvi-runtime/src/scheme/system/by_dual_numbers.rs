@@ -12,7 +12,7 @@
 
 use super::anew::advance;
 use super::{At, Hamiltonian, LagrangianGradient, Scheme, Segment, as_they_are};
-use crate::algebra::scalar::{Dual, Scalar};
+use crate::algebra::scalar::Dual;
 use crate::algebra::state::Vector;
 
 /// The gradient, by dual numbers; NaN where the step has no solution or no Lagrangian.
@@ -32,34 +32,42 @@ pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
     }
     let start = [segment.q0.components(), segment.p.components()];
     let step = |varied: Option<usize>| {
-        let lift = |offset: usize, values: &[f64]| -> Vec<Dual<1>> {
-            let numbered = values.iter().enumerate();
-            numbered
-                .map(|(i, &x)| Dual { value: x, derivative: [f64::from(varied == Some(offset + i))] })
-                .collect()
-        };
-        let (mut q, mut p) = (lift(0, start[0]), lift(d, start[1]));
-        let dw: Vec<Dual<1>> = dw.iter().map(|&dw| Dual::from_f64(dw)).collect();
+        let (mut q, mut p) = (lift(start[0], varied, 0), lift(start[1], varied, d));
+        let dw = lift(dw, None, 0);
         let mut memory = T::Memory::<Dual<1>>::default();
         let at = At { t: segment.t, h: segment.h, q: &mut q, p: &mut p, dw: &dw };
         advance::<H, T, f64, _>(system, prepared, at, &mut memory).ok()?;
         Some([q, p])
     };
     let Some([reached, left_with]) = step(None) else { return nowhere() };
-    let gap: Vec<f64> = segment.q1.components().iter().zip(&reached).map(|(q1, q)| q1 - q.value).collect();
+    let gap = gap(segment.q1.components(), &reached);
     let mut gradient =
         LagrangianGradient { q0: segment.p.clone(), q1: segment.p.clone(), p: H::Vector::zeros(d) };
-    gradient.q0.components_mut().iter_mut().for_each(|p| *p = -*p);
+    for p in gradient.q0.components_mut() {
+        *p = -*p;
+    }
     for (q1, momentum) in gradient.q1.components_mut().iter_mut().zip(&left_with) {
         *q1 = momentum.value;
     }
     for i in 0..d {
         for (offset, slope) in [(0, &mut gradient.q0), (d, &mut gradient.p)] {
             let Some([_, momenta]) = step(Some(offset + i)) else { return nowhere() };
-            let pulled: f64 =
-                momenta.iter().zip(&gap).map(|(momentum, gap)| momentum.derivative[0] * gap).sum();
-            slope.components_mut()[i] += pulled;
+            slope.components_mut()[i] += pulled(&momenta, &gap);
         }
     }
     gradient
+}
+
+/// The numbers from the place `offset` on, with an infinitesimal at the place `varied`.
+fn lift(values: &[f64], varied: Option<usize>, offset: usize) -> Vec<Dual<1>> {
+    let lift = |(i, &value)| Dual { value, derivative: [f64::from(varied == Some(offset + i))] };
+    values.iter().enumerate().map(lift).collect()
+}
+
+fn gap(to: &[f64], from: &[Dual<1>]) -> Vec<f64> {
+    to.iter().zip(from).map(|(to, from)| to - from.value).collect()
+}
+
+fn pulled(momenta: &[Dual<1>], gap: &[f64]) -> f64 {
+    momenta.iter().zip(gap).map(|(momentum, gap)| momentum.derivative[0] * gap).sum()
 }
