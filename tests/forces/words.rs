@@ -93,6 +93,42 @@ fn orders_and_symmetry_are_found() {
     assert!(text.contains("of order 1, not symmetric"), "{text}");
 }
 
+/// What the equations say of the diffusion is what `HarmonicLaw` computes, also where friction is between the drifts of a step.
+#[test]
+fn words_say_how_fast_a_free_particle_diffuses() {
+    fn excess<W: Letters>(x: f64) -> f64 {
+        (HarmonicLaw::of::<W>(0.1, x).diffusion - 1.0) / (x * x)
+    }
+    type Together = (B, A, O, A, B);
+    type Twice = (O, A, O, A, B);
+    type Between = (O, B, A, O, A, B, O);
+    let rows = [
+        (
+            <Spring as Discretized<Splitting<Together>>>::EQUATIONS,
+            "(γh/2) coth(γh/2)",
+            excess::<Together>(0.01),
+            1.0 / 12.0,
+        ),
+        (
+            <Spring as Discretized<Splitting<Twice>>>::EQUATIONS,
+            "(1 + 1/48 (γh)² + ...)",
+            excess::<Twice>(0.01),
+            1.0 / 48.0,
+        ),
+        (
+            <Spring as Discretized<Splitting<Between>>>::EQUATIONS,
+            "(1 + 1/36 (γh)² + ...)",
+            excess::<Between>(0.01),
+            1.0 / 36.0,
+        ),
+    ];
+    for (text, said, excess, coefficient) in rows {
+        let line = text.lines().find(|line| line.contains("diffuses")).expect("a fact");
+        // The next power of the series is x² = 1e-4 of it, times less than one.
+        assert!(line.contains(said) && (excess / coefficient - 1.0).abs() < 1e-3, "{line} {excess}");
+    }
+}
+
 /// The named words are words.
 #[test]
 fn words_have_the_bits_of_their_names() {

@@ -145,15 +145,25 @@ fn thermostat(embedding: &Embedding, has_force: bool) -> String {
         _ => String::new(),
     };
     let driven = "the increments of the noises, then √h times the normals ξ of each part with friction";
-    let diffusion = match embedding {
-        Embedding::Gjf | Embedding::GjI => "D = kT/(m γ), that of the equation, for any h",
-        _ => {
-            "D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right"
-        }
-    };
+    let diffusion = diffusion(embedding);
     format!(
         "\nStep\n{step}{factor}{order}  driven by {driven}\n  a free particle diffuses with {diffusion}\n"
     )
+}
+
+/// How fast a free particle diffuses in these steps.
+fn diffusion(embedding: &Embedding) -> String {
+    let one_drift = "D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right";
+    match embedding {
+        Embedding::Gjf | Embedding::GjI => "D = kT/(m γ), that of the equation, for any h".to_owned(),
+        Embedding::Splitting(word) if !word.has_drifts_together() => match word.diffusion_excess() {
+            Some(excess) => {
+                format!("D = kT/(m γ) (1 + {excess} (γh)² + ...), whose factor is that of HarmonicLaw::of")
+            }
+            None => "D = kT/(m γ) times the factor of HarmonicLaw::of".to_owned(),
+        },
+        _ => one_drift.to_owned(),
+    }
 }
 
 /// `h/2`, `3 h/4`
