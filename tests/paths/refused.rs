@@ -101,6 +101,47 @@ fn a_multilevel_run_takes_what_was_said_or_refuses_it() {
 }
 
 #[test]
+fn settings_of_no_use_are_refused_in_few_words() {
+    let run = || {
+        let run = STILL.ensemble::<Midpoint>(0.25).start(start()).observe("q", |state| state.q[0]);
+        run.paths(4).seed(3).until(1.0)
+    };
+    for (asked, what) in [
+        (run().keep_crossings(3), "a section"),
+        (run().histogram("q", 1e300, -1e300, 4), "from 1e300 to -1e300"),
+        (run().until_error("q", -1e300), "-1e300"),
+        (run().allow_losses(1e300), "1e300"),
+    ] {
+        let words = words(asked.run());
+        assert!(words.contains(what) && words.len() < 200, "{words}");
+    }
+    assert!(run().section(|state| state.q[0]).keep_crossings(3).run().is_ok());
+    let path = |h: f64| STILL.simulate::<Midpoint>(h).start(start()).noise(Wiener::seed(1)).until(1.0);
+    for time in [f64::NAN, f64::INFINITY, -1.0, -1e300] {
+        let words = words(path(0.1).time_averages().discard(time).run());
+        assert!(words.contains("`discard(") && words.len() < 200, "{words}");
+    }
+    assert!(words(path(1e300).run()).contains("overflows"));
+}
+
+#[test]
+fn a_tangent_takes_what_was_said_or_refuses_it() {
+    let run = || STILL.simulate::<Midpoint>(0.1).start(start()).noise(Wiener::seed(1)).until(1.0);
+    let handle = Handle::new();
+    handle.stop();
+    for (asked, what) in [
+        (run().handle(&handle), "`handle`"),
+        (run().stop_when(|| true), "`stop_when`"),
+        (run().section(|state| state.q[0]), "`section`"),
+        (run().observe("q", |state| state.q[0]), "`observe`"),
+        (run().record_at([0.5]), "`record_at`"),
+    ] {
+        assert!(words(asked.tangent()).contains(what), "{what}");
+    }
+    assert!(run().quiet().threads(1).unwatched().tangent().is_ok());
+}
+
+#[test]
 fn states_and_tables_for_people() {
     let state = State::<wzvi::nalgebra::SVector<f64, 2>>::new([1.0, 2.0], [3.0, -4.5e300]);
     assert_eq!(state.to_string(), "q: [1, 2], p: [3, -4.5e300], t: 0");

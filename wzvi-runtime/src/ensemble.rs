@@ -331,6 +331,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// Keeps the first `most` crossings of each path and section with their states. By default they are only counted ([`Crossings`]).
+    /// It needs a [`section`](Ensemble::section).
     pub fn keep_crossings(mut self, most: u64) -> Self {
         self.setup.more.wanted.most_crossings = most;
         self

@@ -144,7 +144,8 @@ pub enum ConfigError {
 messages! { ConfigError:
     Self::StepSize(h) => "the step size is {}; it must be finite and not zero", Brief(*h);
     Self::Parameter =>
-        "a Hamiltonian indexes beyond the end of a `Vec`, or a parameter of the system is NaN";
+        "a Hamiltonian indexes beyond the end of a `Vec`, a parameter of the system is NaN, or what a step computes from parameters and its \
+         size overflows";
     Self::NotANumber { parameter } => "the parameter `{parameter}` of the system is NaN";
     Self::Index(error) => "{error}";
     Self::Bath(error) => "{error}";

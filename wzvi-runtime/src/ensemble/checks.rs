@@ -131,6 +131,11 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             let wrong = "sections of antithetic paths: their errors would be those of independent ones; leave out one of the two";
             return Err(ConfigError::Setting(wrong.into()).into());
         }
+        if more.wanted.most_crossings > 0 && setup.sections.is_empty() {
+            return Err(
+                ConfigError::Missing("a section for `keep_crossings`: add `.section(function)`").into()
+            );
+        }
         let times: Vec<f64> = recorded.iter().map(|recorded| recorded.t).collect();
         let passages = passages(event_names, &grid, more.wanted.most_bytes.is_some())?;
         let crossings = Crossings::new(start.q.components().len(), more.wanted.most_crossings);

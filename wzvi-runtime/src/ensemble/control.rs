@@ -1,6 +1,7 @@
 //! What ends a run before all its paths are done.
 
 use crate::error::ConfigError;
+use crate::ground::digits::Brief;
 use crate::statistics::LossError;
 use crate::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
 
@@ -30,7 +31,8 @@ impl Control {
         match self.losses.unwrap_or(MOST_LOSSES) {
             fraction if (0.0..=1.0).contains(&fraction) => Ok(fraction),
             fraction => {
-                Err(ConfigError::Setting(format!("losses of {fraction}: take a fraction from 0 to 1")))
+                let wrong = format!("losses of {}: take a fraction from 0 to 1", Brief(fraction));
+                Err(ConfigError::Setting(wrong))
             }
         }
     }
@@ -39,6 +41,7 @@ impl Control {
     pub(super) fn targets(&self, names: &[String]) -> Result<Targets, ConfigError> {
         let target = |(name, target): &(String, f64)| {
             if !(target.is_finite() && *target > 0.0) {
+                let target = Brief(*target);
                 let wrong = format!("a standard error of {target} as target: take a finite number above 0");
                 return Err(ConfigError::Setting(wrong));
             }

@@ -40,6 +40,7 @@ use super::{Ensemble, Extras, Many, Setup};
 use crate::algebra::lanes::instructions::InstructionSet;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, InternalError};
+use crate::ground::digits::Brief;
 use crate::ground::progress::ProgressLine;
 use crate::noise::{StepNormals, Truncation};
 use crate::path::Error;
@@ -228,10 +229,10 @@ where
             return wrong("a multilevel run of a system without noise: one path says it all".into());
         }
         if !(target.is_finite() && target > 0.0) {
-            return wrong(format!("a target of {target}: take a finite number above 0"));
+            return wrong(format!("a target of {}: take a finite number above 0", Brief(target)));
         }
         if !(weak_order.is_finite() && weak_order > 0.0) {
-            return wrong(format!("a weak order of {weak_order}: take a finite number above 0"));
+            return wrong(format!("a weak order of {}: take a finite number above 0", Brief(weak_order)));
         }
         if !(LEAST_LEVELS as u32 - 1..=40).contains(&finest) {
             return wrong(format!("level {finest} as the finest: take 2 to 40"));

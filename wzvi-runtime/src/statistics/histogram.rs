@@ -1,6 +1,7 @@
 //! Counts in fixed bins.
 
 use crate::error::ConfigError;
+use crate::ground::digits::Brief;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// More bins than anyone looks at, 128 MiB of them.
@@ -26,6 +27,7 @@ impl Histogram {
     pub fn new(lower: f64, upper: f64, bins: usize) -> Result<Self, ConfigError> {
         let width = (upper - lower) / bins as f64;
         if bins == 0 || !width.is_finite() || width <= 0.0 {
+            let [lower, upper] = [lower, upper].map(Brief);
             let wrong =
                 format!("a histogram with {bins} bins from {lower} to {upper}: they need a width above 0");
             return Err(ConfigError::Setting(wrong));

@@ -60,7 +60,7 @@ where
     ///
     /// # Errors
     /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
-    /// an exact end. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
+    /// an exact end, and what would stop the run. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
     /// elsewhere.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
         self.varied(None)
@@ -95,8 +95,10 @@ where
     fn varied(self, parameters: Option<&[&str]>) -> Result<Tangent<H::Vector>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup { system, h, span, recorded, observables, sections, keeping, .. } = setup;
-        // Nothing is shown, and no step is halved.
-        let Setup { is_watched, execution: Execution { threads, .. }, retry, .. } = setup;
+        // No step is halved.
+        let Setup { is_watched, execution, retry, more: (), .. } = setup;
+        // Nothing is shown, and steps are not in lanes.
+        let Execution { threads, stop, handle, .. } = execution;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
         let unused = [
@@ -105,6 +107,8 @@ where
             ("`record_every` and `record_at`", is_recorded),
             ("a checkpoint", keeping.is_set()),
             ("`exactly`", grid.shorter.is_some()),
+            ("`handle`", handle.is_some()),
+            ("`stop_when`", stop.is_some()),
         ];
         if let Some((setting, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
             return Err(
