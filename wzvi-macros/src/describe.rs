@@ -152,17 +152,14 @@ fn thermostat(embedding: &Embedding, has_force: bool) -> String {
 }
 
 /// How fast a free particle diffuses in these steps.
-fn diffusion(embedding: &Embedding) -> String {
+fn diffusion(embedding: &Embedding) -> &'static str {
     let one_drift = "D = kT/(m γ) (γh/2) coth(γh/2), too fast by (γh)²/12, and so is a slow passage where friction is large; Gjf has it right";
     match embedding {
-        Embedding::Gjf | Embedding::GjI => "D = kT/(m γ), that of the equation, for any h".to_owned(),
-        Embedding::Splitting(word) if !word.has_drifts_together() => match word.diffusion_excess() {
-            Some(excess) => {
-                format!("D = kT/(m γ) (1 + {excess} (γh)² + ...), whose factor is that of HarmonicLaw::of")
-            }
-            None => "D = kT/(m γ) times the factor of HarmonicLaw::of".to_owned(),
-        },
-        _ => one_drift.to_owned(),
+        Embedding::Gjf | Embedding::GjI => "D = kT/(m γ), that of the equation, for any h",
+        Embedding::Splitting(word) if !word.has_drifts_together() => {
+            "D = kT/(m γ) times `diffusion` of HarmonicLaw::of, which differs from that of one drift"
+        }
+        _ => one_drift,
     }
 }
 

@@ -82,45 +82,13 @@ impl Word {
         if Kind::ALL.iter().all(|&x| Kind::ALL.iter().all(|&y| is_half(x, y))) { 2 } else { 1 }
     }
 
-    /// The share of each drift, and how much of the bath is before it.
-    fn drifts(&self) -> Option<Vec<(Rational, Rational)>> {
-        let (mut drifts, mut bath) = (Vec::new(), Rational::ZERO);
-        for (kind, share) in self.shares() {
-            match kind {
-                Kind::Drift => drifts.push((share, bath)),
-                Kind::Bath => bath = bath.add(share)?,
-                Kind::Kick => {}
-            }
-        }
-        Some(drifts)
-    }
-
     /// Whether no friction is between two drifts; those before the first friction of a step go on from those after the last one of the step before.
     pub(crate) fn has_drifts_together(&self) -> bool {
-        let place = |(_, before): (Rational, Rational)| if before.is_one() { Rational::ZERO } else { before };
-        let places: Option<Vec<Rational>> =
-            self.drifts().map(|drifts| drifts.into_iter().map(place).collect());
-        places.is_some_and(|places| places.windows(2).all(|pair| pair[0] == pair[1]))
-    }
-
-    /// `c` of the diffusion `D = kT/(m γ) (1 + c (γh)² + ...)` of a free particle; `None` beyond the arithmetic of fractions.
-    ///
-    /// In equilibrium momenta with friction of the time `t` between them have the correlation `m kT e^{-γt}`. Drifts of `a_i h` with friction of `d_ij h` from one
-    /// to the other, in this step or a later one, add to `γh/2 Σ_ij a_i a_j cosh(γh (1/2 - d_ij))/sinh(γh/2)` times `kT/(m γ)`, of which `c` is
-    /// `1/2 Σ_ij a_i a_j (d_ij² - d_ij + 1/6)`.
-    pub(crate) fn diffusion_excess(&self) -> Option<Rational> {
-        let drifts = self.drifts()?;
-        let mut sum = Rational::ZERO;
-        for &(a, before) in &drifts {
-            for &(b, other) in &drifts {
-                let between = before.add(other.negate())?;
-                let between = if between.is_negative() { between.negate() } else { between };
-                let polynomial =
-                    between.multiply(between)?.add(between.negate())?.add(Rational::new(1, 6)?)?;
-                sum = sum.add(a.multiply(b)?.multiply(polynomial)?)?;
-            }
-        }
-        sum.multiply(Rational::HALF)
+        let mut kinds: Vec<Kind> =
+            self.shares().iter().map(|&(kind, _)| kind).filter(|kind| *kind != Kind::Kick).collect();
+        kinds.dedup();
+        let ends_alike = kinds.len() > 1 && kinds.first() == kinds.last();
+        kinds.iter().skip(usize::from(ends_alike)).filter(|kind| **kind == Kind::Drift).count() <= 1
     }
 
     /// Whether it reads the same backwards.
