@@ -283,7 +283,7 @@ impl HarmonicLaw {
         let is_stable = (a + d).abs() < 1.0 + (a * d - b * c) && (a * d - b * c).abs() < 1.0;
         let [q, qp, p] = law.filter(|_| is_stable).map_or([f64::NAN; 3], Into::into);
         let all = decay.powi(spelling.parts as i32);
-        let diffusion = 0.5 * gamma * (1.0 + all) / (1.0 - all) * factor * factor;
+        let diffusion = gamma * letters.diffusion();
         // Stationary momentum under a constant force: p = all p + gained.
         let [_, gained] = letters.step([0.0, 1.0], [0.0; 2]);
         let [moved, _] = letters.step([0.0, 1.0], [0.0, gained / (1.0 - all)]);
@@ -310,12 +310,20 @@ impl Linear<'_> {
         [q, p]
     }
 
-    /// The contribution of the noise of the O parts to `<q²>`, `<q p>`, `<p²>`.
+    /// `D` of a free particle: half of `<Δq²> + 2 Σ_k <Δq Δq_k>` over all later steps, where `<Δq p_k>` decays as `p` does.
+    fn diffusion(&self) -> f64 {
+        let [way, decay] = self.step([0.0; 2], [0.0, 1.0]);
+        let [s_qq, s_qp, _] = self.covariance(0.0);
+        0.5 * (way * way + s_qq) + way * (way * decay + s_qp) / (1.0 - decay)
+    }
+
+    /// The contribution of the noise of the O parts to `<q²>`, `<q p>`, `<p²>` in the units of [`Linear::step`].
     fn covariance(&self, omega: f64) -> [f64; 3] {
+        let unit = if omega == 0.0 { 1.0 } else { omega };
         let [mut qq, mut qp, mut pp] = [0.0; 3];
         self.each(|weight| match weight {
             Some((Half::First, weight)) => {
-                let w = weight * omega;
+                let w = weight * unit;
                 qq += w * (2.0 * qp + w * pp);
                 qp += w * pp;
             }
