@@ -211,8 +211,10 @@ fn equations_and_facts_name_the_points() {
     }
     let text = <Many as Discretized<Corrected<Third>>>::EQUATIONS;
     for line in [
-        "L_d = Σ_i P[i] Δq[i] - 1/4 h H0(P, q) - 1/4 Σ_k ΔW[k] H_k(P, q)",
-        "- 3/4 h H0(P, q_{1/3}) - 3/4 Σ_k ΔW[k] H_k(P, q_{1/3})",
+        "L_d = P · Δq - 1/4 h H0(P, q) - 1/4 H_W(P, q)",
+        "- 3/4 h H0(P, q_{1/3}) - 3/4 H_W(P, q_{1/3})",
+        "H_W = Σ_k ΔW[k] H_k\n",
+        "p' = D2 L_d:  p' = P - 1/4 h ∂H0/∂q(P, q_{1/3}) + 1/4 h F0(P, q_{1/3}) - 1/4 ∂H_W/∂q(P, q_{1/3})",
         "quadrature points and weights: (0, 1/4), (1/3, 3/4); Σ w l = 1/4\n",
         "order 1, as Σ w l of the drift is not 1/2",
         "converges to the Stratonovich system",

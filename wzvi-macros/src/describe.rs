@@ -1,6 +1,6 @@
 //! The texts of the listed schemes, composed from the texts of the derived schemes.
 
-use crate::discretise::describe::{describe, hamiltonians, properties, staged, sweep};
+use crate::discretise::describe::{derivation, hamiltonians, properties, staged, sweep};
 use crate::discretise::facts::split::{self, Form};
 use crate::discretise::{Facts, Flows, Step};
 use crate::embedding::{Embedding, Kind};
@@ -45,62 +45,54 @@ impl Texts {
     /// `steps` are those of `derived(listed)`.
     pub(crate) fn new(system: &mut System, facts: &Facts, listed: &[Embedding], steps: &[Step]) -> Self {
         let (flows, parts) = (Flows::of(system, facts, listed), split::forms(system));
-        let of_parts: Vec<String> = steps
-            .iter()
-            .map(|step| match step {
-                Step::StraightLine(_, scheme) => describe(system, facts, scheme),
-                Step::InLoops(embedding, strategy) => sweep::describe(system, facts, embedding, *strategy),
-            })
-            .collect();
         let parts = parts.filter(|_| listed.contains(&Embedding::Verlet));
-        let derived: Vec<_> = steps.iter().map(Step::embedding).zip(&of_parts).collect();
-        let of_listed = |embedding: &Embedding| {
-            let mut text = match embedding.parts().as_slice() {
-                _ if embedding.is_thermostat() => {
-                    let declared = hamiltonians(system, facts);
-                    format!("{embedding}\n{declared}{}", thermostat(embedding, system.has_forces()))
-                }
-                [whole] => return (embedding.clone(), text_of(whole, &derived).to_owned()),
-                [] => match embedding.stages() {
-                    Some(stages) => staged::describe(system, facts, stages),
-                    None => hamiltonians(system, facts),
-                },
-                halves => of_halves(embedding, halves, &derived, flows.is_some()),
-            };
+        let declared = hamiltonians(system, facts);
+        let whole = |system: &mut System, embedding: &Embedding, derivation: &str| {
+            let mut text = format!("{embedding}\n{declared}{derivation}");
             properties(&mut system.graph, facts, embedding, &mut text);
-            (embedding.clone(), text)
+            text
+        };
+        let (mut derivations, mut of_parts) = (Vec::new(), Vec::new());
+        for step in steps {
+            let derivation = match step {
+                Step::StraightLine(_, scheme) => derivation(&mut system.graph, scheme),
+                Step::InLoops(embedding, strategy) => sweep::derivation(system, facts, embedding, *strategy),
+            };
+            of_parts.push(whole(system, step.embedding(), &derivation));
+            derivations.push(derivation);
+        }
+        let of_step = |part: &Embedding, texts: &[String]| {
+            let step = steps.iter().position(|step| step.embedding() == part);
+            step.map_or_else(String::new, |step| texts[step].clone())
+        };
+        let of_listed = |embedding: &Embedding| {
+            let derivation = match embedding.parts().as_slice() {
+                _ if embedding.is_thermostat() => thermostat(embedding, system.has_forces()),
+                [whole] => return (embedding.clone(), of_step(whole, &of_parts)),
+                [] => embedding
+                    .stages()
+                    .map_or_else(String::new, |stages| staged::derivation(system, facts, stages)),
+                halves => {
+                    let halves = halves.iter().map(|half| (half, of_step(half, &derivations)));
+                    of_halves(halves, flows.is_some())
+                }
+            };
+            (embedding.clone(), whole(system, embedding, &derivation))
         };
         let listed = listed.iter().map(of_listed).collect();
         Self { listed, flows, parts, of_parts }
     }
 }
 
-/// The text of a derived scheme.
-fn text_of<'t>(part: &Embedding, derived: &[(&Embedding, &'t String)]) -> &'t str {
-    derived.iter().find(|(embedding, _)| *embedding == part).map_or("", |(_, text)| text.as_str())
-}
-
 /// The text of a step in two halves; `has_flows`: the halves are flows.
-fn of_halves(
-    embedding: &Embedding,
-    halves: &[Embedding],
-    derived: &[(&Embedding, &String)],
-    has_flows: bool,
-) -> String {
-    let mut text =
-        format!("{embedding}\n\nA step of size h is two of size h/2, with half of the increments each:\n");
-    for part in halves {
-        let derivation = text_of(part, derived).split("\nFacts").next().unwrap_or_default();
-        // A half needs no correction: the other makes up for it.
-        let name = part.to_string();
-        let bare = name.strip_prefix("Uncorrected<").and_then(|rest| rest.strip_suffix('>'));
-        let derivation = derivation.strip_prefix(&name).unwrap_or(derivation);
-        text.push_str(&format!("\n{}{derivation}", bare.unwrap_or(&name)));
-    }
-    if has_flows {
-        text.push_str(FLOWS);
-    }
-    text
+fn of_halves<'e>(halves: impl Iterator<Item = (&'e Embedding, String)>, has_flows: bool) -> String {
+    // A half needs no correction: the other makes up for it.
+    let halves = halves.map(|(half, derivation)| match half {
+        Embedding::Uncorrected(bare) => format!("\n{bare}\n{derivation}"),
+        half => format!("\n{half}\n{derivation}"),
+    });
+    let (halves, flows) = (halves.collect::<String>(), if has_flows { FLOWS } else { "" });
+    format!("\nA step of size h is two of size h/2, with half of the increments each:\n{halves}{flows}")
 }
 
 /// How a step with a bath is taken.

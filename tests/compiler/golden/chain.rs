@@ -15,21 +15,19 @@ Hamiltonians
   H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
-  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})
+  L_d = P · Δq - h H0(P, q_{1/2})
   Δq = q' - q
   q_{1/2} = q + 1/2 Δq
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq[i] is the sum of
-    P[i] h   for i = 0..n - 1
-  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of
-    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
-    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
-    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
-  p' = D2 L_d:  p'[i] = P[i] + the sum of
-    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2
-    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1
-    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0
+  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})
+  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2})
+  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2})
+  with these contributions to the slopes
+    ∂H0/∂p[i] += p[i]   for i=0..n - 1
+    ∂H0/∂q[i + 1] += q[i + 1] - q[i] + beta (q[i + 1] - q[i])³   for i=0..n - 2
+    ∂H0/∂q[i] += q[i] - q[i + 1] - beta (q[i + 1] - q[i])³   for i=0..n - 2
+    ∂H0/∂q[0] += q[0] + beta q[0]³
 
 Step
   solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide
@@ -267,7 +265,7 @@ const _: () = {
     #[automatically_derived]
     impl Listed<Midpoint> for Chain {
         type Scheme = Loops<Midpoint>;
-        const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i] is the sum of\n    P[i] h   for i = 0..n - 1\n  p = -D1 L_d:  P[i] = p[i] + v[i], v[i] is the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n  p' = D2 L_d:  p'[i] = P[i] + the sum of\n    -h (q_{1/2}[i] - q_{1/2}[i + 1] - beta (q_{1/2}[i + 1] - q_{1/2}[i])³)/2   for i = 0..n - 2\n    -h (q_{1/2}[i] - q_{1/2}[i - 1] + beta (q_{1/2}[i] - q_{1/2}[i - 1])³)/2   for i = 1..n - 1\n    -h (q_{1/2}[0] + beta q_{1/2}[0]³)/2   at point 0\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
+        const TEXT: &'static str = "Midpoint\n\nHamiltonians\n  H0 = beta q[0]^4/4 + q[0]²/2 + Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..n - 2) [beta (q[i + 1] - q[i])^4/4 + (q[i + 1] - q[i])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q_{1/2})\n  Δq = q' - q\n  q_{1/2} = q + 1/2 Δq\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q_{1/2})\n  p = -D1 L_d:  P = p + v,  v = -1/2 h ∂H0/∂q(P, q_{1/2})\n  p' = D2 L_d:  p' = P - 1/2 h ∂H0/∂q(P, q_{1/2})\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[i + 1] += q[i + 1] - q[i] + beta (q[i + 1] - q[i])³   for i=0..n - 2\n    ∂H0/∂q[i] += q[i] - q[i + 1] - beta (q[i + 1] - q[i])³   for i=0..n - 2\n    ∂H0/∂q[0] += q[0] + beta q[0]³\n\nStep\n  solve for v (then Δq): by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES where the band is wide\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (q[0] + beta q[0]³)² + (where min(1, n - 1) > 0) [2 (q[0] + beta q[0]³) (q[0] - q[1] - beta (q[1] - q[0])³)] + Σ_(i=0..n - 2) [(q[i + 1] - q[i] + beta (q[i + 1] - q[i])³)² + (q[i] - q[i + 1] - beta (q[i + 1] - q[i])³)²] + Σ_(i=0..n - 3) [2 (q[i + 1] - q[i] + beta (q[i + 1] - q[i])³) (q[i + 1] - q[i + 2] - beta (q[i + 2] - q[i + 1])³)]\n    H_qq(H_p,H_p) = p[0]² (1 + 3 beta q[0]²) + Σ_(i=0..n - 2) [p[i + 1] (p[i + 1] (1 + 3 beta (q[i + 1] - q[i])²) + p[i] (-3 beta (q[i + 1] - q[i])² - 1)) + p[i] (p[i + 1] (-3 beta (q[i + 1] - q[i])² - 1) + p[i] (1 + 3 beta (q[i + 1] - q[i])²))]\n";
     }
     #[automatically_derived]
     impl Conservative for Chain {}

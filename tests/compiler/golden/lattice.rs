@@ -15,22 +15,20 @@ Hamiltonians
   H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]
 
 Discrete Lagrangian of the step from t to t + h, from q, p to q', p'
-  L_d = Σ_i P[i] Δq[i] - h H0(P, q)
+  L_d = P · Δq - h H0(P, q)
   Δq = q' - q
 
 Discrete Euler-Lagrange equations
-  ∂L_d/∂P = 0:  Δq[i][0] is the sum of
-    P[i][0] h   for i = 0..N - 1
-  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of
-    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1
-    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)
-  p' = D2 L_d:  p'[i][0] = P[i][0]
-  ∂L_d/∂P = 0:  Δq[i][1] is the sum of
-    P[i][1] h   for i = 0..N - 1
-  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of
-    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1
-    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)
-  p' = D2 L_d:  p'[i][1] = P[i][1]
+  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)
+  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)
+  p' = D2 L_d:  p' = P
+  with these contributions to the slopes
+    ∂H0/∂p[i][0] += p[i][0]   for i=0..N - 1
+    ∂H0/∂p[i][1] += p[i][1]   for i=0..N - 1
+    ∂H0/∂q[((i + 1) mod N)][0] += k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1
+    ∂H0/∂q[i][0] += -k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1
+    ∂H0/∂q[((i + 1) mod N)][1] += q[((i + 1) mod N)][1] - q[i][1]   for i=0..N - 1
+    ∂H0/∂q[i][1] += q[i][1] - q[((i + 1) mod N)][1]   for i=0..N - 1
 
 Step
   assign v, Δq
@@ -280,7 +278,7 @@ const _: () = {
     #[automatically_derived]
     impl<const N: usize> Listed<DeltaPlus> for Lattice<{ N }> {
         type Scheme = Loops<DeltaPlus>;
-        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = Σ_i P[i] Δq[i] - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq[i][0] is the sum of\n    P[i][0] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][0] = p[i][0] + v[i][0], v[i][0] is the sum of\n    k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-k h sin(k (q[((i + 1) mod N)][0] - q[i][0]))]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][0] = P[i][0]\n  ∂L_d/∂P = 0:  Δq[i][1] is the sum of\n    P[i][1] h   for i = 0..N - 1\n  p = -D1 L_d:  P[i][1] = p[i][1] + v[i][1], v[i][1] is the sum of\n    -h (q[i][1] - q[((i + 1) mod N)][1])   for i = 0..N - 1\n    Σ_(i=0..N - 1) [-h (q[((i + 1) mod N)][1] - q[i][1])]   at point ((i + 1) mod N)\n  p' = D2 L_d:  p'[i][1] = P[i][1]\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
+        const TEXT: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i][0] += p[i][0]   for i=0..N - 1\n    ∂H0/∂p[i][1] += p[i][1]   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][0] += k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[i][0] += -k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][1] += q[((i + 1) mod N)][1] - q[i][1]   for i=0..N - 1\n    ∂H0/∂q[i][1] += q[i][1] - q[((i + 1) mod N)][1]   for i=0..N - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
     }
     #[automatically_derived]
     impl<const N: usize> Conservative for Lattice<{ N }> {}

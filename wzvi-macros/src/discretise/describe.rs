@@ -19,14 +19,12 @@ use crate::embedding::{Embedding, Points};
 use crate::model::{System, Term};
 use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
 
-/// The text of one scheme.
-pub(crate) fn describe(system: &mut System, facts: &Facts, scheme: &Scheme) -> String {
-    let mut text = format!("{}\n{}", scheme.embedding, hamiltonians(system, facts));
-    let graph = &mut system.graph;
+/// The text of one scheme, from the discrete Lagrangian to the step.
+pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme) -> String {
+    let mut text = String::new();
     lagrangian(graph, scheme, &mut text);
     equations(graph, scheme, &mut text);
     step(graph, scheme, &mut text);
-    properties(graph, facts, &scheme.embedding, &mut text);
     text
 }
 

@@ -2,20 +2,18 @@
 
 use std::collections::HashMap;
 
-use crate::discretise::describe::hamiltonians;
 use crate::discretise::{Facts, StepSlopes, is_nystrom};
 use crate::model::{Phase, System};
 use crate::symbolic::{Expr, Graph, Symbol};
 
-/// The text of `Gauss<stages>`, without its facts; with a line for each equation if the system is unrolled.
-pub(crate) fn describe(system: &mut System, facts: &Facts, stages: u32) -> String {
-    let (hamiltonians, line) = (hamiltonians(system, facts), system.line.clone());
+/// The text of `Gauss<stages>`; with a line for each equation if the system is unrolled.
+pub(crate) fn derivation(system: &mut System, facts: &Facts, stages: u32) -> String {
+    let line = system.line.clone();
     let line = line.as_deref();
     let numbers = system.noise_numbers();
     let terms = numbers.iter().map(|number| format!(" + ΔW{number} H{number}"));
     let mut text = format!(
-        "Gauss<{stages}>
-{hamiltonians}
+        "
 Discrete Lagrangian of the step from t_i to t_i + h, with {stages} stages
   L_d = ext Σ_j b_j [p_j · V_j - F(q_j, p_j, t_j)]
   F = h H0{}

@@ -1,114 +1,131 @@
-//! The equations of all sites at once, written for site `i` and its neighbours.
+//! The equations of all sites at once: slopes of Hamiltonians and forces, each a sum over placements.
 
-use std::fmt::Write;
-
-use super::{hamiltonians, properties};
 use crate::discretise::{
-    Facts, Part, Quadrature, Slope, Space, Stage, Strategy, Sum, Unknowns, Weighted, parts_of,
+    Facts, Part, PartElements, Quadrature, Stage, Strategy, Sum, Unknowns, Weighted, parts_of,
 };
 use crate::embedding::Embedding;
 use crate::model::{Half, System};
-use crate::symbolic::{Expr, Graph, Rational};
+use crate::symbolic::{Expr, Graph, Rational, Symbol, signed};
 
-/// The text of one scheme.
-pub(crate) fn describe(
-    system: &mut System,
-    facts: &Facts,
-    embedding: &Embedding,
-    strategy: Strategy,
-) -> String {
-    let mut text = format!("{embedding}\n{}", hamiltonians(system, facts));
-    sweep(system, facts, embedding, strategy, &mut text);
-    properties(&mut system.graph, facts, embedding, &mut text);
-    text
+/// The Hamiltonians or the forces of a part of the step.
+struct Named {
+    part: Part,
+    is_force: bool,
+    factor: &'static str,
+    name: &'static str,
+    definition: &'static str,
+    sum: Sum,
 }
 
-/// From the discrete Lagrangian to the step.
-fn sweep(
+impl Named {
+    fn of(part: Part, is_force: bool, sum: Sum) -> Self {
+        let (factor, name, definition) = match (part, is_force) {
+            (Part::Drift, _) => ("h ", "H0", ""),
+            (Part::Force, _) => ("h ", "F0", ""),
+            (Part::Noise, false) => ("", "H_W", "Σ_k ΔW[k] H_k"),
+            (Part::Noise, true) => ("", "F_W", "Σ_k ΔW[k] F_k"),
+            (Part::CounterTerm, _) => ("", "C", "(Σ_j ΔW[j] ∂H_j/∂q) · (Σ_k ΔW[k] ∂H_k/∂p)"),
+        };
+        Self { part, is_force, factor, name, definition, sum }
+    }
+
+    /// What it contributes to `∂L_d/∂P`.
+    fn by_p(&self) -> Option<String> {
+        let is_there = !self.is_force && self.sum.iter().any(|weighted| weighted.element.reads().p);
+        is_there.then(|| format!("∂{}/∂p", self.name))
+    }
+
+    /// What it contributes to the change of the momenta.
+    fn by_q(&self) -> Option<String> {
+        let is_there = self.sum.iter().any(|weighted| weighted.element.reads().q);
+        match self.is_force {
+            true => Some(self.name.to_owned()),
+            false => is_there.then(|| format!("∂{}/∂q", self.name)),
+        }
+    }
+}
+
+/// The text of one scheme, from the discrete Lagrangian to the step.
+pub(crate) fn derivation(
     system: &mut System,
     facts: &Facts,
     embedding: &Embedding,
     Strategy { unknowns, is_linear }: Strategy,
-    text: &mut String,
-) {
+) -> String {
+    let mut text = String::new();
     let Quadrature { stages } = Quadrature::new(facts, embedding);
-    let parts = parts_of(system, facts);
-    let is_covector = |weighted: &Weighted| weighted.element.is_covector();
-    let sum_of = |part: Part, of_covectors: bool| -> Sum {
-        let known = parts.iter().find(|known| known.part == part).into_iter();
-        let elements = known.flat_map(|known| &known.values);
-        elements.filter(|weighted| is_covector(weighted) == of_covectors).cloned().collect()
-    };
-    let [q, p] = system.names.clone();
-    say!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
-    let _ = write!(text, "  L_d = Σ_i P[i] Δ{q}[i]");
-    for stage in &stages {
-        let at = point(&q, stage.l);
-        for (part, weight) in &stage.parts {
-            let (sign, size) = match weight.is_negative() {
-                true => ("+", weight.negate()),
-                false => ("-", *weight),
-            };
-            let share = if size.is_one() { String::new() } else { format!("{size} ") };
-            let _ = match part {
-                Part::Drift => write!(text, " {sign} {share}h H0(P, {at})"),
-                Part::Noise if sum_of(Part::Noise, false).is_empty() => Ok(()),
-                Part::Noise => write!(text, " {sign} {share}Σ_k ΔW[k] H_k(P, {at})"),
-                // Forces do virtual work and do not enter `L_d`.
-                Part::Force => Ok(()),
-                Part::CounterTerm => {
-                    let product = format!("(Σ_j ΔW[j] ∂H_j/∂{q}) · (Σ_k ΔW[k] ∂H_k/∂{p})");
-                    write!(text, "\n        {sign} {size} {product} at (P, {at})")
-                }
-            };
-        }
+    let mut parts = Vec::new();
+    for PartElements { part, elements, .. } in parts_of(system, facts) {
+        let is_taken = stages.iter().any(|stage| stage.parts.iter().any(|(taken, _)| *taken == part));
+        let taken = elements.into_iter().filter(|_| is_taken);
+        let (forces, functions): (Sum, Sum) = taken.partition(|weighted| weighted.element.is_covector());
+        let named =
+            [(false, functions), (true, forces)].map(|(is_force, sum)| Named::of(part, is_force, sum));
+        parts.extend(named.into_iter().filter(|named| !named.sum.is_empty()));
     }
-    say!(text, "\n  Δ{q} = {q}' - {q}");
-    for stage in stages.iter().filter(|stage| !stage.l.is_zero()) {
-        say!(text, "  {} = {q} + {} Δ{q}", point(&q, stage.l), stage.l);
+    equations(system, &stages, &parts, &mut text);
+    for half in [Half::Momenta, Half::Coordinates, Half::Displacements] {
+        parts.iter().for_each(|part| slopes(&mut system.graph, facts, part, half, &mut text));
     }
-
-    say!(text, "\nDiscrete Euler-Lagrange equations");
-    for component in 0..system.components {
-        let at = if system.components == 1 { "[i]".to_owned() } else { format!("[i][{component}]") };
-        let (space, graph) = (&facts.space, &mut system.graph);
-        let mut equation = |half: Half, slope_weight: &dyn Fn(&Stage) -> Rational, text: &mut String| {
-            for stage in &stages {
-                for &(part, weight) in &stage.parts {
-                    let mut write = |half: Half, weights: [Rational; 2], text: &mut String| {
-                        let mut space = space.renamed([point(&q, stage.l), "P".to_owned()]);
-                        let sum = (part, sum_of(part, half == Half::Displacements));
-                        write_slopes(&mut space, graph, (half, component), sum, weights, text);
-                    };
-                    let slope = slope_weight(stage);
-                    write(half, [weight, slope], text);
-                    if half == Half::Coordinates {
-                        write(Half::Displacements, [weight, slope.negate()], text);
-                    }
-                }
-            }
-        };
-        say!(text, "  ∂L_d/∂P = 0:  Δ{q}{at} is the sum of");
-        equation(Half::Momenta, &|_| Rational::ONE, text);
-        say!(text, "  {p} = -D1 L_d:  P{at} = {p}{at} + v{at}, v{at} is the sum of");
-        equation(Half::Coordinates, &|stage| stage.start().negate(), text);
-        if stages.iter().all(|stage| stage.end().is_zero()) {
-            say!(text, "  {p}' = D2 L_d:  {p}'{at} = P{at}");
-        } else {
-            say!(text, "  {p}' = D2 L_d:  {p}'{at} = P{at} + the sum of");
-            equation(Half::Coordinates, &|stage| stage.end().negate(), text);
-        }
-    }
-    say!(text, "\nStep");
     let iterated = "by x <- φ(x) while that contracts, else Newton's method with the Jacobian in a band, or with GMRES \
                      where the band is wide";
     let iteration =
         if is_linear { "linear; a band is factored once, a wide matrix is iterated" } else { iterated };
-    let _ = match unknowns {
-        Unknowns::None => writeln!(text, "  assign v, Δ{q}"),
-        Unknowns::Momenta => writeln!(text, "  solve for v (then Δ{q}): {iteration}"),
-        Unknowns::Both => writeln!(text, "  solve for Δ{q}, v: {iteration}"),
+    let [q, _] = &system.names;
+    let step = match unknowns {
+        Unknowns::None => format!("assign v, Δ{q}"),
+        Unknowns::Momenta => format!("solve for v (then Δ{q}): {iteration}"),
+        Unknowns::Both => format!("solve for Δ{q}, v: {iteration}"),
     };
+    say!(text, "\nStep\n  {step}");
+    text
+}
+
+/// The discrete Lagrangian and its derivatives, by the slopes of the parts.
+fn equations(system: &mut System, stages: &[Stage], parts: &[Named], text: &mut String) {
+    let ([q, p], graph) = (system.names.clone(), &mut system.graph);
+    // The parts at each quadrature point, subtracted if they are no forces.
+    let mut weigh = |first: &str, weight: fn(&Stage) -> Rational, write: fn(&Named) -> Option<String>| {
+        let mut terms: Vec<(bool, String)> =
+            Vec::from_iter((!first.is_empty()).then(|| (false, first.into())));
+        for (stage, (part, share)) in stages.iter().flat_map(|s| s.parts.iter().map(move |part| (s, part))) {
+            let weight = weight(stage);
+            let is_negative = share.is_negative() != weight.is_negative();
+            for named in parts.iter().filter(|named| named.part == *part && !weight.is_zero()) {
+                let size = size(graph, *share, weight);
+                let at = point(&q, stage.l);
+                let term = write(named).map(|name| format!("{size}{}{name}(P, {at})", named.factor));
+                terms.extend(term.map(|term| (is_negative == named.is_force, term)));
+            }
+        }
+        if terms.is_empty() { "0".to_owned() } else { signed(terms) }
+    };
+    say!(text, "\nDiscrete Lagrangian of the step from t to t + h, from {q}, {p} to {q}', {p}'");
+    let of_function = |named: &Named| (!named.is_force).then(|| named.name.to_owned());
+    say!(text, "  L_d = {}", weigh(&format!("P · Δ{q}"), |_| Rational::ONE, of_function));
+    let end = weigh("P", Stage::end, Named::by_q);
+    let (v, velocity) =
+        (weigh("", Stage::start, Named::by_q), weigh("", |_| Rational::MINUS_ONE, Named::by_p));
+    for Named { name, definition, .. } in parts.iter().filter(|named| !named.definition.is_empty()) {
+        say!(text, "  {name} = {definition}");
+    }
+    say!(text, "  Δ{q} = {q}' - {q}");
+    for stage in stages.iter().filter(|stage| !stage.l.is_zero()) {
+        say!(text, "  {} = {q} + {} Δ{q}", point(&q, stage.l), stage.l);
+    }
+    say!(text, "\nDiscrete Euler-Lagrange equations");
+    say!(text, "  ∂L_d/∂P = 0:  Δ{q} = {velocity}");
+    say!(text, "  {p} = -D1 L_d:  P = {p} + v,  v = {v}");
+    say!(text, "  {p}' = D2 L_d:  {p}' = {end}");
+    say!(text, "  with these contributions to the slopes");
+}
+
+/// The size of a product as a factor.
+fn size(graph: &mut Graph, a: Rational, b: Rational) -> String {
+    let [a, b] = [a, b].map(|factor| if factor.is_negative() { factor.negate() } else { factor });
+    let size = graph.number(a);
+    let size = graph.scale(size, b);
+    if graph.is_one(size) { String::new() } else { format!("{} ", graph.display(size)) }
 }
 
 /// `q` at a quadrature point.
@@ -120,40 +137,32 @@ fn point(q: &str, l: Rational) -> String {
     }
 }
 
-/// The slopes of one part, weighted, line by line.
-fn write_slopes(
-    space: &mut Space,
-    graph: &mut Graph,
-    (half, component): (Half, i128),
-    (part, sum): (Part, Sum),
-    weights: [Rational; 2],
-    text: &mut String,
-) {
-    if sum.is_empty() || weights.iter().any(|weight| weight.is_zero()) {
-        return;
-    }
-    let Some(slopes) = space.slopes(graph, &sum, half, component) else {
-        say!(text, "    slopes whose indices exceed 128 bits");
-        return;
-    };
-    for Slope { part: mut weighted, at, is_by_point } in slopes {
-        let mut factors: Vec<Expr> = vec![weighted.element.value];
-        let names: Vec<String> = match part {
-            Part::Drift | Part::Force => vec!["h".to_owned()],
-            _ => weighted
-                .increments
-                .iter()
-                .map(|k| format!("ΔW[{}]", space.index(&weighted.element.loops, k)))
-                .collect(),
-        };
-        for name in names {
-            let symbol = graph.new_symbol(name);
-            factors.push(graph.symbol(symbol));
+/// The contributions of a part to its slopes by one half, line by line.
+fn slopes(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &mut String) {
+    let Named { name, sum, .. } = part;
+    for Weighted { element, increments } in
+        sum.iter().filter(|_| part.is_force == (half == Half::Displacements))
+    {
+        let (space, loops) = (&facts.space, &element.loops);
+        let slopes =
+            element.of_half(half).map(|(variable, _)| (variable, graph.derivative(element.value, variable)));
+        let slopes: Vec<(Symbol, Expr)> = slopes.collect();
+        let spelled = space.spelled(graph, element);
+        let images = spelled.iter().map(|(&symbol, &own)| (symbol, graph.symbol(own))).collect();
+        let increments = increments.iter().map(|k| format!("ΔW[{}]", space.index(loops, k)));
+        let increments: Vec<_> = increments.map(|name| graph.new_symbol(name)).collect();
+        for (variable, slope) in slopes {
+            let mut factors = graph.substitute(&[slope], &images);
+            factors.extend(increments.iter().map(|&increment| graph.symbol(increment)));
+            let slope = graph.product(&factors);
+            let place = graph.symbol_name(spelled[&variable]);
+            let place = match place.strip_prefix('δ').filter(|_| part.is_force) {
+                Some(place) => format!("{name} along {place}"),
+                None => format!("∂{name}/∂{place}"),
+            };
+            if !graph.is_zero(slope) {
+                say!(text, "    {place} += {}{}", graph.display(slope), space.placements(loops));
+            }
         }
-        let product = graph.product(&factors);
-        weighted.element.value =
-            weights.iter().fold(product, |product, &weight| graph.scale(product, weight));
-        let slope = Slope { part: weighted, at, is_by_point };
-        say!(text, "    {}", space.display_slope(graph, &slope));
     }
 }

@@ -1,13 +1,14 @@
 //! Sums as text, in indices.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use super::locality::is_condition;
 use super::{Space, Sum};
 use crate::diagnostics::Promised;
 use crate::model::display::{Names, letter_at};
-use crate::model::{Element, Index, Loop, Slot};
-use crate::symbolic::{Expr, Graph, Rational};
+use crate::model::{Element, Index, Local, Loop, Slot};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 impl Space {
     /// The names of indices, with `i`, `j`, ... for the variables of `loops`, which sums made here number likewise.
@@ -43,7 +44,12 @@ impl Space {
         for weighted in sum.iter().filter(|w| !is_flat(&w.element)) {
             let mut text = String::new();
             for known in &weighted.element.loops {
-                text.push_str(&self.range(&weighted.element.loops, known));
+                let range = self.range(&weighted.element.loops, known);
+                let _ = if is_condition(known) {
+                    write!(text, "({range}) ")
+                } else {
+                    write!(text, "Σ_({range}) ")
+                };
             }
             let value = graph.scale(weighted.element.value, factor);
             let _ = write!(text, "[{}]", graph.display(value));
@@ -52,13 +58,28 @@ impl Space {
         parts.join(" + ")
     }
 
+    /// `   for i=0..n - 1, j=0..i - 1`
+    pub(crate) fn placements(&self, loops: &[Loop]) -> String {
+        let ranges: Vec<String> = loops.iter().map(|known| self.range(loops, known)).collect();
+        if ranges.is_empty() { String::new() } else { format!("   for {}", ranges.join(", ")) }
+    }
+
+    /// The local variables of an element by the names of points and components.
+    pub(crate) fn spelled(&self, graph: &mut Graph, element: &Element) -> HashMap<Symbol, Symbol> {
+        let spelled = element.locals.iter().map(|Local { symbol, slot }| {
+            let name = self.reader(&element.loops, |names| names.slot(slot, &self.names, self.components));
+            (*symbol, graph.new_symbol(name))
+        });
+        spelled.collect()
+    }
+
     /// One of `loops`.
-    pub(super) fn range(&self, loops: &[Loop], known: &Loop) -> String {
+    fn range(&self, loops: &[Loop], known: &Loop) -> String {
         if is_condition(known) {
-            return format!("(where {} > 0) ", self.index(loops, &known.end));
+            return format!("where {} > 0", self.index(loops, &known.end));
         }
         let last = known.end.shifted(-1).promised("ends of loops are integers");
         let letter = self.index(loops, &super::variable(known.variable));
-        format!("Σ_({letter}={}..{}) ", self.index(loops, &known.start), self.index(loops, &last))
+        format!("{letter}={}..{}", self.index(loops, &known.start), self.index(loops, &last))
     }
 }

@@ -53,7 +53,8 @@ impl Space {
             weighted.moved(&|index| lifted(index, n, 1), &|index| lifted(index, n, self.components))
         };
         let sum = sum.iter().map(lift_one).collect::<Option<Sum>>()?;
-        let space = Self { size: Index::atom(Atom::Size), ..self.renamed(self.names.clone()) };
+        let (symbols, slots) = Default::default();
+        let space = Self { size: Index::atom(Atom::Size), symbols, slots, ..self.clone() };
         Some((space, sum))
     }
 }

@@ -13,7 +13,6 @@ mod contract;
 mod display;
 mod instance;
 mod locality;
-mod slopes;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -27,7 +26,6 @@ use crate::model::{Element, Half, Local, Slot, System, Table};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 pub(crate) use contract::Increments;
-pub(crate) use slopes::Slope;
 
 /// Loop variables of sums made here are numbered by depth.
 const DEEPEST: u32 = 1 << 10;
