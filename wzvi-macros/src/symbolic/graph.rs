@@ -116,7 +116,7 @@ impl Node {
 }
 
 /// The arena. See [`super::build`] for the constructors.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Graph {
     nodes: Vec<Node>,
     signs: Vec<Sign>,
@@ -153,7 +153,7 @@ impl Hasher for NodeHasher {
 }
 
 /// The nodes visited by the current traversal carry its number, so that marks need no clearing.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Marks {
     traversal: u32,
     met_in: Vec<u32>,
