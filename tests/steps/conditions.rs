@@ -52,6 +52,13 @@ struct Pushes;
 )]
 struct OneSided;
 
+/// A bounded force that depends on the momentum: along a run, the first correction may leave the increment of `q` or `p` near zero.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + (q.atan() / (1.5 + p.tanh().powi(2))).clamp(-0.5, 0.7),
+    embedding = [Midpoint, Lambda<1, 3>, DeltaMinus],
+)]
+struct Clipped;
+
 const H: f64 = 0.1;
 const STARTS: usize = 400;
 /// The last sum of a step rounds a number below one, and so does that by hand.
@@ -234,4 +241,46 @@ fn facts_know_that_pieces_are_no_polynomials() {
     assert!(!text.contains("kept by the step to rounding"), "{text}");
     assert_eq!(<Strings as Discretized<Midpoint>>::PLAN.solver, Solver::Newton);
     assert_eq!(<OneSided as Discretized<Midpoint>>::PLAN.noise, wzvi::plan::NoiseClass::Position);
+}
+
+/// By how much a step misses `q' = q + h ∂H/∂p` and `p' = p - h ∂H/∂q`, with the slopes at `(q + l (q' - q), p' - l (p' - p))`.
+fn missed(from: &Line, to: &Line, h: f64, l: f64) -> f64 {
+    let ([q, p], [end_q, end_p]) = ([from.q[0], from.p[0]], [to.q[0], to.p[0]]);
+    let at = State::new([q + l * (end_q - q)], [end_p - l * (end_p - p)]);
+    let slopes = Clipped.energy_gradient(&at);
+    (end_q - q - h * slopes.p[0]).abs().max((end_p - p + h * slopes.q[0]).abs())
+}
+
+type Line = State<wzvi::nalgebra::SVector<f64, 1>>;
+
+/// Runs of steps of 0.01 to 0.7. A step may be refused at an edge; one that is taken solves its equations, to some roundings (4e-15) of numbers up to 30.
+#[test]
+fn steps_of_runs_solve_their_equations() {
+    fn check<E>(l: f64)
+    where
+        Clipped: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    {
+        let (mut number, mut taken) = (numbers(), 0);
+        for n in 0..600 {
+            let h = [0.02, 0.1, 0.3, 0.7][n % 4] * (0.75 + 0.5 * number());
+            let mut state = State::new([2.0 * number()], [2.0 * number()]);
+            let mut stepper = Clipped.stepper::<E>(h).unwrap();
+            for step in 0..40 {
+                let from = state;
+                if stepper.step(&mut state, &[]).is_err() {
+                    break;
+                }
+                let missed = missed(&from, &state, h, l);
+                assert!(
+                    missed < 1e-13,
+                    "run {n}, step {step} of {h}: {from} to {state} misses by {missed:.1e}"
+                );
+                taken += 1;
+            }
+        }
+        assert!(taken > 20_000, "{taken}");
+    }
+    check::<Midpoint>(0.5);
+    check::<Lambda<1, 3>>(1.0 / 3.0);
+    check::<DeltaMinus>(1.0);
 }
