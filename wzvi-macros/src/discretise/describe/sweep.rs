@@ -150,7 +150,9 @@ fn slopes(graph: &mut Graph, facts: &Facts, part: &Named, half: Half, text: &mut
             element.of_half(half).map(|(variable, _)| (variable, graph.derivative(element.value, variable)));
         let slopes: Vec<(Symbol, Expr)> = slopes.collect();
         let spelled = space.spelled(graph, element);
-        let images = spelled.iter().map(|(&symbol, &own)| (symbol, graph.symbol(own))).collect();
+        // In the order of the element, in which the nodes of sums are then written.
+        let images = element.locals.iter().map(|local| (local.symbol, graph.symbol(spelled[&local.symbol])));
+        let images = images.collect();
         let increments = increments.iter().map(|k| format!("ΔW[{}]", space.index(loops, k)));
         let increments: Vec<_> = increments.map(|name| graph.new_symbol(name)).collect();
         for (variable, slope) in slopes {
