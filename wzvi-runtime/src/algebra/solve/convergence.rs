@@ -25,6 +25,13 @@ pub(super) const NEAR: f64 = 1.0 / 4096.0;
 /// The largest square of a correction that predicts the next one: that of the whole step. A correction is larger where it leaves an unknown near zero, which
 /// says nothing about the others.
 pub(super) const WHOLE: f64 = 1.0;
+
+/// The square of a correction, as far as it predicts the next one.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn predicting(relative: f64) -> f64 {
+    f64::min(relative * relative, WHOLE)
+}
+
 /// The corrections of an iteration, as far as they say when to stop.
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence {
@@ -75,7 +82,7 @@ impl Convergence {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn begin(&mut self, relative: f64) {
         self.iterations = 1;
-        self.expect(f64::min(relative * relative, WHOLE));
+        self.expect(predicting(relative));
         self.curved = self.second;
     }
 
@@ -114,7 +121,7 @@ impl Convergence {
             return Verdict::Contracting;
         }
         self.iterations += 1;
-        let (allowed, square) = (self.allowed(self.curved), f64::min(relative * relative, WHOLE));
+        let (allowed, square) = (self.allowed(self.curved), predicting(relative));
         if relative < allowed {
             self.expect(square);
             return Verdict::Contracting;
@@ -127,7 +134,7 @@ impl Convergence {
         let own = if self.is_beyond_rounding { 0.0 } else { self.allowed(CURVATURE * square) };
         if beyond < allowed.max(own) {
             self.is_beyond_rounding = true;
-            self.expect(f64::min(beyond * beyond, WHOLE));
+            self.expect(predicting(beyond));
             return Verdict::Contracting;
         }
         Verdict::Straying

@@ -5,7 +5,7 @@
 //! finds, gets NaN, which marks it at the end of the step; the caller then takes its step alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, WHOLE, allowed};
+use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, WHOLE, allowed, predicting};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -123,7 +123,7 @@ impl<const L: usize> LaneConvergence<L> {
                 continue;
             }
             let beyond = beyond_rounding(lane);
-            let own = allowed(CURVATURE * f64::min(relative[lane] * relative[lane], WHOLE));
+            let own = allowed(CURVATURE * predicting(relative[lane]));
             let allowed = if self.is_beyond_rounding.lane(lane) { known } else { known.max(own) };
             if beyond == 0.0 {
                 done.set(lane, true);

@@ -2,6 +2,7 @@
 //! the step Hamiltonian.
 
 use super::hamiltonian::fits;
+use super::rounding::lift;
 use super::step::{Step, decay, scale_at};
 use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::algebra::scalar::{Rounded, Scalar};
@@ -279,7 +280,9 @@ fn second_of_each(pairs: &[f64]) -> Vec<f64> {
 }
 
 fn lifted(list: &[f64], as_what: fn(f64) -> Rounded) -> Vec<Rounded> {
-    list.iter().copied().map(as_what).collect()
+    let mut lifted = Vec::new();
+    lift(list, &mut lifted, as_what);
+    lifted
 }
 
 fn differences<S: Scalar>(from: &[S], to: &[S]) -> Vec<S> {

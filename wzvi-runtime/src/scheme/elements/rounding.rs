@@ -20,7 +20,7 @@ pub(super) struct Rounding {
     work: Work<Rounded>,
 }
 
-fn lift<S: Scalar>(from: &[S], into: &mut Vec<Rounded>, as_what: fn(f64) -> Rounded) {
+pub(super) fn lift<S: Scalar>(from: &[S], into: &mut Vec<Rounded>, as_what: fn(f64) -> Rounded) {
     into.clear();
     into.extend(from.iter().map(|number| as_what(number.lane(0))));
 }
