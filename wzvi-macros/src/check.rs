@@ -1,7 +1,7 @@
 //! Refuses what the mathematics contradicts: inconsistent bare schemes, and declared first integrals that are not conserved.
 
 use crate::diagnostics::{Diagnostics, Located, facts as messages};
-use crate::discretise::{Facts, Failure, Flows, Invariant, split};
+use crate::discretise::{Facts, Failure, Flows, Invariant, Judged, split};
 use crate::embedding::{Correction, Embedding};
 use crate::model::System;
 use crate::symbolic::{Graph, Rational};
@@ -15,7 +15,7 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     check_flows(system, facts, diagnostics);
 }
 
-/// A bare scheme must converge to the Stratonovich system (MATH section 3); a corrected one needs its counter-term.
+/// A bare scheme must converge to the Stratonovich system (`D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p` is constant); a corrected one needs its counter-term.
 fn check_consistency(
     graph: &mut Graph,
     embeddings: &[Located<Embedding>],
@@ -26,7 +26,7 @@ fn check_consistency(
         let [_, noise_l] = embedding.value.means();
         match embedding.value.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
-                let defect = facts.defect(graph, &facts.half_defect_sum, noise_l);
+                let defect = facts.defect(graph, &facts.half_defect, noise_l);
                 diagnostics.report(match facts.force_defect_acts(noise_l) {
                     true => {
                         let force = facts.defect(graph, &facts.half_force_defect, noise_l);
@@ -45,14 +45,14 @@ fn check_consistency(
                         embedding.extent,
                         &embedding.value,
                         &defect,
-                        &facts.defect_is_constant,
+                        &facts.half_defect.known,
                     ),
                 });
             }
             Correction::Corrected if facts.force_defect_acts(noise_l) => {
                 diagnostics.report(messages::correction_of_forces(embedding.extent, &embedding.value));
             }
-            Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.is_none() => {
+            Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.sum.is_none() => {
                 diagnostics.report(messages::counter_term_of_elements(embedding.extent, &embedding.value));
             }
             _ => {}
@@ -63,9 +63,9 @@ fn check_consistency(
 /// `{H_m, F}` must vanish for every term; for the drift, `∂F/∂t` and the rates by forces are added.
 fn check_invariants(graph: &mut Graph, facts: &Facts, diagnostics: &mut Diagnostics) {
     for Invariant { extent, failure, .. } in &facts.invariants {
-        if let Some(Failure { along, rate, knowledge }) = failure {
-            let rate = rate.as_ref().map(|rate| facts.space.display(graph, rate, Rational::ONE));
-            diagnostics.report(messages::no_invariant(*extent, along, rate.as_deref(), knowledge, graph));
+        if let Some(Failure { along, found: Judged { sum, known } }) = failure {
+            let rate = sum.as_ref().map(|rate| facts.space.display(graph, rate, Rational::ONE));
+            diagnostics.report(messages::no_invariant(*extent, along, rate.as_deref(), known, graph));
         }
     }
 }

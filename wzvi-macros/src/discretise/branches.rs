@@ -56,7 +56,10 @@ pub(crate) fn boundaries(graph: &mut Graph, value: Expr, state: &[Symbol]) -> Ve
         if !graph.depends_on(left, state) && !graph.depends_on(right, state) {
             continue;
         }
-        let sides = sides.map(|side| replaced(graph, value, decision, side));
+        let sides = sides.map(|side| {
+            let parts = graph.reachable(&[value]);
+            graph.rewritten(&[value], parts, |_, part| (part == decision).then_some(side))[0]
+        });
         let jump = graph.subtract(sides[0], sides[1]);
         if matches!(graph.test_zero(jump), ZeroTest::Zero) {
             continue;
@@ -106,24 +109,6 @@ fn solved(
     let rest = graph.substitute(&[difference], &HashMap::from([(symbol, zero)]))[0];
     let rest = graph.negate(rest);
     Some(HashMap::from([(symbol, graph.divide(rest, slope))]))
-}
-
-/// `value` with `part` replaced by `by` wherever it occurs.
-fn replaced(graph: &mut Graph, value: Expr, part: Expr, by: Expr) -> Expr {
-    let mut parts = graph.reachable(&[value]);
-    parts.sort_unstable();
-    let mut images: HashMap<Expr, Expr> = HashMap::new();
-    for expr in parts {
-        let image = match expr == part {
-            true => by,
-            false => {
-                let node = graph.node(expr).clone();
-                graph.rebuild(&node, &|operand| images.get(&operand).copied().unwrap_or(operand))
-            }
-        };
-        images.insert(expr, image);
-    }
-    images.get(&value).copied().unwrap_or(value)
 }
 
 #[cfg(test)]

@@ -148,11 +148,11 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
     let [_, noise_l] = embedding.means();
     let has_noise = facts.noise != NoiseClass::None;
     if has_noise {
-        let defect = facts.defect(graph, &facts.half_defect_sum, noise_l);
+        let defect = facts.defect(graph, &facts.half_defect, noise_l);
         let verdict = if facts.converges(embedding) {
             "converges to the Stratonovich system"
         } else {
-            match facts.defect_is_constant {
+            match facts.half_defect.known {
                 Knowledge::Unknown(_) => "is not known to converge to the Stratonovich system",
                 _ => "converges to another system, with drift Hamiltonian H0 - D",
             }
@@ -165,7 +165,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         if !embedding.is_thermostat() {
             limits(facts, embedding, text);
         }
-        for (number, rate) in facts.numbers.iter().zip(&facts.energy_rates) {
+        for (number, rate) in facts.numbers.iter().zip(&facts.energy.rates) {
             let rate = facts.space.display(graph, rate, Rational::ONE);
             say!(text, "  {{H{number}, H0}} = {rate}");
         }
@@ -174,14 +174,8 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
             say!(text, "  the noises {commuting}");
         }
     }
-    for (name, power) in &facts.powers {
-        let power = facts.space.display(graph, power, Rational::ONE);
-        match name.as_str() {
-            // The damping matrix acts on velocities; this is its product with momenta.
-            "damping" => {}
-            "friction" => say!(text, "  friction takes from H0 per unit of time: {power}"),
-            name => say!(text, "  {name} · ∂H0/∂p = {power}"),
-        }
+    for (name, power) in &facts.energy.powers {
+        say!(text, "  {name} {}", facts.space.display(graph, power, Rational::ONE));
     }
     energy(facts, embedding, text);
     text.extend(modified::text(graph, facts, embedding));
@@ -193,7 +187,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
         let name = if invariant.name.is_empty() { String::new() } else { format!("{} = ", invariant.name) };
         say!(text, "  first integral {name}{value}: {keeps}");
     }
-    let has_integrals = !facts.invariants.is_empty() || matches!(facts.conserves_energy, Knowledge::Proven);
+    let has_integrals = !facts.invariants.is_empty() || facts.energy.is_kept.is_proven();
     if has_noise && has_integrals {
         say!(
             text,
@@ -206,7 +200,7 @@ pub(crate) fn properties(graph: &mut Graph, facts: &Facts, embedding: &Embedding
 /// driven by the increments of `W_ε` or of `W`. For a smooth `W_ε` every scheme is consistent, and at fixed `h` the increments converge: only the
 /// last arrow depends on the quadrature.
 fn limits(facts: &Facts, embedding: &Embedding, text: &mut String) {
-    let last = match (facts.converges(embedding), &facts.defect_is_constant) {
+    let last = match (facts.converges(embedding), &facts.half_defect.known) {
         (true, _) => "X: asymptotically preserving",
         (false, Knowledge::Unknown(_)) => "X is not known",
         (false, _) => "the system with H0 - D, not X: not asymptotically preserving",
@@ -251,7 +245,7 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
         2 => "O(h²)".to_owned(),
         order => format!("O(h^{order})"),
     };
-    match &facts.conserves_energy {
+    match &facts.energy.is_kept {
         Knowledge::Proven => {
             let keeps = match (has_noise, is_smooth) {
                 _ if facts.energy_form.is_kept(embedding, has_noise) => {

@@ -6,7 +6,7 @@ use self::form::Form;
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
-use super::sums::{Increments, Space, Sum, Weighted};
+use super::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted, weighted};
 use crate::diagnostics::{Extent, Promised};
 use crate::embedding::{Correction, Embedding};
 use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
@@ -34,14 +34,12 @@ pub(crate) enum NoiseClass {
 
 /// Every Hamiltonian as a sum of elements, noises times their increments: the subject of the facts.
 struct Hamiltonians {
-    space: Space,
     t: Symbol,
     drift: Sum,
     noise: Vec<Sum>,
     forces: Forces,
     /// The suffix of `H` for each noise.
     numbers: Vec<String>,
-    invariants: Vec<(Extent, String, Sum)>,
 }
 
 /// Facts about one system, shared by all its schemes.
@@ -55,25 +53,14 @@ pub(crate) struct Facts {
     pub(crate) is_separable: bool,
     /// Whether no element couples two momenta.
     pub(crate) has_diagonal_kinetic_energy: bool,
-    /// `Σ_k ∂H_k/∂q · ∂H_k/∂p`: the defect of a scheme is `D = (1/2 - l)` times it.
-    pub(crate) half_defect_sum: Sum,
-    /// Whether that sum is constant on phase space.
-    pub(crate) defect_is_constant: Knowledge,
-    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces: their defect is `1/2 - l` times it.
-    pub(crate) half_force_defect: Sum,
-    pub(crate) force_defect_vanishes: Knowledge,
-    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`: `Corrected` adds `1/2 - l` times it.
-    /// `None` if its indices exceed the arithmetic of indices.
-    pub(crate) counter_term: Option<Sum>,
-    /// Whether it is constant for all increments: then the counter-term has no effect.
-    pub(crate) counter_term_is_constant: Knowledge,
-    /// `{H_k, H_0}` per noise or family.
-    pub(crate) energy_rates: Vec<Sum>,
-    /// `f · ∂H_0/∂p` of every force, with its name.
-    pub(crate) powers: Vec<(String, Sum)>,
-    pub(crate) conserves_energy: Knowledge,
-    /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
-    pub(crate) is_conservative: bool,
+    /// `Σ_k ∂H_k/∂q · ∂H_k/∂p`, and whether it is constant on phase space: the defect of a scheme is `D = (1/2 - l)` times it.
+    pub(crate) half_defect: Judged,
+    /// `Σ_k (f_k · ∂/∂p) f_k · δq` of the noise forces, and whether it vanishes: their defect is `1/2 - l` times it.
+    pub(crate) half_force_defect: Judged,
+    /// `Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`, of which `Corrected` adds `1/2 - l` times, and whether it is constant for all
+    /// increments: then the counter-term has no effect.
+    pub(crate) counter_term: Judged,
+    pub(crate) energy: Energy,
     /// The form of the drift.
     pub(crate) energy_form: Form,
     /// Where branches of the drift and of each noise meet.
@@ -89,7 +76,6 @@ pub(crate) struct Facts {
 impl Hamiltonians {
     /// Built from the elements that `of` selects in each term.
     fn of(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> Self {
-        let space = Space::of(system);
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
             let number = match &noise.family {
                 Some(family) => offset
@@ -97,7 +83,7 @@ impl Hamiltonians {
                     .promised("numbers of noises are integers"),
                 None => offset,
             };
-            sum_of(of(&noise.term), &[number])
+            weighted(of(&noise.term), &[number])
         });
         let mut noise: Vec<Sum> = noise.collect();
         let mut numbers = system.noise_numbers();
@@ -106,27 +92,14 @@ impl Hamiltonians {
             system.conformal.is_some() || system.embeddings.iter().any(|known| known.value.is_thermostat())
         });
         let forces = Forces {
-            force: system.force.as_ref().map(|force| sum_of(of(force), &[])).unwrap_or_default(),
-            friction: friction.map(|friction| sum_of(of(&friction.term), &[])).unwrap_or_default(),
+            force: system.force.as_ref().map(|force| unweighted(of(force))).unwrap_or_default(),
+            friction: friction.map(|friction| unweighted(of(&friction.term))).unwrap_or_default(),
             is_matrix: friction.is_some_and(|friction| friction.is_matrix),
             is_warm: system.temperature.is_some(),
             noise: noise.split_off(hamiltonians),
             numbers: numbers.split_off(hamiltonians),
         };
-        Self {
-            space,
-            t: system.t,
-            drift: sum_of(of(&system.drift), &[]),
-            noise,
-            forces,
-            numbers,
-            invariants: system
-                .invariants
-                .iter()
-                .zip(&system.invariant_names)
-                .map(|(term, name)| (term.extent, name.clone(), sum_of(of(term), &[])))
-                .collect(),
-        }
+        Self { t: system.t, drift: unweighted(of(&system.drift)), noise, forces, numbers }
     }
 }
 
@@ -136,57 +109,65 @@ pub(crate) fn summed(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy
     [drift, [noise.concat(), forces.noise.concat()].concat(), forces.force]
 }
 
-fn sum_of(elements: &[Element], increments: &[Index]) -> Sum {
-    let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
-    elements.iter().map(weigh).collect()
+/// What is known of the energy `H_0` along the motion.
+pub(crate) struct Energy {
+    /// `{H_k, H_0}` per noise or family.
+    pub(crate) rates: Vec<Sum>,
+    /// `f · ∂H_0/∂p` of the forces, with what is said of it.
+    pub(crate) powers: Vec<(String, Sum)>,
+    /// Whether it is a first integral.
+    pub(crate) is_kept: Knowledge,
+    /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
+    pub(crate) is_conservative: bool,
+}
+
+impl Energy {
+    /// And where branches of the drift and of each noise meet.
+    fn of(sums: &mut Calculus<'_>, of: &Hamiltonians) -> (Self, Vec<Vec<Boundary>>) {
+        let Hamiltonians { drift, noise, forces, t, .. } = of;
+        let explicit = sums.partial(drift, *t);
+        let explicit = sums.vanishes(Some(explicit), Increments::Each).known;
+        let is_conservative = noise.is_empty() && forces.are_absent() && explicit.is_proven();
+        let powers = forces.powers(sums, drift);
+        let rates = noise.iter().map(|one| {
+            let rate = sums.bracket(one, drift);
+            sums.vanishes(rate, Increments::Each)
+        });
+        let rates: Vec<Judged> = rates.collect();
+        let found = powers.iter().map(|(_, power)| power).chain(&rates).map(|judged| judged.known.clone());
+        let of_sums = [drift].into_iter().chain(noise);
+        let boundaries: Vec<_> = of_sums.map(|sum| boundaries_of(sums.graph, sum, *t)).collect();
+        let jumps = boundaries[0].iter().map(|boundary| kept_across("H0", boundary));
+        let is_kept = all([explicit].into_iter().chain(found).chain(jumps));
+        let said =
+            powers.into_iter().filter_map(|(said, power)| Some((said?, power.sum.unwrap_or_default())));
+        // A vanishing rate is printed as zero, not as a difference of equal terms.
+        let printed = |rate: Judged| rate.sum.filter(|_| !rate.known.is_proven()).unwrap_or_default();
+        let rates = rates.into_iter().map(printed).collect();
+        (Self { rates, powers: said.collect(), is_kept, is_conservative }, boundaries)
+    }
 }
 
 impl Facts {
     pub(crate) fn new(system: &mut System) -> Self {
-        let Hamiltonians { mut space, t, drift, noise, forces, numbers, invariants } =
-            Hamiltonians::of(system, |term| &term.values);
+        let (mut space, hamiltonians) = (Space::of(system), Hamiltonians::of(system, |term| &term.values));
+        let Hamiltonians { drift, noise, forces, .. } = &hamiltonians;
         let acting: Vec<Element> = system.acting().cloned().collect();
-        let noises: Vec<Element> =
-            system.noise.iter().flat_map(|noise| &noise.term.elements).cloned().collect();
-        let System { graph, noise: declared, force, .. } = system;
-        let all_noise: Sum = noise.concat();
-        let (q, p) = (Half::Coordinates, Half::Momenta);
-        let half_defect_sum = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Diagonal);
-        let defect_is_constant =
-            known(&half_defect_sum, |sum| space.is_constant(graph, sum, Increments::Diagonal));
-        let counter_term = space.contract(graph, (&all_noise, q), (&all_noise, p), Increments::Together);
-        let counter_term_is_constant =
-            known(&counter_term, |sum| space.is_constant(graph, sum, Increments::Together));
-
-        let explicit_rate = space.partial(graph, &drift, t);
-        let mut conserves_energy = vec![space.vanishes(graph, &explicit_rate, Increments::Each)];
-        let is_conservative =
-            noise.is_empty() && forces.are_absent() && matches!(conserves_energy[..], [Knowledge::Proven]);
-        let powers = forces.powers(graph, &mut space, &drift);
-        conserves_energy.extend(
-            powers.iter().map(|(_, rate)| known(rate, |sum| space.vanishes(graph, sum, Increments::Each))),
-        );
-        let half_force_defect = forces.defect(graph, &mut space);
-        let force_defect_vanishes =
-            known(&half_force_defect, |sum| space.vanishes(graph, sum, Increments::Diagonal));
-        let mut energy_rates = Vec::new();
-        for one in &noise {
-            let rate = space.bracket(graph, one, &drift);
-            let verdict = known(&rate, |sum| space.vanishes(graph, sum, Increments::Each));
-            // A vanishing rate is printed and evaluated as zero, not as a difference of equal terms.
-            energy_rates.push(if let Knowledge::Proven = verdict {
-                Sum::new()
-            } else {
-                rate.unwrap_or_default()
-            });
-            conserves_energy.push(verdict);
-        }
-        let boundaries: Vec<Vec<Boundary>> =
-            [&drift].into_iter().chain(&noise).map(|sum| boundaries_of(graph, sum, t)).collect();
-        conserves_energy.extend(boundaries[0].iter().map(|boundary| kept_across("H0", boundary)));
+        let noises = system.noise.iter().flat_map(|noise| &noise.term.elements).cloned();
+        let noises: Vec<Element> = noises.collect();
+        let declared = system.invariants.iter().zip(&system.invariant_names);
+        let declared = declared.map(|(term, name)| (term.extent, name.clone(), unweighted(&term.values)));
+        let declared: Vec<(Extent, String, Sum)> = declared.collect();
+        let sums = &mut Calculus { space: &mut space, graph: &mut system.graph };
+        let driven: Sum = noise.concat();
+        let [half_defect, counter_term] = [Increments::Diagonal, Increments::Together].map(|increments| {
+            let product = sums.contract((&driven, Half::Coordinates), (&driven, Half::Momenta), increments);
+            sums.is_constant(product, increments)
+        });
+        let (energy, boundaries) = Energy::of(sums, &hamiltonians);
         Self {
-            noise: if declared.is_empty() { NoiseClass::None } else { noise_class(graph, &noises) },
-            has_force: force.is_some(),
+            noise: noise_class(sums.graph, &noises),
+            has_force: system.force.is_some(),
             is_separable: acting.iter().all(|element| {
                 let Reads { q, p } = element.reads();
                 !p || !q && !element.is_covector()
@@ -194,49 +175,33 @@ impl Facts {
             has_diagonal_kinetic_energy: acting
                 .iter()
                 .filter(|element| !element.reads().q && !element.is_covector())
-                .all(|element| is_diagonal(graph, element)),
-            half_defect_sum: half_defect_sum.unwrap_or_default(),
-            defect_is_constant,
-            half_force_defect: half_force_defect.unwrap_or_default(),
-            force_defect_vanishes,
+                .all(|element| is_diagonal(sums.graph, element)),
+            half_defect,
+            half_force_defect: forces.defect(sums),
             counter_term,
-            counter_term_is_constant,
-            conserves_energy: all(conserves_energy),
-            is_conservative,
-            energy_form: Form::of(graph, &drift),
+            energy,
+            energy_form: Form::of(sums.graph, drift),
             boundaries,
-            energy_rates,
-            powers: powers.into_iter().map(|(name, rate)| (name, rate.unwrap_or_default())).collect(),
             commuting: all([
-                commuting_hamiltonians(graph, &mut space, &noise),
-                commuting_forces(graph, &mut space, &noise, &forces.noise),
+                commuting_hamiltonians(sums, noise),
+                commuting_forces(sums, noise, &forces.noise),
             ]),
-            has_several_noises: declared.len() > 1 || noise.iter().chain(&forces.noise).any(is_family),
-            invariants: invariants
-                .into_iter()
-                .map(|declared| {
-                    let noise: Vec<_> = numbers.iter().cloned().zip(&noise).collect();
-                    invariant(graph, &mut space, (&drift, &noise, &forces, t), declared)
-                })
-                .collect(),
-            numbers,
+            has_several_noises: system.noise.len() > 1 || noise.iter().chain(&forces.noise).any(is_family),
+            invariants: declared.into_iter().map(|one| invariant(sums, &hamiltonians, one)).collect(),
+            numbers: hamiltonians.numbers,
+            drift: hamiltonians.drift,
             space,
-            drift,
         }
     }
 
     /// Whether noises at a quadrature point `l`, or at several with this mean, give the Stratonovich limit: `D` is constant.
     pub(crate) fn is_consistent(&self, l: Rational) -> bool {
-        l == Rational::HALF
-            || matches!(
-                (&self.defect_is_constant, &self.force_defect_vanishes),
-                (Knowledge::Proven, Knowledge::Proven)
-            )
+        l == Rational::HALF || self.half_defect.known.is_proven() && self.half_force_defect.known.is_proven()
     }
 
     /// Whether noise forces at quadrature point `l` need a correction.
     pub(crate) fn force_defect_acts(&self, l: Rational) -> bool {
-        l != Rational::HALF && !matches!(self.force_defect_vanishes, Knowledge::Proven)
+        l != Rational::HALF && !self.half_force_defect.known.is_proven()
     }
 
     /// Whether the limit of the scheme is the Stratonovich system.
@@ -247,23 +212,17 @@ impl Facts {
     /// Whether the counter-term changes a scheme whose noises are at `l`. It may even if `D` is constant: its mixed
     /// products do not affect the limit, but without them commuting noises lose half an order.
     pub(crate) fn counter_term_acts(&self, l: Rational) -> bool {
-        l != Rational::HALF && !matches!(self.counter_term_is_constant, Knowledge::Proven)
+        l != Rational::HALF && !self.counter_term.known.is_proven()
     }
 
     /// A defect as text: `1/2 - l` times one of these sums.
-    pub(crate) fn defect(&self, graph: &mut Graph, half: &Sum, l: Rational) -> String {
+    pub(crate) fn defect(&self, graph: &mut Graph, half: &Judged, l: Rational) -> String {
         let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
-        match weight.is_zero() {
-            true => "0".to_owned(),
-            false => self.space.display(graph, half, weight),
+        match &half.sum {
+            Some(half) if !weight.is_zero() => self.space.display(graph, half, weight),
+            _ => "0".to_owned(),
         }
     }
-}
-
-/// What is known of a sum, which is absent where its indices exceeded the arithmetic of indices.
-fn known(sum: &Option<Sum>, judge: impl FnOnce(&Sum) -> Knowledge) -> Knowledge {
-    let beyond = || Knowledge::Unknown("its indices exceed 128 bits".to_owned());
-    sum.as_ref().map_or_else(beyond, judge)
 }
 
 /// Whether all statements hold; one refuted statement refutes the conjunction.
@@ -280,20 +239,15 @@ fn all(statements: impl IntoIterator<Item = Knowledge>) -> Knowledge {
 }
 
 /// Whether every `{H_j, H_k}` is constant.
-fn commuting_hamiltonians(graph: &mut Graph, space: &mut Space, noise: &[Sum]) -> Knowledge {
+fn commuting_hamiltonians(sums: &mut Calculus<'_>, noise: &[Sum]) -> Knowledge {
     let mut statements = Vec::new();
     for (k, first) in noise.iter().enumerate() {
-        for second in &noise[..k] {
-            statements.push((first, second));
-        }
-        if is_family(first) {
-            statements.push((first, first));
+        for second in noise[..k].iter().chain(is_family(first).then_some(first)) {
+            let bracket = sums.bracket(second, first);
+            statements.push(sums.is_constant(bracket, Increments::Each).known);
         }
     }
-    all(statements.into_iter().map(|(first, second)| {
-        let bracket = space.bracket(graph, second, first);
-        known(&bracket, |sum| space.is_constant(graph, sum, Increments::Each))
-    }))
+    all(statements)
 }
 
 /// Whether a sum belongs to every member of a family of noises: its increment is numbered by a loop variable.
@@ -321,6 +275,9 @@ fn kept_across(name: &str, boundary: &Boundary) -> Knowledge {
 }
 
 fn noise_class(graph: &mut Graph, noises: &[Element]) -> NoiseClass {
+    if noises.is_empty() {
+        return NoiseClass::None;
+    }
     let (forces, noise): (Vec<&Element>, Vec<&Element>) =
         noises.iter().partition(|element| element.is_covector());
     let read_q = |elements: &[&Element]| elements.iter().any(|element| element.reads().q);

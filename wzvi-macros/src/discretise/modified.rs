@@ -11,7 +11,7 @@
 //! With `K = H_p · H_q` and `T(p) + V(q)` the last one vanishes, and the other two are `K_p · H_q` and `K_q · H_p`.
 
 use super::facts::Facts;
-use super::sums::Increments;
+use super::sums::{Calculus, Increments};
 use crate::embedding::Embedding;
 use crate::model::Half;
 use crate::symbolic::{Graph, Rational, signed};
@@ -50,7 +50,7 @@ const SECOND: [&str; 3] = ["H_pp(H_q,H_q)", "H_qq(H_p,H_p)", "H_pq(H_q,H_p)"];
 /// The formula, and for `T(p) + V(q)` its terms; `None` if no modified Hamiltonian exists or is known.
 pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> Option<String> {
     // The expansion assumes a smooth function; the brackets are those of one piece.
-    let has_one = facts.is_conservative && facts.boundaries[0].is_empty();
+    let has_one = facts.energy.is_conservative && facts.boundaries[0].is_empty();
     let Terms { first, second } = Terms::of(embedding).filter(|_| has_one)?;
     let edge = format!("h {FIRST}");
     let first_order = [(Rational::ONE, "H0"), (first, &edge)];
@@ -60,16 +60,17 @@ pub(crate) fn text(graph: &mut Graph, facts: &Facts, embedding: &Embedding) -> O
     let order = if first.is_zero() { "O(h⁴)" } else { "O(h³)" };
     let mut text = format!("  modified energy, kept within {order}: {formula}\n");
     if facts.is_separable {
-        let (mut space, drift) = (facts.space.clone(), &facts.drift);
+        let (space, drift) = (&mut facts.space.clone(), &facts.drift);
         let (q, p) = (Half::Coordinates, Half::Momenta);
-        let together = space.contract(graph, (drift, p), (drift, q), Increments::Each)?;
-        let by_p = space.contract(graph, (&together, p), (drift, q), Increments::Each)?;
-        let by_q = space.contract(graph, (&together, q), (drift, p), Increments::Each)?;
+        let mut sums = Calculus { space, graph };
+        let together = sums.contract((drift, p), (drift, q), Increments::Each)?;
+        let by_p = sums.contract((&together, p), (drift, q), Increments::Each)?;
+        let by_q = sums.contract((&together, q), (drift, p), Increments::Each)?;
         let edge = (FIRST, &together, !first.is_zero());
         let [of_p, of_q, _] = second.map(|factor| !factor.is_zero());
         for (name, value, is_there) in [edge, (SECOND[0], &by_p, of_p), (SECOND[1], &by_q, of_q)] {
             if is_there {
-                let value = space.display(graph, value, Rational::ONE);
+                let value = facts.space.display(graph, value, Rational::ONE);
                 text.push_str(&format!("    {name} = {value}\n"));
             }
         }

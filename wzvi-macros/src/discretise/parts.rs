@@ -21,7 +21,7 @@ pub(crate) struct PartElements {
 pub(crate) fn parts_of(system: &System, facts: &Facts) -> Vec<PartElements> {
     let [drift, noise, force] = summed(system, |term| &term.values);
     let [parted_drift, parted_noise, parted_force] = summed(system, |term| &term.elements);
-    let counter_term = facts.counter_term.clone().unwrap_or_default();
+    let counter_term = facts.counter_term.sum.clone().unwrap_or_default();
     let schemes = system.embeddings.iter().map(|known| Quadrature::new(facts, &known.value));
     let schemes: Vec<Quadrature> = schemes.collect();
     let sums = [

@@ -49,7 +49,7 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     generated.extend(gauss::emit(system, facts, texts));
     generated.extend(compose::emit(&system.item, texts));
     let conservative = || implementation(&system.item, &quote!(__wzvi::Conservative), &TokenStream::new());
-    generated.extend(facts.is_conservative.then(conservative));
+    generated.extend(facts.energy.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
     let listed = system.listed().iter().map(|parameter| &parameter.tokens);
     let generated = readable(

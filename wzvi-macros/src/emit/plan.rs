@@ -26,7 +26,7 @@ pub(crate) fn facts(
     });
     let known = [
         ("noise", noise),
-        ("conserves_energy", knowledge(&facts.conserves_energy)),
+        ("conserves_energy", knowledge(&facts.energy.is_kept)),
         ("commuting", knowledge(&facts.commuting)),
         ("is_damped", is_damped.then(|| quote!(true))),
         ("has_pieces", has_pieces.then(|| quote!(true))),

@@ -8,7 +8,7 @@ use quote::quote;
 use super::names::{Names, plain};
 use super::program::{Level, Op, Operation, Program};
 use crate::diagnostics::internal::broken;
-use crate::symbolic::Function;
+use crate::symbolic::{Function, Junction};
 
 /// The most operations in one expression; beyond, a value is named even if it is used once.
 const LONGEST_EXPRESSION: u32 = 14;
@@ -145,9 +145,7 @@ impl<'p> Printer<'p> {
             Operation::Divide(..) => (None, "quotient"),
             Operation::Select(..) => (None, "choice"),
             Operation::Constant(_) | Operation::Input(_) => (None, "value"),
-            Operation::Compare(..) | Operation::Not(_) | Operation::And(..) | Operation::Or(..) => {
-                (None, "condition")
-            }
+            Operation::Compare(..) | Operation::Not(_) | Operation::Join(..) => (None, "condition"),
         };
         match spelled.filter(|name| name.len() <= LONGEST_NAME) {
             Some(name) => (name, false),
@@ -400,13 +398,13 @@ impl<'p> Printer<'p> {
                 let a = truth(a);
                 (quote!(!#a), Binding::Prefix)
             }
-            Operation::And(a, b) => {
+            Operation::Join(junction, a, b) => {
                 let (a, b) = (truth(a), truth(b));
-                (quote!(#a & #b), Binding::Whole)
-            }
-            Operation::Or(a, b) => {
-                let (a, b) = (truth(a), truth(b));
-                (quote!(#a | #b), Binding::Whole)
+                let joined = match junction {
+                    Junction::And => quote!(#a & #b),
+                    Junction::Or => quote!(#a | #b),
+                };
+                (joined, Binding::Whole)
             }
             _ => {
                 broken("conditions are made of comparisons");

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::symbolic::{Function, Relation, Symbol};
+use crate::symbolic::{Function, Junction, Relation, Symbol};
 
 mod lower;
 
@@ -46,8 +46,7 @@ pub(crate) enum Operation {
     Select(Op, Op, Op),
     Compare(Relation, Op, Op),
     Not(Op),
-    And(Op, Op),
-    Or(Op, Op),
+    Join(Junction, Op, Op),
 }
 
 impl Operation {
@@ -60,8 +59,7 @@ impl Operation {
             | Self::Multiply(a, b)
             | Self::Divide(a, b)
             | Self::Compare(_, a, b)
-            | Self::And(a, b)
-            | Self::Or(a, b) => vec![*a, *b],
+            | Self::Join(_, a, b) => vec![*a, *b],
             Self::Select(a, b, c) => vec![*a, *b, *c],
             Self::Call(_, arguments) => arguments.clone(),
         }
@@ -69,7 +67,7 @@ impl Operation {
 
     /// Whether the value is a truth, not a number.
     pub(crate) fn is_truth(&self) -> bool {
-        matches!(self, Self::Compare(..) | Self::Not(_) | Self::And(..) | Self::Or(..))
+        matches!(self, Self::Compare(..) | Self::Not(_) | Self::Join(..))
     }
 
     /// Whether the value needs no name.

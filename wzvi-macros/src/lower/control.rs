@@ -13,7 +13,7 @@ use super::scope::Binding;
 use super::sequences::Sequence;
 use super::value::{Items, Value};
 use crate::diagnostics::expressions;
-use crate::symbolic::{Expr, Symbol};
+use crate::symbolic::{Expr, Junction, Symbol};
 
 /// A variable that a loop adds to, with its value.
 type Total = (Rc<Binding>, Expr);
@@ -144,8 +144,9 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Known(false), Value::Known(true)) => Value::Condition(self.graph.not(condition)),
             (Value::Condition(a), Value::Condition(b)) => {
                 let negated = self.graph.not(condition);
-                let (then, otherwise) = (self.graph.and(condition, *a), self.graph.and(negated, *b));
-                Value::Condition(self.graph.or(then, otherwise))
+                let then = self.graph.join(Junction::And, condition, *a);
+                let otherwise = self.graph.join(Junction::And, negated, *b);
+                Value::Condition(self.graph.join(Junction::Or, then, otherwise))
             }
             (Value::Sequence(a), Value::Sequence(b)) => {
                 let at = proc_macro2::TokenStream::new();

@@ -6,7 +6,7 @@ use syn::{BinOp, Expr as Syntax, ExprMatch, Pat, RangeLimits};
 use super::interpreter::{Interpreter, result_of};
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::symbolic::Expr;
+use crate::symbolic::{Expr, Junction};
 
 /// An arm with its condition; that of the last arm is not used.
 struct Choice<'a> {
@@ -75,7 +75,11 @@ impl<'a> Interpreter<'a, '_> {
                 Some(Value::Known(false)) => Some(Value::Known(false)),
                 fits => {
                     let holds = self.evaluate(&guarded.guard);
-                    self.combine(true, (fits.unwrap_or_default(), &guarded.pat), (holds, &guarded.guard))
+                    self.combine(
+                        Junction::And,
+                        (fits.unwrap_or_default(), &guarded.pat),
+                        (holds, &guarded.guard),
+                    )
                 }
             },
             Pat::Paren(inner) => self.pattern_condition(scrutinee, &inner.pat),
@@ -91,7 +95,7 @@ impl<'a> Interpreter<'a, '_> {
                 let mut any = Value::Known(false);
                 for alternative in &alternatives.cases {
                     let fits = self.pattern_condition(scrutinee, alternative).unwrap_or_default();
-                    any = self.combine(false, (any, pattern), (fits, alternative)).unwrap_or_default();
+                    any = self.combine(Junction::Or, (any, pattern), (fits, alternative)).unwrap_or_default();
                 }
                 Some(any)
             }
@@ -106,7 +110,8 @@ impl<'a> Interpreter<'a, '_> {
                     let Some(bound) = bound else { continue };
                     let bound = self.evaluate(bound);
                     let fits = self.relates(scrutinee, operator, bound, pattern).unwrap_or_default();
-                    within = self.combine(true, (within, pattern), (fits, pattern)).unwrap_or_default();
+                    within =
+                        self.combine(Junction::And, (within, pattern), (fits, pattern)).unwrap_or_default();
                 }
                 Some(within)
             }

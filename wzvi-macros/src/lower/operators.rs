@@ -9,7 +9,7 @@ use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::{Kind, is_integer_type, peeled};
 use crate::model::Index;
-use crate::symbolic::{Expr, Rational, Relation};
+use crate::symbolic::{Expr, Junction, Rational, Relation};
 
 /// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so that a
 /// sum of n terms costs n and not n².
@@ -245,34 +245,34 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn logical(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
-        let and = matches!(syntax.op, BinOp::And(_));
+        let junction = if matches!(syntax.op, BinOp::And(_)) { Junction::And } else { Junction::Or };
         let left = self.evaluate(&syntax.left);
         // As in Rust, the right side is not evaluated if the left side decides.
         if let Value::Known(known) = left
-            && known != and
+            && known == (junction == Junction::Or)
         {
             return Some(left);
         }
         let right = self.evaluate(&syntax.right);
-        self.combine(and, (left, &*syntax.left), (right, &*syntax.right))
+        self.combine(junction, (left, &*syntax.left), (right, &*syntax.right))
     }
 
     /// `left && right`, or `left || right`.
     pub(super) fn combine(
         &mut self,
-        and: bool,
+        junction: Junction,
         (left, at_left): (Value, &dyn ToTokens),
         (right, at_right): (Value, &dyn ToTokens),
     ) -> Option<Value> {
+        let decisive = junction == Junction::Or;
         match (left.known()?, right.known()?) {
-            (Value::Known(known), _) if known != and => Some(Value::Known(known)),
+            (Value::Known(known), _) if known == decisive => Some(Value::Known(known)),
             (Value::Known(_), right @ (Value::Known(_) | Value::Condition(_))) => Some(right),
-            (Value::Condition(_), Value::Known(known)) if known != and => Some(Value::Known(known)),
+            (Value::Condition(_), Value::Known(known)) if known == decisive => Some(Value::Known(known)),
             (left @ Value::Condition(_), Value::Known(_)) => Some(left),
-            (Value::Condition(left), Value::Condition(right)) => Some(Value::Condition(match and {
-                true => self.graph.and(left, right),
-                false => self.graph.or(left, right),
-            })),
+            (Value::Condition(left), Value::Condition(right)) => {
+                Some(Value::Condition(self.graph.join(junction, left, right)))
+            }
             (Value::Known(_) | Value::Condition(_), other) => self.mismatch(at_right, "a condition", &other),
             (other, _) => self.mismatch(at_left, "a condition", &other),
         }

@@ -7,7 +7,7 @@
 //! | a thermostat | a flow of its own, beside the steps |
 
 use crate::diagnostics::{Diagnostics, facts as messages};
-use crate::discretise::{Increments, Kinetic, Space, Weighted, unweighted};
+use crate::discretise::{Calculus, Increments, Kinetic, Space, Weighted, unweighted};
 use crate::model::{Element, Friction, Half, System, Term};
 use crate::symbolic::{Expr, Rational};
 
@@ -124,9 +124,9 @@ fn draw(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics)
         false => Some(unweighted(&term.values)),
         true => {
             let (matrix, kinetic) = (unweighted(&term.elements), unweighted(&system.drift.elements));
-            let mut space = Space::of(system);
+            let (space, graph) = (&mut Space::of(system), &mut system.graph);
             let momenta = Half::Momenta;
-            space.contract(&mut system.graph, (&matrix, momenta), (&kinetic, momenta), Increments::Each)
+            Calculus { space, graph }.contract((&matrix, momenta), (&kinetic, momenta), Increments::Each)
         }
     };
     let Some(drawn) = drawn else {

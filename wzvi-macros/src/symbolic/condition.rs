@@ -1,6 +1,6 @@
 //! Constructors of conditions and selections, in canonical form like those of numbers.
 
-use super::{Expr, Function, Graph, Node, Relation, Symbol};
+use super::{Expr, Function, Graph, Junction, Node, Relation, Symbol};
 
 impl Graph {
     pub(crate) fn compare(&mut self, relation: Relation, a: Expr, b: Expr) -> Expr {
@@ -16,21 +16,13 @@ impl Graph {
         }
     }
 
-    pub(crate) fn and(&mut self, a: Expr, b: Expr) -> Expr {
-        match (self.truth(a), self.truth(b)) {
-            (Some(true), _) | (_, Some(false)) => b,
-            (Some(false), _) | (_, Some(true)) => a,
+    pub(crate) fn join(&mut self, junction: Junction, a: Expr, b: Expr) -> Expr {
+        let is_decisive = |truth| truth == (junction == Junction::Or);
+        match [a, b].map(|part| self.truth(part).map(is_decisive)) {
+            [Some(true), _] | [_, Some(false)] => a,
+            [Some(false), _] | [_, Some(true)] => b,
             _ if a == b => a,
-            _ => self.intern(Node::And(a, b)),
-        }
-    }
-
-    pub(crate) fn or(&mut self, a: Expr, b: Expr) -> Expr {
-        match (self.truth(a), self.truth(b)) {
-            (Some(false), _) | (_, Some(true)) => b,
-            (Some(true), _) | (_, Some(false)) => a,
-            _ if a == b => a,
-            _ => self.intern(Node::Or(a, b)),
+            _ => self.intern(Node::Join(junction, a, b)),
         }
     }
 

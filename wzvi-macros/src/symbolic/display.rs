@@ -2,7 +2,7 @@
 //!
 //! Text is generated from the root down with a budget: parts that are too deep or too long are elided as `…`.
 
-use super::{Expr, Function, Graph, Node, Rational};
+use super::{Expr, Function, Graph, Junction, Node, Rational};
 
 const DEPTH: usize = 32;
 const NODES: usize = 300;
@@ -77,13 +77,13 @@ impl Writer<'_> {
                     Binding::Compare,
                 ),
             },
-            Node::And(a, b) => {
-                let [a, b] = [*a, *b].map(|part| self.write(part, depth).within(Binding::And));
-                Text::new(format!("{a} and {b}"), Binding::And)
-            }
-            Node::Or(a, b) => {
-                let [a, b] = [*a, *b].map(|part| self.write(part, depth).within(Binding::Or));
-                Text::new(format!("{a} or {b}"), Binding::Or)
+            Node::Join(junction, a, b) => {
+                let (word, binding) = match junction {
+                    Junction::And => ("and", Binding::And),
+                    Junction::Or => ("or", Binding::Or),
+                };
+                let [a, b] = [*a, *b].map(|part| self.write(part, depth).within(binding));
+                Text::new(format!("{a} {word} {b}"), binding)
             }
         }
     }

@@ -3,7 +3,7 @@
 //! The bound is a forward analysis: an operation `f` of operands with errors `e_i` has the error
 //! `Σ sup|∂_i f| e_i + (its own rounding)`, the supremum taken over the operands' intervals.
 
-use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use super::{Expr, Function, Graph, Junction, Node, Rational, Relation, Symbol};
 
 /// Twice the unit roundoff, so that one `EPSILON` also covers the rounding of the bound itself.
 const EPSILON: f64 = f64::EPSILON;
@@ -116,16 +116,14 @@ pub(super) fn bound_node(
         },
         Node::Compare(relation, a, b) => bound_comparison(*relation, value(*a), value(*b)),
         Node::Not(a) => value(*a).decided().map_or(Bounded::UNDEFINED, |a| Bounded::truth(!a)),
-        Node::And(a, b) => match (value(*a).decided(), value(*b).decided()) {
-            (Some(false), _) | (_, Some(false)) => Bounded::truth(false),
-            (Some(true), Some(true)) => Bounded::truth(true),
-            _ => Bounded::UNDEFINED,
-        },
-        Node::Or(a, b) => match (value(*a).decided(), value(*b).decided()) {
-            (Some(true), _) | (_, Some(true)) => Bounded::truth(true),
-            (Some(false), Some(false)) => Bounded::truth(false),
-            _ => Bounded::UNDEFINED,
-        },
+        Node::Join(junction, a, b) => {
+            let (decisive, both) = (*junction == Junction::Or, [value(*a).decided(), value(*b).decided()]);
+            match both {
+                _ if both.contains(&Some(decisive)) => Bounded::truth(decisive),
+                [Some(_), Some(_)] => Bounded::truth(!decisive),
+                _ => Bounded::UNDEFINED,
+            }
+        }
     }
 }
 

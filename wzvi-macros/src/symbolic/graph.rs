@@ -55,7 +55,14 @@ impl Relation {
     }
 }
 
-/// One node. Real-valued unless it is a `Compare`, `Not`, `And` or `Or`.
+/// Two conditions together.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(crate) enum Junction {
+    And,
+    Or,
+}
+
+/// One node. Real-valued unless it is a `Compare`, `Not` or `Join`.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Node {
     /// An exact number.
@@ -84,8 +91,7 @@ pub(crate) enum Node {
     },
     Compare(Relation, Expr, Expr),
     Not(Expr),
-    And(Expr, Expr),
-    Or(Expr, Expr),
+    Join(Junction, Expr, Expr),
 }
 
 impl Node {
@@ -107,9 +113,7 @@ impl Node {
             &Node::Select { condition, then, otherwise } => {
                 [condition, then, otherwise].into_iter().for_each(visit)
             }
-            &Node::Compare(_, a, b) | &Node::And(a, b) | &Node::Or(a, b) => {
-                [a, b].into_iter().for_each(visit)
-            }
+            &Node::Compare(_, a, b) | &Node::Join(_, a, b) => [a, b].into_iter().for_each(visit),
             &Node::Not(a) => visit(a),
         }
     }

@@ -21,6 +21,6 @@ pub(crate) mod zero;
 
 pub(crate) use display::signed;
 pub(crate) use function::Function;
-pub(crate) use graph::{Expr, Graph, Node, Relation, Symbol};
+pub(crate) use graph::{Expr, Graph, Junction, Node, Relation, Symbol};
 pub(crate) use rational::Rational;
 pub(crate) use zero::{Knowledge, Witness, ZeroTest};

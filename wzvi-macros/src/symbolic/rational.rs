@@ -91,17 +91,7 @@ impl Rational {
 
     pub(crate) fn power(self, exponent: i64) -> Option<Self> {
         let base = if exponent < 0 { self.recip()? } else { self };
-        let (mut square, mut rest, mut result) = (base, exponent.unsigned_abs(), Self::ONE);
-        while rest > 0 {
-            if rest & 1 == 1 {
-                result = result.multiply(square)?;
-            }
-            rest >>= 1;
-            if rest > 0 {
-                square = square.multiply(square)?;
-            }
-        }
-        Some(result)
+        power((Self::ONE, base), exponent.unsigned_abs(), Self::multiply)
     }
 
     /// The exact value of a finite `f64`, if it is representable.
@@ -134,6 +124,25 @@ impl Rational {
             _ => None,
         }
     }
+}
+
+/// `base^exponent` by repeated squaring; `None` if a product is.
+pub(super) fn power<T: Copy>(
+    (one, base): (T, T),
+    exponent: u64,
+    multiply: impl Fn(T, T) -> Option<T>,
+) -> Option<T> {
+    let (mut square, mut rest, mut result) = (base, exponent, one);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result = multiply(result, square)?;
+        }
+        rest >>= 1;
+        if rest > 0 {
+            square = multiply(square, square)?;
+        }
+    }
+    Some(result)
 }
 
 /// The greatest common divisor; 1 of zeros.

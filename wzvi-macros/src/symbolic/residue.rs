@@ -10,6 +10,7 @@
 //! them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has its root in
 //! the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
 
+use super::rational::power;
 use super::{Expr, Function, Graph, Node, Rational};
 
 const PRIMES: [u64; 2] = [(1 << 61) - 1, 2_718_281_828_459_045_287];
@@ -138,17 +139,8 @@ impl Field {
     }
 
     fn power(self, base: Residue, exponent: u64) -> Residue {
-        let (mut square, mut rest, mut result) = (base, exponent, Residue::ONE);
-        while rest > 0 {
-            if rest & 1 == 1 {
-                result = self.multiply(result, square);
-            }
-            rest >>= 1;
-            if rest > 0 {
-                square = self.multiply(square, square);
-            }
-        }
-        result
+        let power = power((Residue::ONE, base), exponent, |a, b| Some(self.multiply(a, b)));
+        power.unwrap_or(Residue::ZERO)
     }
 
     fn recip(self, a: Residue) -> Option<Residue> {
@@ -245,7 +237,7 @@ impl Point<'_> {
             Node::Apply(Function::Sqrt, arguments) => self.root(arguments[0], value(arguments[0])?),
             Node::Apply(function, arguments) => self.function(expr, *function, arguments[0]),
             Node::Select { .. } => Some(self.atom(Atom::Node, expr.index() as u64)),
-            Node::Compare(..) | Node::Not(_) | Node::And(..) | Node::Or(..) => Some(Residue::ZERO),
+            Node::Compare(..) | Node::Not(_) | Node::Join(..) => Some(Residue::ZERO),
         }
     }
 

@@ -9,18 +9,28 @@ impl Graph {
     /// `roots` with every symbol in `by` replaced; shared subexpressions are rebuilt once.
     pub(crate) fn substitute(&mut self, roots: &[Expr], by: &HashMap<Symbol, Expr>) -> Vec<Expr> {
         let replaced = Support::of(by.keys().copied());
-        let mut parts = self.reachable_where(roots, |part| self.support(part).intersects(replaced));
+        let parts = self.reachable_where(roots, |part| self.support(part).intersects(replaced));
+        self.rewritten(roots, parts, |graph, part| by.get(&graph.as_symbol(part)?).copied())
+    }
+
+    /// `roots` with each of `parts` replaced by its image, or else rebuilt from the images of its operands.
+    pub(crate) fn rewritten(
+        &mut self,
+        roots: &[Expr],
+        mut parts: Vec<Expr>,
+        image: impl Fn(&Self, Expr) -> Option<Expr>,
+    ) -> Vec<Expr> {
         parts.sort_unstable();
         let mut images: HashMap<Expr, Expr> = HashMap::with_capacity(parts.len());
-        for expr in parts {
-            let node = self.node(expr).clone();
-            let image = match &node {
-                Node::Symbol(symbol) => by.get(symbol).copied().unwrap_or(expr),
-                node => self.rebuild(node, &|operand| images.get(&operand).copied().unwrap_or(operand)),
-            };
-            images.insert(expr, image);
+        let of = |images: &HashMap<Expr, Expr>, expr| images.get(&expr).copied().unwrap_or(expr);
+        for part in parts {
+            let image = image(self, part).unwrap_or_else(|| {
+                let node = self.node(part).clone();
+                self.rebuild(&node, &|operand| of(&images, operand))
+            });
+            images.insert(part, image);
         }
-        roots.iter().map(|root| images.get(root).copied().unwrap_or(*root)).collect()
+        roots.iter().map(|&root| of(&images, root)).collect()
     }
 
     /// The canonical form of `node` with its operands mapped.
@@ -47,8 +57,7 @@ impl Graph {
             }
             Node::Compare(relation, a, b) => self.compare(*relation, image(*a), image(*b)),
             Node::Not(a) => self.not(image(*a)),
-            Node::And(a, b) => self.and(image(*a), image(*b)),
-            Node::Or(a, b) => self.or(image(*a), image(*b)),
+            Node::Join(junction, a, b) => self.join(*junction, image(*a), image(*b)),
         }
     }
 }

@@ -46,6 +46,12 @@ pub(crate) enum Knowledge {
     Unknown(String),
 }
 
+impl Knowledge {
+    pub(crate) fn is_proven(&self) -> bool {
+        matches!(self, Self::Proven)
+    }
+}
+
 /// Simple numbers first, for readable witnesses.
 const SIMPLE: [f64; 12] = [0.5, 1.0, -0.75, 1.25, 2.0, -0.5, 1.5, 0.25, -1.0, 0.75, 3.0, -1.5];
 const SIMPLE_POINTS: usize = 10;
@@ -62,7 +68,7 @@ impl Graph {
     pub(crate) fn test_zero(&self, expr: Expr) -> ZeroTest {
         match self.node(expr) {
             Node::Number(value) if value.is_zero() => return ZeroTest::Zero,
-            Node::Compare(..) | Node::Not(_) | Node::And(..) | Node::Or(..) => return ZeroTest::Unknown,
+            Node::Compare(..) | Node::Not(_) | Node::Join(..) => return ZeroTest::Unknown,
             _ => {}
         }
         match self.find_witness(expr) {

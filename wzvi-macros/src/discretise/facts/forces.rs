@@ -1,9 +1,9 @@
 //! Forces: the powers that change the energy, the defect of noise forces, commutators.
 
-use super::{all, is_affine, known};
-use crate::discretise::{Increments, Space, Sum, Weighted};
+use super::{all, is_affine};
+use crate::discretise::{Calculus, Increments, Judged, Sum, Weighted};
 use crate::model::Half;
-use crate::symbolic::{Graph, Knowledge, Rational};
+use crate::symbolic::Knowledge;
 
 /// Covectors, as linear functions of displacements.
 pub(super) struct Forces {
@@ -25,39 +25,38 @@ impl Forces {
         self.force.is_empty() && self.friction.is_empty() && self.noise.is_empty()
     }
 
-    /// All forces, with their names.
-    fn named(&self) -> impl Iterator<Item = (String, &Sum)> {
-        let force = Some(("F0".to_owned(), &self.force)).filter(|(_, sum)| !sum.is_empty());
-        let name = if self.is_matrix { "damping" } else { "friction" };
-        let friction = Some((name.to_owned(), &self.friction)).filter(|(_, sum)| !sum.is_empty());
-        let noise = self.numbers.iter().zip(&self.noise);
-        force.into_iter().chain(friction).chain(noise.map(|(number, sum)| (format!("F{number}"), sum)))
+    /// All forces, with what is said of their powers; nothing of a damping matrix, whose product here is with momenta, not
+    /// with velocities.
+    fn named(&self) -> impl Iterator<Item = (Option<String>, &Sum)> {
+        let powers = |number: &str| Some(format!("F{number} · ∂H0/∂p ="));
+        let friction = (!self.is_matrix).then(|| "friction takes from H0 per unit of time:".to_owned());
+        let others = [(powers("0"), &self.force), (friction, &self.friction)];
+        let others = others.into_iter().filter(|(_, sum)| !sum.is_empty());
+        others.chain(self.numbers.iter().map(move |number| powers(number)).zip(&self.noise))
     }
 
     /// `f · ∂H_0/∂p` of each force.
-    pub(super) fn powers(
-        &self,
-        graph: &mut Graph,
-        space: &mut Space,
-        drift: &Sum,
-    ) -> Vec<(String, Option<Sum>)> {
-        self.named().map(|(name, force)| (name, along(graph, space, force, drift))).collect()
+    pub(super) fn powers(&self, sums: &mut Calculus<'_>, drift: &Sum) -> Vec<(Option<String>, Judged)> {
+        let powers = self.named().map(|(name, force)| {
+            let power = along(sums, force, drift);
+            (name, sums.vanishes(power, Increments::Each))
+        });
+        powers.collect()
     }
 
     /// `Σ_k (f_k · ∂/∂p) f_k` of noise forces: with `dp = f(p) ∘ dW`, `p' = p + f(p + (1 - l) (p' - p)) ΔW` is
     /// `p + f ΔW + (1 - l) f' f ΔW²` to the relevant order, whereas the Stratonovich system has `1/2` instead
     /// of `1 - l`.
-    pub(super) fn defect(&self, graph: &mut Graph, space: &mut Space) -> Option<Sum> {
-        let all: Sum = self.noise.concat();
-        let (displaced, momenta) = (Half::Displacements, Half::Momenta);
-        space.contract(graph, (&all, displaced), (&all, momenta), Increments::Diagonal)
+    pub(super) fn defect(&self, sums: &mut Calculus<'_>) -> Judged {
+        let (all, increments) = (self.noise.concat(), Increments::Diagonal);
+        let defect = sums.contract((&all, Half::Displacements), (&all, Half::Momenta), increments);
+        sums.vanishes(defect, increments)
     }
 }
 
 /// `f · ∂F/∂p`
-pub(super) fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function: &Sum) -> Option<Sum> {
-    let (displaced, momenta) = (Half::Displacements, Half::Momenta);
-    space.contract(graph, (force, displaced), (function, momenta), Increments::Each)
+pub(super) fn along(sums: &mut Calculus<'_>, force: &Sum, function: &Sum) -> Option<Sum> {
+    sums.contract((force, Half::Displacements), (function, Half::Momenta), Increments::Each)
 }
 
 /// The commutators of `X_f = f · ∂/∂p`:
@@ -68,37 +67,27 @@ pub(super) fn along(graph: &mut Graph, space: &mut Space, force: &Sum, function:
 /// ```
 ///
 /// The second is known if `H_pp` and `H_pq` vanish.
-pub(super) fn commuting_forces(
-    graph: &mut Graph,
-    space: &mut Space,
-    noise: &[Sum],
-    forces: &[Sum],
-) -> Knowledge {
+pub(super) fn commuting_forces(sums: &mut Calculus<'_>, noise: &[Sum], forces: &[Sum]) -> Knowledge {
     let (q, p, displaced) = (Half::Coordinates, Half::Momenta, Half::Displacements);
     let mut statements = Vec::new();
-    let mut state = |graph: &mut Graph, space: &mut Space, one: Option<Sum>, other: Option<Sum>| {
-        let both = one.zip(other);
-        let difference = both.map(|(one, other)| {
-            space.combine(graph, &[(&one, Rational::ONE), (&other, Rational::MINUS_ONE)])
-        });
-        statements.push(known(&difference, |sum| space.vanishes(graph, sum, Increments::Each)));
+    let mut state = |sums: &mut Calculus<'_>, (f, by_f, and_g): (&Sum, Half, Half), (g, by_g, and_f)| {
+        let one = sums.contract((f, by_f), (g, by_g), Increments::Each);
+        let other = sums.contract((f, and_g), (g, and_f), Increments::Each);
+        let difference = sums.difference(one, other);
+        statements.push(sums.vanishes(difference, Increments::Each).known);
     };
     for (k, first) in forces.iter().enumerate() {
         for second in &forces[..=k] {
-            let one = space.contract(graph, (first, displaced), (second, p), Increments::Each);
-            let other = space.contract(graph, (second, displaced), (first, p), Increments::Each);
-            state(graph, space, one, other);
+            state(sums, (first, displaced, p), (second, p, displaced));
         }
     }
     let mut is_undecided = false;
     for hamiltonian in noise {
         let is_flat =
-            |weighted: &Weighted| !weighted.element.reads().p || is_affine(graph, &weighted.element);
+            |weighted: &Weighted| !weighted.element.reads().p || is_affine(sums.graph, &weighted.element);
         is_undecided |= !forces.is_empty() && !hamiltonian.iter().all(is_flat);
         for force in forces {
-            let one = space.contract(graph, (hamiltonian, p), (force, q), Increments::Each);
-            let other = space.contract(graph, (hamiltonian, q), (force, p), Increments::Each);
-            state(graph, space, one, other);
+            state(sums, (hamiltonian, p, q), (force, q, p));
         }
     }
     if is_undecided {

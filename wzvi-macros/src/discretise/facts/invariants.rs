@@ -1,10 +1,10 @@
 //! First integrals: the rates of a function along the drift, the noises and the forces.
 
 use super::forces::{self, Forces};
-use super::{Form, boundaries_of, kept_across, known};
+use super::{Form, Hamiltonians, boundaries_of, kept_across};
 use crate::diagnostics::Extent;
-use crate::discretise::{Increments, Space, Sum};
-use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
+use crate::discretise::{Calculus, Increments, Judged, Sum};
+use crate::symbolic::{Knowledge, Rational};
 
 /// A declared first integral with its rate of change.
 pub(crate) struct Invariant {
@@ -22,75 +22,75 @@ pub(crate) struct Failure {
     /// The flow along which it changes, with the formula of the rate; or the place
     /// where it jumps.
     pub(crate) along: String,
-    /// The rate; `None` for a jump.
-    pub(crate) rate: Option<Sum>,
-    pub(crate) knowledge: Knowledge,
+    /// Of the rate; a jump has none.
+    pub(crate) found: Judged,
+}
+
+/// What is known of each rate of a function, or jump of it, until one is not proven to vanish.
+struct Rates<'r, 'c> {
+    sums: &'r mut Calculus<'c>,
+    failure: Option<Failure>,
+}
+
+impl Rates<'_, '_> {
+    fn check(&mut self, along: String, rate: impl FnOnce(&mut Calculus<'_>) -> Option<Sum>) {
+        if self.failure.is_none() {
+            let rate = rate(self.sums);
+            let found = self.sums.vanishes(rate, Increments::Each);
+            self.failure = Some(Failure { along, found }).filter(|failure| !failure.found.known.is_proven());
+        }
+    }
+
+    fn state(&mut self, along: String, known: Knowledge) {
+        if self.failure.is_none() && !known.is_proven() {
+            self.failure = Some(Failure { along, found: Judged { sum: None, known } });
+        }
+    }
 }
 
 pub(super) fn invariant(
-    graph: &mut Graph,
-    space: &mut Space,
-    (drift, noise, forces, t): (&Sum, &[(String, &Sum)], &Forces, Symbol),
+    sums: &mut Calculus<'_>,
+    hamiltonians: &Hamiltonians,
     (extent, name, value): (Extent, String, Sum),
 ) -> Invariant {
-    let mut failure = None;
-    let mut check = |graph: &mut Graph, space: &mut Space, along: String, rate: Option<Sum>| {
-        if failure.is_some() {
-            return;
-        }
-        match known(&rate, |sum| space.vanishes(graph, sum, Increments::Each)) {
-            Knowledge::Proven => {}
-            knowledge => failure = Some(Failure { along, rate, knowledge }),
-        }
-    };
-    let (rate, along) = rate_of_drift(graph, space, (drift, forces, t), &value);
-    check(graph, space, along, rate);
-    for (number, hamiltonian) in noise {
-        let rate = space.bracket(graph, hamiltonian, &value);
-        let name = number.trim_start_matches('_');
-        check(graph, space, format!("noise {name}: {{H{number}, F}}"), rate);
+    let Hamiltonians { noise, numbers, forces, t, .. } = hamiltonians;
+    let mut rates = Rates { sums, failure: None };
+    rates.check(along_drift(forces), |sums| rate_of_drift(sums, hamiltonians, &value));
+    let named = |number: &str| number.trim_start_matches('_').to_owned();
+    for (number, hamiltonian) in numbers.iter().zip(noise) {
+        let along = format!("noise {}: {{H{number}, F}}", named(number));
+        rates.check(along, |sums| sums.bracket(hamiltonian, &value));
     }
     for (number, force) in forces.numbers.iter().zip(&forces.noise) {
-        let rate = forces::along(graph, space, force, &value);
-        let name = number.trim_start_matches('_');
-        check(graph, space, format!("noise force {name}: F{number} · ∂F/∂p"), rate);
+        let along = format!("noise force {}: F{number} · ∂F/∂p", named(number));
+        rates.check(along, |sums| forces::along(sums, force, &value));
     }
-    if forces.is_warm && value.iter().any(|weighted| weighted.element.momenta().next().is_some()) {
-        let knowledge =
-            Knowledge::Unknown("a bath with a temperature acts on every momentum with friction".to_owned());
-        failure = failure.or(Some(Failure { along: "the bath".to_owned(), rate: None, knowledge }));
+    if forces.is_warm && value.iter().any(|weighted| weighted.element.reads().p) {
+        let reason = "a bath with a temperature acts on every momentum with friction".to_owned();
+        rates.state("the bath".to_owned(), Knowledge::Unknown(reason));
     }
     // Its derivatives are those of the pieces.
-    for boundary in boundaries_of(graph, &value, t) {
-        if let knowledge @ (Knowledge::Refuted(_) | Knowledge::Unknown(_)) = kept_across("it", &boundary) {
-            let along = format!("motions across {}", boundary.place);
-            failure = failure.or(Some(Failure { along, rate: None, knowledge }));
-        }
+    for boundary in boundaries_of(rates.sums.graph, &value, *t) {
+        rates.state(format!("motions across {}", boundary.place), kept_across("it", &boundary));
     }
-    Invariant { extent, name, form: Form::of(graph, &value), value, failure }
+    let (form, failure) = (Form::of(rates.sums.graph, &value), rates.failure);
+    Invariant { extent, name, form, value, failure }
 }
 
-/// The rate of a function along the drift with its forces, and its formula.
-fn rate_of_drift(
-    graph: &mut Graph,
-    space: &mut Space,
-    (drift, forces, t): (&Sum, &Forces, Symbol),
-    value: &Sum,
-) -> (Option<Sum>, String) {
-    let mut along = "the drift: {H0, F} + ∂F/∂t".to_owned();
-    let mut rates = vec![
-        (space.bracket(graph, drift, value), Rational::ONE),
-        (Some(space.partial(graph, value, t)), Rational::ONE),
+/// The formula of the rate along the drift with its forces.
+fn along_drift(forces: &Forces) -> String {
+    let force = if forces.force.is_empty() { "" } else { " + F0 · ∂F/∂p" };
+    let friction = if forces.friction.is_empty() { "" } else { " less that of the friction" };
+    format!("the drift: {{H0, F}} + ∂F/∂t{force}{friction}")
+}
+
+fn rate_of_drift(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> Option<Sum> {
+    let Hamiltonians { drift, forces: Forces { force, friction, .. }, t, .. } = of;
+    let rates = [
+        (sums.bracket(drift, value)?, Rational::ONE),
+        (sums.partial(value, *t), Rational::ONE),
+        (forces::along(sums, force, value)?, Rational::ONE),
+        (forces::along(sums, friction, value)?, Rational::MINUS_ONE),
     ];
-    if !forces.force.is_empty() {
-        along.push_str(" + F0 · ∂F/∂p");
-        rates.push((forces::along(graph, space, &forces.force, value), Rational::ONE));
-    }
-    if !forces.friction.is_empty() {
-        along.push_str(" less that of the friction");
-        rates.push((forces::along(graph, space, &forces.friction, value), Rational::MINUS_ONE));
-    }
-    let sums = rates.iter().map(|(rate, factor)| Some((rate.as_ref()?, *factor)));
-    let sums: Option<Vec<(&Sum, Rational)>> = sums.collect();
-    (sums.map(|sums| space.combine(graph, &sums)), along)
+    Some(sums.combine(&rates.each_ref().map(|(rate, factor)| (rate, *factor))))
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::solve::{Equation, Placement, solve};
-use super::{Groups, Space, Sum, Weighted, variable};
+use super::{Calculus, Groups, Space, Sum, Weighted, variable};
 use crate::model::{Atom, Element, Half, Index, Loop};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
@@ -17,6 +17,9 @@ pub(crate) enum Increments {
     /// The mean of that over the increments: nonzero only if both belong to one noise.
     Diagonal,
 }
+
+/// A sum, and the half of the phase space by which it is differentiated.
+type By<'s> = (&'s Sum, Half);
 
 /// An element with its loop variables renamed apart from another's, and its slopes.
 struct Factor {
@@ -82,17 +85,12 @@ impl Readers {
     }
 }
 
-impl Space {
+impl Calculus<'_> {
     /// `Σ_s ∂F/∂x_s ∂G/∂y_s` over all slots `s`, for a half of the phase space each; `None` if an index exceeds this
     /// arithmetic.
-    pub(crate) fn contract(
-        &mut self,
-        graph: &mut Graph,
-        (first, by): (&Sum, Half),
-        (second, other): (&Sum, Half),
-        increments: Increments,
-    ) -> Option<Sum> {
-        let beyond = self.beyond();
+    pub(crate) fn contract(&mut self, one: By<'_>, other: By<'_>, increments: Increments) -> Option<Sum> {
+        let ((first, by), (second, other)) = (one, other);
+        let beyond = self.space.beyond();
         let factors =
             |sum: &Sum, shift: u32| sum.iter().map(|w| Factor::new(w, shift)).collect::<Option<Vec<_>>>();
         let (mut first, mut second) = (factors(first, beyond)?, factors(second, 2 * beyond)?);
@@ -103,22 +101,21 @@ impl Space {
             for (x, place) in read {
                 for (number, y, there) in readers.meeting(&place) {
                     let two = &mut second[number];
-                    let (slope, speed) = (one.slope(graph, x), two.slope(graph, y));
-                    if graph.is_zero(slope) || graph.is_zero(speed) {
+                    let (slope, speed) = (one.slope(self.graph, x), two.slope(self.graph, y));
+                    if self.graph.is_zero(slope) || self.graph.is_zero(speed) {
                         continue;
                     }
                     let equation = Equation { difference: place.subtract(&there)?, is_of_slots: true };
-                    self.place(graph, [(one, slope), (two, speed)], equation, increments, &mut groups)?;
+                    self.place([(one, slope), (two, speed)], equation, increments, &mut groups)?;
                 }
             }
         }
-        Some(groups.finish(self, graph))
+        Some(groups.finish(self))
     }
 
     /// Adds the product of two slopes, restricted to the solutions of an equation.
     fn place(
         &mut self,
-        graph: &mut Graph,
         [(one, slope), (two, speed)]: [(&Factor, Expr); 2],
         equation: Equation,
         increments: Increments,
@@ -135,25 +132,27 @@ impl Space {
             && two.element.loops.is_empty()
             && equations.iter().all(|e| e.difference == Index::default())
         {
-            let product = graph.multiply(slope, speed);
+            let product = self.graph.multiply(slope, speed);
             groups.add(Vec::new(), numbers, product, Rational::ONE);
             return Some(());
         }
         let loops = [one.element.loops.as_slice(), &two.element.loops].concat();
-        let Some(placement) = solve(self, loops, equations, 3 * self.beyond())? else {
+        let Self { space, graph } = self;
+        let Some(placement) = solve(space, loops, equations, 3 * space.beyond())? else {
             return Some(());
         };
         // All indices of both, to be moved together.
         let mut placed = Placed { loops: placement.loops.clone(), by: Vec::new() };
-        let numbers = numbers.iter().map(|index| placement.image(self, index)).collect::<Option<Vec<_>>>()?;
-        let read = self.images(&placement, &[one, two])?;
-        placed.settle(self, &read)?;
+        let numbers =
+            numbers.iter().map(|index| placement.image(space, index)).collect::<Option<Vec<_>>>()?;
+        let read = space.images(&placement, &[one, two])?;
+        placed.settle(space, &read)?;
         let mut value = Vec::new();
         for (factor, part) in [(one, slope), (two, speed)] {
             let mut images = HashMap::new();
             for local in &factor.element.locals {
-                let slot = local.slot.map(|index| placed.moved(&placement.image(self, index)?))?;
-                let symbol = self.symbol(graph, &slot);
+                let slot = local.slot.map(|index| placed.moved(&placement.image(space, index)?))?;
+                let symbol = space.symbol(graph, &slot);
                 if symbol != local.symbol {
                     images.insert(local.symbol, graph.symbol(symbol));
                 }
@@ -168,7 +167,9 @@ impl Space {
         groups.add(placed.loops, numbers, product, Rational::ONE);
         Some(())
     }
+}
 
+impl Space {
     /// The indices of the state that the factors read at a placement.
     fn images(&self, placement: &Placement, factors: &[&Factor]) -> Option<Vec<Index>> {
         let halves = [Half::Coordinates, Half::Momenta];

@@ -23,7 +23,7 @@ use std::collections::HashMap;
 use crate::distinct::Distinct;
 use crate::model::index::{Atom, Bounds, Index, Loop};
 use crate::model::{Element, Half, Local, Slot, System, Table};
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
 
 pub(crate) use contract::Increments;
 
@@ -67,8 +67,13 @@ pub(crate) type Sum = Vec<Weighted>;
 
 /// Elements without increments as weights.
 pub(crate) fn unweighted(elements: &[Element]) -> Sum {
-    let weighted = |element: &Element| Weighted { element: element.clone(), increments: Vec::new() };
-    elements.iter().map(weighted).collect()
+    weighted(elements, &[])
+}
+
+/// Elements times the increments of the noises with these numbers.
+pub(crate) fn weighted(elements: &[Element], increments: &[Index]) -> Sum {
+    let weigh = |element: &Element| Weighted { element: element.clone(), increments: increments.to_vec() };
+    elements.iter().map(weigh).collect()
 }
 
 /// The size of the phase space and the variables of its slots: one symbol for each slot.
@@ -145,36 +150,52 @@ impl Space {
         locals.sort_unstable_by_key(|local| local.symbol);
         Element { loops, value, locals }
     }
+}
 
+/// Sums of one space, with the graph of their values.
+pub(crate) struct Calculus<'c> {
+    pub(crate) space: &'c mut Space,
+    pub(crate) graph: &'c mut Graph,
+}
+
+/// A sum, unless an index exceeded the arithmetic of indices, and what is known of it.
+pub(crate) struct Judged {
+    pub(crate) sum: Option<Sum>,
+    pub(crate) known: Knowledge,
+}
+
+impl Calculus<'_> {
     /// `∂F/∂t`
-    pub(crate) fn partial(&self, graph: &mut Graph, sum: &Sum, t: Symbol) -> Sum {
-        let slopes: Sum = sum
-            .iter()
-            .map(|Weighted { element, increments }| {
-                let value = graph.derivative(element.value, t);
-                Weighted { element: Element { value, ..element.clone() }, increments: increments.clone() }
-            })
-            .collect();
-        self.combine(graph, &[(&slopes, Rational::ONE)])
+    pub(crate) fn partial(&mut self, sum: &Sum, t: Symbol) -> Sum {
+        let mut slopes = sum.clone();
+        for Weighted { element, .. } in &mut slopes {
+            element.value = self.graph.derivative(element.value, t);
+        }
+        self.combine(&[(&slopes, Rational::ONE)])
     }
 
     /// `{F, G} = F_p · G_q - F_q · G_p`; `None` if an index is beyond this arithmetic.
-    pub(crate) fn bracket(&mut self, graph: &mut Graph, f: &Sum, g: &Sum) -> Option<Sum> {
+    pub(crate) fn bracket(&mut self, f: &Sum, g: &Sum) -> Option<Sum> {
         let (p, q) = (Half::Momenta, Half::Coordinates);
-        let one = self.contract(graph, (f, p), (g, q), Increments::Each)?;
-        let other = self.contract(graph, (f, q), (g, p), Increments::Each)?;
-        Some(self.combine(graph, &[(&one, Rational::ONE), (&other, Rational::MINUS_ONE)]))
+        let one = self.contract((f, p), (g, q), Increments::Each);
+        let other = self.contract((f, q), (g, p), Increments::Each);
+        self.difference(one, other)
+    }
+
+    /// `None` if one of them is unknown.
+    pub(crate) fn difference(&mut self, one: Option<Sum>, other: Option<Sum>) -> Option<Sum> {
+        Some(self.combine(&[(&one?, Rational::ONE), (&other?, Rational::MINUS_ONE)]))
     }
 
     /// `Σ factor · sum`, with one element for all terms in the same loops.
-    pub(crate) fn combine(&self, graph: &mut Graph, sums: &[(&Sum, Rational)]) -> Sum {
+    pub(crate) fn combine(&mut self, sums: &[(&Sum, Rational)]) -> Sum {
         let mut groups = Groups::default();
         for (sum, factor) in sums {
             for Weighted { element, increments } in *sum {
                 groups.add(element.loops.clone(), increments.clone(), element.value, *factor);
             }
         }
-        groups.finish(self, graph)
+        groups.finish(self)
     }
 }
 
@@ -195,7 +216,7 @@ impl Groups {
         self.0.values[place].values.push((value, factor));
     }
 
-    fn finish(self, space: &Space, graph: &mut Graph) -> Sum {
+    fn finish(self, Calculus { space, graph }: &mut Calculus<'_>) -> Sum {
         let mut sum = Sum::new();
         for Group { loops, increments, values } in self.0.values {
             let value = graph.linear_combination(&values);

@@ -86,7 +86,7 @@ fn check(point: &str, least: usize, drift: &str, noise: &str, expected: &Expecte
             &n,
         );
         let (_, facts) = facts_of(&attribute);
-        let found = [&facts.defect_is_constant, &facts.conserves_energy, &facts.commuting];
+        let found = [&facts.half_defect.known, &facts.energy.is_kept, &facts.commuting];
         let wanted = [expected.consistent, expected.energy, expected.commuting];
         assert_eq!(found.map(verdict), wanted, "{attribute}: {found:?}");
         assert_eq!(facts.noise, expected.noise, "{attribute}");
@@ -160,10 +160,10 @@ fn neighbours_that_do_not_commute() {
         );
         let (_, facts) = facts_of(&attribute);
         assert_eq!(
-            verdict(&facts.defect_is_constant),
+            verdict(&facts.half_defect.known),
             Is::Proven,
             "{attribute}: {:?}",
-            facts.defect_is_constant
+            facts.half_defect.known
         );
         assert_eq!(verdict(&facts.commuting), Is::Refuted, "{attribute}");
     }
@@ -180,12 +180,16 @@ fn integrals(point: &str, least: usize, drift: &str, noise: &str, declared: &[(&
         let attribute = at(&attribute, &state, &n);
         let (mut graph, facts) = facts_of(&attribute);
         for (found, (integral, wanted)) in facts.invariants.iter().zip(declared) {
-            let verdict = found.failure.as_ref().map_or(Is::Proven, |failure| verdict(&failure.knowledge));
+            let verdict = found.failure.as_ref().map_or(Is::Proven, |failure| verdict(&failure.found.known));
             let rate = found.failure.as_ref().map_or_else(String::new, |failure| {
                 format!(
                     "{} {:?}",
-                    facts.space.display(&mut graph, &failure.rate.clone().unwrap_or_default(), Rational::ONE),
-                    failure.knowledge
+                    facts.space.display(
+                        &mut graph,
+                        &failure.found.sum.clone().unwrap_or_default(),
+                        Rational::ONE
+                    ),
+                    failure.found.known
                 )
             });
             assert_eq!(verdict, *wanted, "{integral} of {attribute}: {rate}");
@@ -270,7 +274,7 @@ fn what_fails_at_a_small_size_only_is_refuted_where_the_size_is_free() {
             "self.sites" => Is::Unknown,
             _ => Is::Proven,
         };
-        assert_eq!(verdict(&facts.defect_is_constant), wanted, "{attribute}: {:?}", facts.defect_is_constant);
+        assert_eq!(verdict(&facts.half_defect.known), wanted, "{attribute}: {:?}", facts.half_defect.known);
     }
 }
 
@@ -280,7 +284,7 @@ fn what_only_the_running_program_knows_is_unknown_or_refuted() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
         noise = [|q, p, k| q[bonds[k].0] * p[bonds[k].1]; self.bonds.len()], embedding = Midpoint";
     let (_, facts) = facts_of(attribute);
-    assert_ne!(verdict(&facts.defect_is_constant), Is::Proven);
+    assert_ne!(verdict(&facts.half_defect.known), Is::Proven);
     assert_ne!(verdict(&facts.commuting), Is::Proven);
 }
 
@@ -289,6 +293,6 @@ fn the_defect_is_printed_in_indices() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \
         noise = [|q, p, k| sigma * q[k] * p[k]; self.sites], embedding = Midpoint";
     let (mut graph, facts) = facts_of(attribute);
-    let defect = facts.defect(&mut graph, &facts.half_defect_sum, Rational::ZERO);
+    let defect = facts.defect(&mut graph, &facts.half_defect, Rational::ZERO);
     assert_eq!(defect, "Σ_(i=0..sites - 1) [sigma² q[i] p[i]/2]");
 }

@@ -9,9 +9,9 @@
 use std::collections::HashMap;
 
 use super::instance::{NotWritten, Numbers, Site};
-use super::{Increments, Space, Sum, Weighted};
+use super::{Calculus, Increments, Judged, Sum, Weighted};
 use crate::model::{Element, Half, Index, Local, Slot};
-use crate::symbolic::{Expr, Graph, Knowledge, Symbol, Witness, ZeroTest};
+use crate::symbolic::{Expr, Knowledge, Symbol, Witness, ZeroTest};
 
 /// The sizes searched for a witness: the first few that the indices allow.
 const TRIED: [i128; 6] = [3, 4, 5, 8, 16, 32];
@@ -23,27 +23,34 @@ enum Question {
     Constant,
 }
 
-impl Space {
+impl Calculus<'_> {
     /// Whether the sum is zero for all values of the increments.
-    pub(crate) fn vanishes(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments) -> Knowledge {
-        Judge { space: self, graph, increments, question: Question::Zero }.decide(sum)
+    pub(crate) fn vanishes(&mut self, sum: Option<Sum>, increments: Increments) -> Judged {
+        self.judged(sum, increments, Question::Zero)
     }
 
     /// Whether the sum is independent of the state for all values of the increments.
-    pub(crate) fn is_constant(&mut self, graph: &mut Graph, sum: &Sum, increments: Increments) -> Knowledge {
-        Judge { space: self, graph, increments, question: Question::Constant }.decide(sum)
+    pub(crate) fn is_constant(&mut self, sum: Option<Sum>, increments: Increments) -> Judged {
+        self.judged(sum, increments, Question::Constant)
+    }
+
+    fn judged(&mut self, sum: Option<Sum>, increments: Increments, question: Question) -> Judged {
+        let known = match &sum {
+            Some(sum) => Judge { sums: self, increments, question }.decide(sum),
+            None => Knowledge::Unknown("its indices exceed 128 bits".to_owned()),
+        };
+        Judged { sum, known }
     }
 }
 
 /// One question about sums of one space.
-struct Judge<'j> {
-    space: &'j mut Space,
-    graph: &'j mut Graph,
+struct Judge<'j, 'c> {
+    sums: &'j mut Calculus<'c>,
     increments: Increments,
     question: Question,
 }
 
-impl Judge<'_> {
+impl Judge<'_, '_> {
     fn decide(&mut self, sum: &Sum) -> Knowledge {
         let (mut left, mut verdicts) = (Sum::new(), Vec::new());
         for weighted in sum {
@@ -61,7 +68,7 @@ impl Judge<'_> {
             let refuted = verdicts.into_iter().find(|verdict| matches!(verdict, ZeroTest::Nonzero(_)));
             return refuted.unwrap_or(ZeroTest::Unknown).known();
         }
-        match self.space.size.as_integer() {
+        match self.sums.space.size.as_integer() {
             Some(size) => self.decide_at(&left, size),
             None => self.decide_for_all(&left),
         }
@@ -85,10 +92,10 @@ impl Judge<'_> {
 
     /// Whether the statement holds for this size because it holds for all sizes from a smaller one on.
     fn holds_in_general(&mut self, sum: &Sum, size: i128) -> Option<bool> {
-        let (mut space, general) = self.space.generalised(sum, size)?;
+        let (mut space, general) = self.sums.space.generalised(sum, size)?;
         let first = space.deciding_size(&general).filter(|&first| first < size)?;
-        let Self { graph, increments, question, .. } = self;
-        let mut judge = Judge { space: &mut space, graph, increments: *increments, question: *question };
+        let mut sums = Calculus { space: &mut space, graph: self.sums.graph };
+        let mut judge = Judge { sums: &mut sums, increments: self.increments, question: self.question };
         let mut holds = |size| matches!(judge.instance(&general, size, Numbers::Free), Ok(ZeroTest::Zero));
         Some(holds(first) && holds(first + 1))
     }
@@ -120,7 +127,7 @@ impl Judge<'_> {
 
     /// For all sizes, from the sizes that decide the others.
     fn decide_by_few(&mut self, sum: &Sum) -> Option<Knowledge> {
-        let first = self.space.deciding_size(sum)?;
+        let first = self.sums.space.deciding_size(sum)?;
         for size in 1..=first + 1 {
             match self.instance(sum, size, Numbers::Free) {
                 Ok(ZeroTest::Zero) => {}
@@ -140,7 +147,7 @@ impl Judge<'_> {
     /// A slope of the sum, after `depth` derivatives, that is not zero.
     fn slope_that_does_not_vanish(&mut self, sum: &Sum, size: i128, depth: usize) -> Option<Witness> {
         let question = std::mem::replace(&mut self.question, Question::Zero);
-        let components = self.space.components;
+        let components = self.sums.space.components;
         let places = [0, 1, size / 2, size - 1].into_iter().flat_map(|point| {
             let component = (0..components.min(3)).map(move |component| point * components + component);
             component.flat_map(|place| [Half::Coordinates, Half::Momenta].map(|half| (half, place)))
@@ -166,25 +173,26 @@ impl Judge<'_> {
     /// The derivative by one component of the state.
     fn slope(&mut self, sum: &Sum, half: Half, index: Index) -> Option<Sum> {
         let slot = Slot::State(half, index);
-        let symbol = self.space.symbol(self.graph, &slot);
-        let value = self.graph.symbol(symbol);
+        let symbol = self.sums.space.symbol(self.sums.graph, &slot);
+        let value = self.sums.graph.symbol(symbol);
         let element = Element { loops: Vec::new(), value, locals: vec![Local { symbol, slot }] };
         let unit = vec![Weighted { element, increments: Vec::new() }];
-        self.space.contract(self.graph, (sum, half), (&unit, half), Increments::Each)
+        self.sums.contract((sum, half), (&unit, half), Increments::Each)
     }
 
     fn instance(&mut self, sum: &Sum, size: i128, numbers: Numbers) -> Result<ZeroTest, NotWritten> {
-        let mut site = Site::new(self.space, size, numbers, self.increments);
-        let mut value = site.value(self.graph, sum, false)?;
+        let Calculus { space, graph } = &mut *self.sums;
+        let mut site = Site::new(space, size, numbers, self.increments);
+        let mut value = site.value(graph, sum, false)?;
         if self.question == Question::Constant {
-            let other = site.value(self.graph, sum, true)?;
-            value = self.graph.subtract(value, other);
+            let other = site.value(graph, sum, true)?;
+            value = graph.subtract(value, other);
         }
-        Ok(self.graph.test_zero(value))
+        Ok(graph.test_zero(value))
     }
 
     fn test_element(&mut self, element: &Element) -> ZeroTest {
-        let (graph, mut value) = (&mut *self.graph, element.value);
+        let (graph, mut value) = (&mut *self.sums.graph, element.value);
         if self.question == Question::Constant {
             let other = element.state().into_iter().map(|symbol| {
                 let other = graph.new_symbol(format!("{}'", graph.symbol_name(symbol)));

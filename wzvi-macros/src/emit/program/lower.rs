@@ -251,8 +251,7 @@ impl<'a> Lowering<'a> {
                 self.program.push(Operation::Select(at(condition), at(then), at(otherwise)))
             }
             Node::Compare(relation, a, b) => self.program.push(Operation::Compare(relation, at(a), at(b))),
-            Node::And(a, b) => self.program.push(Operation::And(at(a), at(b))),
-            Node::Or(a, b) => self.program.push(Operation::Or(at(a), at(b))),
+            Node::Join(junction, a, b) => self.program.push(Operation::Join(junction, at(a), at(b))),
             Node::Not(a) => self.program.push(Operation::Not(at(a))),
         }
     }

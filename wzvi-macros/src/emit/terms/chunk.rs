@@ -16,16 +16,17 @@ mod stores;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use motion::{Motion, moves, wrap};
+use motion::Motion;
 use nest::{Nest, Places};
 
-pub(super) use beside::{Beside, gathers, lists};
-pub(super) use motion::stretch;
+pub(super) use beside::{gathers, lists};
+pub(super) use motion::Pass;
+
 pub(super) use rows::partners;
 
 use super::Wanted;
-use super::indices::{Indices, variable};
-use super::kernel::{Target, written};
+use super::indices::{Indices, OpenList, variable};
+use super::kernel::{Arithmetic, Target, written};
 use crate::diagnostics::Promised;
 use crate::emit::count;
 use crate::model::{Element, Half, Index, Local, Slot};
@@ -33,23 +34,24 @@ use crate::symbolic::Expr;
 use crate::tokens::mentions;
 
 /// The innermost loop.
+#[derive(Clone)]
 pub(super) struct Chunk<'a> {
     pub(super) indices: Indices<'a>,
     pub(super) element: &'a Element,
-    /// The variable of the innermost loop, its start and its end.
-    pub(super) inner: Option<(u32, [TokenStream; 2])>,
+    pub(super) pass: Pass,
+    /// The start and the end of the innermost loop, if there is one.
+    pub(super) range: Option<[TokenStream; 2]>,
     /// Its start, unless it depends on the active noises.
     pub(super) start: Option<Index>,
     pub(super) outputs: &'a [(Expr, Target)],
-    /// The names of the local variables.
-    pub(super) locals: &'a [Ident],
-    /// Components of a point.
-    pub(super) components: i128,
+    pub(super) arithmetic: &'a Arithmetic,
+    /// The weight of a placement, where each has its own.
+    pub(super) weight: &'a TokenStream,
     /// Whether the loop is restricted to wanted places.
     pub(super) has_windows: bool,
     pub(super) wanted: Wanted,
-    /// Set if placements that are not adjacent in the state are evaluated in lanes.
-    pub(super) beside: Option<Beside<'a>>,
+    /// What [`lists`] found, if placements that are not adjacent in the state are evaluated in lanes.
+    pub(super) beside: Option<&'a [OpenList]>,
 }
 
 /// The loop during assembly.
@@ -83,6 +85,8 @@ struct Code {
     has_buffers: bool,
     /// Outputs of slices, in the order in which they are added.
     added: Vec<usize>,
+    /// The outputs of a placement.
+    values: Vec<TokenStream>,
 }
 
 /// A stretch of a list, from the place `index` on.
@@ -101,17 +105,18 @@ pub(super) struct Emitted {
 }
 
 impl Chunk<'_> {
-    pub(super) fn emit(&self, inside: &TokenStream, values: &[TokenStream]) -> Emitted {
-        let Some((inner, [start, end])) = &self.inner else {
-            return Emitted { body: self.single(inside, values), ..Emitted::default() };
+    pub(super) fn emit(&self) -> Emitted {
+        let Some([start, end]) = &self.range else {
+            return Emitted { body: self.single(), ..Emitted::default() };
         };
-        let (inner, name) = (*inner, variable(*inner));
+        let (name, Arithmetic { inside, values, .. }) = (variable(self.pass.variable), self.arithmetic);
         let mut code = Code::default();
-        for (k, local) in self.read_locals(inside, values) {
-            self.open(&mut code, inner, k, local);
+        for (k, local) in self.read_locals() {
+            self.open(&mut code, k, local);
         }
-        let block = self.beside.as_ref().map(|beside| self.beside(inner, beside, inside, values));
-        self.store(&mut code, inner, block.as_ref().map_or(values, |block| &block.values));
+        let block = self.beside.map(|lists| self.beside(lists));
+        code.values.clone_from(block.as_ref().map_or(values, |block| &block.values));
+        self.store(&mut code);
         let place_in = |body: &TokenStream| {
             mentions(body, &name.to_string()).then(|| quote!(let #name = #name + __place as __wzvi::isize;))
         };
@@ -119,7 +124,8 @@ impl Chunk<'_> {
         let each = match &block {
             Some(block) => block.over_chunk(&place_in, reads, stores),
             None => {
-                let body = quote!(#reads #inside #stores);
+                let weight = self.weight;
+                let body = quote!(#reads #weight #inside #stores);
                 let place = place_in(&body);
                 quote! {
                     for __place in 0..__len {
@@ -140,19 +146,19 @@ impl Chunk<'_> {
         };
         let buffers = &code.buffers;
         let buffers = quote!(#items #buffers);
-        let (places, sums) = (self.places(inner), written(self.outputs));
+        let (places, sums) = (self.places(), written(self.outputs));
         let nest = Nest { indices: self.indices, name, start, end, code: &code, chunk, places, sums };
         Emitted { buffers, body: nest.emit(), ..Emitted::default() }
     }
 
-    fn places(&self, inner: u32) -> Option<Places> {
+    fn places(&self) -> Option<Places> {
         if self.wanted != Wanted::Slopes {
             return None;
         }
         let (mut strides, mut bases): (Vec<i128>, Vec<Index>) = (Vec::new(), Vec::new());
         for (_, target) in self.outputs {
             let Target::Slope { index, .. } = target else { return None };
-            let (stride, base) = stretch(index, inner, self.components)?;
+            let (stride, base) = self.pass.stretch(index)?;
             if !bases.contains(&base) {
                 bases.push(base);
             }
@@ -168,7 +174,8 @@ impl Chunk<'_> {
         };
         let is_safe = bases.iter().all(Index::is_affine);
         let start = self.start.as_ref().filter(|_| is_safe);
-        let at_start = start.and_then(|start| bases.iter().map(|base| base.with(inner, start)).collect());
+        let at_start =
+            start.and_then(|start| bases.iter().map(|base| base.with(self.pass.variable, start)).collect());
         Some(Places {
             stride: Literal::i128_unsuffixed(stride),
             at: all(&bases),
@@ -178,22 +185,24 @@ impl Chunk<'_> {
     }
 
     /// The local variables that the arithmetic reads, with their numbers.
-    fn read_locals<'s>(&'s self, inside: &TokenStream, values: &[TokenStream]) -> Vec<(usize, &'s Local)> {
+    fn read_locals(&self) -> Vec<(usize, &Local)> {
+        let Arithmetic { inside, values, locals, .. } = self.arithmetic;
         let is_read = |name: &Ident| {
             let name = name.to_string();
             mentions(inside, &name) || values.iter().any(|value| mentions(value, &name))
         };
-        self.element.locals.iter().enumerate().filter(|(k, _)| is_read(&self.locals[*k])).collect()
+        self.element.locals.iter().enumerate().filter(|(k, _)| is_read(&locals[*k])).collect()
     }
 
     /// An element without loops, skipped if it adds to nothing.
-    fn single(&self, inside: &TokenStream, values: &[TokenStream]) -> TokenStream {
+    fn single(&self) -> TokenStream {
         let mut statements = TokenStream::new();
-        for (k, local) in self.read_locals(inside, values) {
-            let (own, value) = (&self.locals[k], self.read(self.indices, &local.slot));
+        let Arithmetic { inside, values, locals, .. } = self.arithmetic;
+        for (k, local) in self.read_locals() {
+            let (own, value) = (&locals[k], self.read(self.indices, &local.slot));
             statements.extend(quote!(let #own = #value;));
         }
-        statements.extend(inside.clone());
+        statements.extend([self.weight, inside].map(TokenStream::clone));
         for ((_, target), value) in self.outputs.iter().zip(values) {
             statements.extend(self.add(self.indices, target, value));
         }
@@ -215,10 +224,10 @@ impl Chunk<'_> {
     }
 
     /// The read of a local variable.
-    fn open(&self, code: &mut Code, inner: u32, k: usize, local: &Local) {
-        let own = &self.locals[k];
+    fn open(&self, code: &mut Code, k: usize, local: &Local) {
+        let own = &self.arithmetic.locals[k];
         let list = self.list(&local.slot);
-        match self.motion(&local.slot, inner) {
+        match self.motion(&local.slot) {
             Motion::Fixed => {
                 let value = self.read(self.indices, &local.slot);
                 code.before.extend(quote!(let #own = #value;));
@@ -226,7 +235,7 @@ impl Chunk<'_> {
             Motion::Run => {
                 let (slice, index) = (format_ident!("__s{k}"), slot_index(&local.slot));
                 let first = self.first(code, &index, 1);
-                self.limit(code, &index, inner);
+                self.limit(code, &index);
                 code.opening.extend(quote!(let #slice = &#list[#first..#first + __len];));
                 let entry = quote!(#slice[__place]);
                 let value = match &local.slot {
@@ -236,7 +245,7 @@ impl Chunk<'_> {
                 code.reads.extend(quote!(let #own = #value;));
             }
             Motion::Points { base, part } => {
-                let (points, part) = (self.points(code, inner, &list, &base, false), count(part));
+                let (points, part) = (self.points(code, &list, &base, false), count(part));
                 let value = self.wanted.lifted(quote!(#points[__place][#part]));
                 code.reads.extend(quote!(let #own = #value;));
             }
@@ -248,22 +257,15 @@ impl Chunk<'_> {
     }
 
     /// The name of the points of `list` from `base` on.
-    fn points(
-        &self,
-        code: &mut Code,
-        inner: u32,
-        list: &TokenStream,
-        base: &Index,
-        is_written: bool,
-    ) -> Ident {
+    fn points(&self, code: &mut Code, list: &TokenStream, base: &Index, is_written: bool) -> Ident {
         let key = list.to_string();
         if let Some((.., name)) = code.points.iter().find(|(known, at, _)| *known == key && at == base) {
             return name.clone();
         }
-        self.limit(code, base, inner);
+        self.limit(code, base);
         let name = format_ident!("__points{}", code.points.len());
         let (at, components) =
-            (self.first(code, base, self.components), Literal::i128_unsuffixed(self.components));
+            (self.first(code, base, self.pass.components), Literal::i128_unsuffixed(self.pass.components));
         code.opening.extend(match is_written {
             false => quote! {
                 let #name = &#list[#at..#at + #components * __len].as_chunks::<#components>().0[..__len];
@@ -289,9 +291,8 @@ impl Chunk<'_> {
     }
 
     /// A chunk ends where an index wraps around.
-    fn limit(&self, code: &mut Code, index: &Index, inner: u32) {
-        let both = wrap(index, inner, 1).or_else(|| wrap(index, inner, self.components));
-        let Some(both) = both.filter(|_| !code.limited.contains(index)) else { return };
+    fn limit(&self, code: &mut Code, index: &Index) {
+        let Some(both) = self.pass.wraps(index).filter(|_| !code.limited.contains(index)) else { return };
         code.limited.push(index.clone());
         let (at, size) = (self.indices.value(&both.0), self.indices.value(&both.1));
         code.limits.extend(quote! {
@@ -299,10 +300,10 @@ impl Chunk<'_> {
         });
     }
 
-    fn motion(&self, slot: &Slot, inner: u32) -> Motion {
+    fn motion(&self, slot: &Slot) -> Motion {
         // Parts of lists are open if placements are evaluated in lanes.
-        let is_open = |index: &Index| self.beside.is_some() && index.slope(inner) == Some(1);
-        match (moves(slot, inner, self.components), slot) {
+        let is_open = |index: &Index| self.beside.is_some() && index.slope(self.pass.variable) == Some(1);
+        match (self.pass.moves(slot), slot) {
             (Motion::Run, Slot::Entry(table, indices))
                 if indices.iter().any(is_open) || !self.indices.is_plain(*table) =>
             {
@@ -328,8 +329,7 @@ impl Chunk<'_> {
 
     /// The indices in the loop over placements.
     fn in_loop(&self) -> Indices<'_> {
-        let lists = self.beside.as_ref().map_or(&[][..], |beside| beside.lists);
-        Indices { lists, ..self.indices }
+        Indices { lists: self.beside.unwrap_or_default(), ..self.indices }
     }
 
     fn read(&self, indices: Indices<'_>, slot: &Slot) -> TokenStream {

@@ -6,7 +6,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::Wanted;
-use super::chunk::{Beside, Chunk, Emitted, gathers, lists, partners};
+use super::chunk::{Chunk, Emitted, Pass, gathers, lists, partners};
 use super::indices::{Indices, variable};
 use super::weighted::{Nests, Outputs, Weight};
 use crate::diagnostics::Promised;
@@ -38,16 +38,16 @@ impl Target {
 }
 
 /// The arithmetic of one placement of an element.
-struct Arithmetic {
+pub(super) struct Arithmetic {
     /// Values independent of the state, computed before the loops.
     before: TokenStream,
-    inside: TokenStream,
+    pub(super) inside: TokenStream,
     /// One for each output.
-    values: Vec<TokenStream>,
+    pub(super) values: Vec<TokenStream>,
     /// The names of the local variables.
-    locals: Vec<Ident>,
+    pub(super) locals: Vec<Ident>,
     /// Names of numbers that no loop changes.
-    constants: Vec<Ident>,
+    pub(super) constants: Vec<Ident>,
 }
 
 impl Nests<'_> {
@@ -118,64 +118,25 @@ impl Nests<'_> {
         weighted: &Weighted,
         weight: Weight<'_>,
         outputs: &[(Expr, Target)],
-        Arithmetic { before, inside, values, locals, constants }: &Arithmetic,
+        arithmetic: &Arithmetic,
     ) -> TokenStream {
-        let Weighted { element, increments } = weighted;
-        let (wanted, System { graph, tables, components, .. }) = (self.wanted, &*self.model);
-        let indices = Indices::unchecked(tables);
-        let (inner, outer) = match element.loops.split_last() {
-            Some((inner, outer)) => (Some(inner), outer),
-            None => (None, &[][..]),
-        };
+        let loops = &weighted.element.loops;
         // If the innermost loop runs over the members of a family, its increments change with
         // the loop.
-        let is_own = |inner: &Loop| increments.iter().any(|number| number.loops().contains(&inner.variable));
+        let is_own = |inner: &Loop| weighted.increments.iter().any(|k| k.loops().contains(&inner.variable));
         let bound = weight.map(|(_, weight)| quote!(let __factor = #weight;));
         let (fixed_weight, own_weight) =
-            if inner.is_some_and(is_own) { (None, bound) } else { (bound, None) };
-        let own_weight = quote!(#own_weight);
-        let acting = if wanted == Wanted::Curvature { None } else { family_of(weighted) };
-        let range_of = |known: &Loop| match acting {
-            Some(family) if family == known.variable => {
-                let range = [indices.value(&known.start), indices.value(&known.end)];
-                acting_members(&indices, weighted, family, range)
-            }
-            _ => [indices.sum(&known.start), indices.sum(&known.end)],
-        };
-        let is_of_slopes = wanted == Wanted::Slopes;
-        let pairs = if is_of_slopes { partners(weighted, &indices, *components) } else { None };
-        let is_gathered = is_of_slopes && pairs.is_none() && gathers(graph, element, *components);
-        let lists = if is_gathered { lists(element, tables) } else { Vec::new() };
-        let beside = is_gathered.then_some(Beside { constants, weight: &own_weight, lists: &lists });
-        let mut chunk = Chunk {
-            indices,
-            element,
-            inner: inner.map(|known| (known.variable, range_of(known))),
-            start: inner.filter(|known| acting != Some(known.variable)).map(|known| known.start.clone()),
-            outputs,
-            locals,
-            components: *components,
-            has_windows: self.model.degrees_in_straight_lines().is_none(),
-            wanted,
-            beside,
-        };
-        let Emitted { buffers, body, after } = match pairs {
-            Some(first) => chunk.row(&first, constants, inside, values),
-            None if is_gathered => {
-                let beside = chunk.emit(inside, values);
-                chunk.beside = None;
-                let one_by_one = chunk.emit(&quote!(#own_weight #inside), values);
-                either(&chunk, &written(outputs), beside, &one_by_one.body)
-            }
-            None => chunk.emit(&quote!(#own_weight #inside), values),
-        };
+            if loops.last().is_some_and(is_own) { (None, bound) } else { (bound, None) };
+        let Emitted { buffers, body, after } =
+            self.innermost(weighted, &quote!(#own_weight), outputs, arithmetic);
+        let outer = loops.split_last().map_or(&[][..], |(_, outer)| outer);
         let mut nest = quote! { #fixed_weight #body };
         for (depth, known) in outer.iter().enumerate().rev() {
-            let (name, [start, end]) = (variable(known.variable), range_of(known));
+            let (name, [start, end]) = (variable(known.variable), self.range_of(weighted, known));
             // Literals alone have no type.
-            let is_typed = !known.start.terms.is_empty() || acting == Some(known.variable);
+            let is_typed = !known.start.terms.is_empty() || self.is_acting(weighted, known);
             let start = if is_typed { start } else { quote!(#start as __wzvi::isize) };
-            let range = match (depth, is_of_slopes) {
+            let range = match (depth, self.wanted == Wanted::Slopes) {
                 (0, true) => {
                     let (number, sums) = (count(known.variable as usize), written(outputs));
                     quote!(#sums.outer(#number, #start..#end))
@@ -188,22 +149,84 @@ impl Nests<'_> {
                 }
             };
         }
+        let before = &arithmetic.before;
         quote!(#before #buffers #nest #after)
     }
-}
 
-/// A loop whose placements are evaluated in blocks if the sums allow it, else one by one.
-fn either(chunk: &Chunk<'_>, sums: &TokenStream, beside: Emitted, one_by_one: &TokenStream) -> Emitted {
-    let (_, [start, end]) = chunk.inner.clone().promised("what is gathered has a loop");
-    let Emitted { buffers, body, after } = beside;
-    let body = quote! {
-        if #sums.gathers(#start, #end) {
-            #body
-        } else {
-            #one_by_one
+    /// The innermost loop: in rows of pairs, in lanes of gathered placements where the sums allow it, or in chunks.
+    fn innermost(
+        &self,
+        weighted: &Weighted,
+        weight: &TokenStream,
+        outputs: &[(Expr, Target)],
+        arithmetic: &Arithmetic,
+    ) -> Emitted {
+        let (element, System { graph, tables, components, .. }) = (&weighted.element, &*self.model);
+        let (inner, indices) = (element.loops.last(), Indices::unchecked(tables));
+        let pass = Pass { variable: inner.map_or(u32::MAX, |known| known.variable), components: *components };
+        let fixed = inner.filter(|known| !self.is_acting(weighted, known));
+        let chunk = Chunk {
+            indices,
+            element,
+            pass,
+            range: inner.map(|known| self.range_of(weighted, known)),
+            start: fixed.map(|known| known.start.clone()),
+            outputs,
+            arithmetic,
+            weight,
+            has_windows: self.model.degrees_in_straight_lines().is_none(),
+            wanted: self.wanted,
+            beside: None,
+        };
+        if self.wanted != Wanted::Slopes {
+            return chunk.emit();
         }
-    };
-    Emitted { buffers, body, after }
+        if let Some(first) = partners(weighted, &indices, *components) {
+            return chunk.row(&first);
+        }
+        match &chunk.range {
+            Some([start, end]) if gathers(graph, element, *components) => {
+                let (one_by_one, sums) = (chunk.emit().body, written(outputs));
+                let beside = Chunk { beside: Some(&lists(element, tables)), ..chunk.clone() };
+                let Emitted { buffers, body, after } = beside.emit();
+                let body = quote! {
+                    if #sums.gathers(#start, #end) {
+                        #body
+                    } else {
+                        #one_by_one
+                    }
+                };
+                Emitted { buffers, body, after }
+            }
+            _ => chunk.emit(),
+        }
+    }
+
+    /// Whether a loop runs over the active members of a family of noises.
+    fn is_acting(&self, weighted: &Weighted, known: &Loop) -> bool {
+        self.wanted != Wanted::Curvature && family_of(weighted) == Some(known.variable)
+    }
+
+    /// The start and the end of a loop.
+    fn range_of(&self, weighted: &Weighted, known: &Loop) -> [TokenStream; 2] {
+        let indices = Indices::unchecked(&self.model.tables);
+        if !self.is_acting(weighted, known) {
+            return [indices.sum(&known.start), indices.sum(&known.end)];
+        }
+        let [start, end] = [indices.value(&known.start), indices.value(&known.end)];
+        let number = weighted.increments.first().cloned().unwrap_or_default();
+        let before = number.subtract(&Index::atom(Atom::Loop(known.variable)));
+        let before = before.promised("the number of a member is an offset and its own number");
+        let own = |number: TokenStream| match before == Index::default() {
+            true => quote!(#number as __wzvi::isize),
+            false => {
+                let before = indices.value(&before);
+                quote!(#number as __wzvi::isize - #before)
+            }
+        };
+        let (first, last) = (own(quote!(__at.acting.start)), own(quote!(__at.acting.end)));
+        [quote!(__wzvi::Ord::max(#start, #first)), quote!(__wzvi::Ord::min(#end, #last))]
+    }
 }
 
 /// The vector of slopes that an element adds to; either, if it adds to both.
@@ -213,26 +236,4 @@ pub(super) fn written(outputs: &[(Expr, Target)]) -> TokenStream {
         Target::Value { .. } | Target::Total | Target::Curvature { .. } => None,
     });
     vector.unwrap_or_default()
-}
-
-/// The active members of a family.
-fn acting_members(
-    indices: &Indices<'_>,
-    weighted: &Weighted,
-    family: u32,
-    [start, end]: [TokenStream; 2],
-) -> [TokenStream; 2] {
-    let number = weighted.increments.first().cloned().unwrap_or_default();
-    let before = number.subtract(&Index::atom(Atom::Loop(family)));
-    let before = before.promised("the number of a member is an offset and its own number");
-    let own = |number: TokenStream| {
-        let number = quote!(#number as __wzvi::isize);
-        if before == Index::default() {
-            return number;
-        }
-        let before = indices.value(&before);
-        quote!(#number - #before)
-    };
-    let (first, last) = (own(quote!(__at.acting.start)), own(quote!(__at.acting.end)));
-    [quote!(__wzvi::Ord::max(#start, #first)), quote!(__wzvi::Ord::min(#end, #last))]
 }

@@ -3,12 +3,12 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::chunk::{gathers, partners, stretch};
+use super::chunk::{Pass, gathers, partners};
 use super::indices::Indices;
 use crate::discretise::{PartElements, unweighted};
 use crate::emit::plan::degrees;
 use crate::input::Shape;
-use crate::model::{Atom, Element, Index, Reads, System};
+use crate::model::{Atom, Element, Index, Loop, Reads, System};
 use crate::symbolic::{Expr, Function, Node, Symbol};
 
 /// All elements that slopes are taken of.
@@ -33,10 +33,11 @@ pub(super) fn are_there(model: &mut System, parts: &[PartElements]) -> Option<To
 /// Whether elements that read coordinates add to adjacent places or points, and those that read momenta read one place or point
 /// each and add to it.
 fn have_runs(model: &System, parts: &[PartElements]) -> bool {
+    let pass = |inner: &Loop| Pass { variable: inner.variable, components: model.components };
     // The places of placements, if they are adjacent.
     let stretch_of = |element: &Element, index: &Index| match element.loops.last() {
         None => Some((0, index.clone())),
-        Some(inner) => stretch(index, inner.variable, model.components),
+        Some(inner) => pass(inner).stretch(index),
     };
     if model.conformal.is_some() {
         return false;
@@ -99,7 +100,8 @@ pub(super) fn have_one_velocity(model: &System, parts: &[PartElements]) -> bool 
     let (Some(element), None) = (read.next(), read.next()) else { return false };
     let [only] = element.loops.as_slice() else { return false };
     let is_all = only.start == Index::default() && only.end == model.size;
-    let point = |index: &Index| stretch(index, only.variable, model.components).map(|(_, base)| base);
+    let pass = Pass { variable: only.variable, components: model.components };
+    let point = |index: &Index| pass.stretch(index).map(|(_, base)| base);
     let first = Index::atom(Atom::Loop(only.variable)).multiply(&Index::integer(model.components));
     let read: Vec<&Index> = element.momenta().map(|(_, index)| index).collect();
     let is_each = i128::try_from(read.len()) == Ok(model.components);

@@ -15,7 +15,7 @@ use crate::input;
 use crate::model::StraightLine;
 use crate::passes::collect::collect;
 use crate::passes::unroll::{unroll, written_out};
-use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
+use crate::symbolic::{Expr, Graph, Junction, Node, Relation, Symbol};
 
 /// The fields of every test system, with their values.
 const STRUCT: &str = "struct System<const N: usize> { a: f64, sigma: f64, n: i32, masses: [f64; 3], table: Vec<f64>, \
@@ -101,8 +101,8 @@ fn evaluate(graph: &Graph, root: Expr, symbols: &HashMap<Symbol, f64>) -> f64 {
             Node::Compare(Relation::LessEqual, a, b) => truth(of(a) <= of(b)),
             Node::Compare(Relation::Equal, a, b) => truth(of(a) == of(b)),
             Node::Not(a) => 1.0 - of(a),
-            Node::And(a, b) => of(a) * of(b),
-            Node::Or(a, b) => of(a).max(of(b)),
+            Node::Join(Junction::And, a, b) => of(a) * of(b),
+            Node::Join(Junction::Or, a, b) => of(a).max(of(b)),
         };
         values.insert(expr, value);
     }

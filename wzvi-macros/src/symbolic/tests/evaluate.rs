@@ -1,7 +1,7 @@
 //! Values in plain binary64.
 
 use crate::symbolic::evaluate::power;
-use crate::symbolic::{Expr, Graph, Node, Relation, Symbol};
+use crate::symbolic::{Expr, Graph, Junction, Node, Relation, Symbol};
 
 impl Graph {
     /// The values of `roots`; conditions are 1 or 0.
@@ -37,7 +37,7 @@ fn evaluate_node(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(Exp
         Node::Compare(Relation::LessEqual, a, b) => truth(value(*a) <= value(*b)),
         Node::Compare(Relation::Equal, a, b) => truth(value(*a) == value(*b)),
         Node::Not(a) => truth(value(*a) == 0.0),
-        Node::And(a, b) => truth(value(*a) != 0.0 && value(*b) != 0.0),
-        Node::Or(a, b) => truth(value(*a) != 0.0 || value(*b) != 0.0),
+        Node::Join(Junction::And, a, b) => truth(value(*a) != 0.0 && value(*b) != 0.0),
+        Node::Join(Junction::Or, a, b) => truth(value(*a) != 0.0 || value(*b) != 0.0),
     }
 }

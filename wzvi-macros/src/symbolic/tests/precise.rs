@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::real::{Real, exact, sufficient_precision};
-use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Junction, Node, Rational, Relation, Symbol};
 
 impl Graph {
     /// The value of `root` to at least 90 bits; `None` if it does not exist or cannot be determined.
@@ -50,8 +50,8 @@ fn precise_node<'a>(node: &Node, values: &dyn Fn(Symbol) -> f64, value: &dyn Fn(
         Node::Compare(Relation::LessEqual, a, b) => truth(value(*a) <= value(*b)),
         Node::Compare(Relation::Equal, a, b) => truth(value(*a) == value(*b)),
         Node::Not(a) => truth(value(*a).is_zero()),
-        Node::And(a, b) => truth(!value(*a).is_zero() && !value(*b).is_zero()),
-        Node::Or(a, b) => truth(!value(*a).is_zero() || !value(*b).is_zero()),
+        Node::Join(Junction::And, a, b) => truth(!value(*a).is_zero() && !value(*b).is_zero()),
+        Node::Join(Junction::Or, a, b) => truth(!value(*a).is_zero() || !value(*b).is_zero()),
     }
 }
 

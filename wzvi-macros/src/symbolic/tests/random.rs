@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::symbolic::evaluate::{Bounded, bound_function, bound_node, bound_power, multiply};
 use crate::symbolic::residue::SplitMix;
 use crate::symbolic::zero::ZeroTest;
-use crate::symbolic::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
+use crate::symbolic::{Expr, Function, Graph, Junction, Node, Rational, Relation, Symbol};
 
 const COEFFICIENTS: [(i128, i128); 8] = [(1, 1), (-1, 1), (2, 1), (1, 2), (-3, 4), (1, 3), (5, 7), (-2, 1)];
 const EXPONENTS: [(i128, i128); 8] = [(1, 1), (2, 1), (-1, 1), (3, 1), (-2, 1), (1, 2), (-1, 2), (1, 3)];
@@ -145,18 +145,12 @@ impl Generator {
         let g = &mut self.graph;
         let pair = match (kind, last) {
             (1, Some(c)) => Pair { raw: g.intern(Node::Not(c.raw)), canonical: g.not(c.canonical) },
-            (2, Some(c)) => {
+            (2 | 3, Some(c)) => {
+                let junction = if kind == 2 { Junction::And } else { Junction::Or };
                 let first = self.conditions[0];
                 Pair {
-                    raw: g.intern(Node::And(first.raw, c.raw)),
-                    canonical: g.and(first.canonical, c.canonical),
-                }
-            }
-            (3, Some(c)) => {
-                let first = self.conditions[0];
-                Pair {
-                    raw: g.intern(Node::Or(first.raw, c.raw)),
-                    canonical: g.or(first.canonical, c.canonical),
+                    raw: g.intern(Node::Join(junction, first.raw, c.raw)),
+                    canonical: g.join(junction, first.canonical, c.canonical),
                 }
             }
             _ => Pair {

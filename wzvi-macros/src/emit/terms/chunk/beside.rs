@@ -5,22 +5,12 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, moves};
-use super::{Chunk, rows};
+use super::motion::{Motion, Pass};
+use super::{Arithmetic, Chunk, rows};
 use crate::emit::terms::indices::{Indices, OpenList};
 use crate::emit::terms::windows::is_correctly_rounded;
 use crate::model::{Atom, Element, Half, Index, Slot, Table};
 use crate::symbolic::{Expr, Graph};
-
-/// The additional data of a chunk.
-pub(in crate::emit::terms) struct Beside<'a> {
-    /// Names of numbers that no loop changes.
-    pub(in crate::emit::terms) constants: &'a [Ident],
-    /// The weight of a placement, where each has its own.
-    pub(in crate::emit::terms) weight: &'a TokenStream,
-    /// What [`lists`] found.
-    pub(in crate::emit::terms) lists: &'a [OpenList],
-}
 
 /// The parts of lists that the innermost loop of an element reads entry by entry.
 pub(in crate::emit::terms) fn lists(element: &Element, tables: &[Table]) -> Vec<OpenList> {
@@ -90,9 +80,10 @@ pub(super) struct Block {
 /// Products and quotients alone are cheaper than gathering their operands.
 pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, components: i128) -> bool {
     let Some(inner) = element.loops.last() else { return false };
+    let pass = Pass { variable: inner.variable, components };
     let is_free = |slot: &Slot| {
         matches!(slot, Slot::State(Half::Coordinates | Half::Momenta, _))
-            && matches!(moves(slot, inner.variable, components), Motion::Free)
+            && matches!(pass.moves(slot), Motion::Free)
     };
     let state = element.state();
     let is_long = |part: Expr| {
@@ -105,46 +96,38 @@ pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, componen
 }
 
 impl Chunk<'_> {
-    /// The block with the arithmetic `inside`, whose results are `values`.
-    pub(super) fn beside(
-        &self,
-        inner: u32,
-        beside: &Beside<'_>,
-        inside: &TokenStream,
-        values: &[TokenStream],
-    ) -> Block {
-        let mut interaction = rows::Interaction::new(inside, values, beside.constants);
-        for (k, local) in self.read_locals(inside, values) {
-            match self.motion(&local.slot, inner) {
-                Motion::Fixed => interaction.own.push(self.locals[k].clone()),
-                Motion::Run | Motion::Points { .. } | Motion::Free => {
-                    interaction.entries.push(self.locals[k].clone());
-                }
-            }
+    /// The block with its arithmetic, which reads these lists.
+    pub(super) fn beside(&self, lists: &[OpenList]) -> Block {
+        let Arithmetic { values, locals, .. } = self.arithmetic;
+        let mut interaction = rows::Interaction::new(self.arithmetic);
+        for (k, local) in self.read_locals() {
+            let read = match self.motion(&local.slot) {
+                Motion::Fixed => &mut interaction.own,
+                Motion::Run | Motion::Points { .. } | Motion::Free => &mut interaction.entries,
+            };
+            read.push(locals[k].clone());
         }
-        let factor = interaction.factor.take();
-        match beside.weight.is_empty() {
+        let (factor, weight) = (interaction.factor.take(), self.weight);
+        match weight.is_empty() {
             true => interaction.own.extend(factor),
             false => interaction.entries.extend(factor),
         }
-        interaction.by_own = values.to_vec();
+        interaction.by_own.clone_from(values);
         let number = self.wanted.number();
         let (items, [of_own, of_constants, _, of_entries, of_values]) =
             (interaction.emit(&number), interaction.sizes());
         let rows::Interaction { own, constants, entries, .. } = interaction;
         let names: Vec<Ident> = (0..values.len()).map(|j| format_ident!("__slope{j}")).collect();
         let sums = super::written(self.outputs);
-        let opened = beside.lists.iter().map(|OpenList { tokens, first, name }| {
+        let opened = lists.iter().map(|OpenList { tokens, first, name }| {
             let first = self.indices.position(first);
             quote! {
                 let #name = #first;
                 let #name = &#tokens[#name..#name + __len];
             }
         });
-        let lists = beside
-            .lists
-            .iter()
-            .map(|OpenList { name, .. }| quote!(let #name = &#name[__first..__first + __few];));
+        let lists =
+            lists.iter().map(|OpenList { name, .. }| quote!(let #name = &#name[__first..__first + __few];));
         Block {
             opening: quote!(#(#opened)*),
             lists: quote!(#(#lists)*),
@@ -154,10 +137,7 @@ impl Chunk<'_> {
                 let mut __block = #sums.beside::<#number, #of_entries, #of_values>();
             },
             values: names.iter().map(|name| quote!(#name)).collect(),
-            read: {
-                let weight = beside.weight;
-                quote!(#weight __block.read(__lane, [#(#entries),*]);)
-            },
+            read: quote!(#weight __block.read(__lane, [#(#entries),*]);),
             compute: quote! {
                 __block.take::<__Interaction, #of_own, #of_constants>(__few, [#(#own),*], [#(#constants),*]);
             },

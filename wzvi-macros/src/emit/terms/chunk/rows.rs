@@ -4,8 +4,8 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, motion, moves, wrap};
-use super::{Chunk, Emitted, slot_index, variable};
+use super::motion::{Motion, Pass};
+use super::{Arithmetic, Chunk, Emitted, slot_index, variable};
 use crate::diagnostics::Promised;
 use crate::discretise::Weighted;
 use crate::emit::count;
@@ -33,9 +33,10 @@ pub(in crate::emit::terms) fn partners(
     if outer.is_empty() || is_short || changes || !reads_coordinates {
         return None;
     }
+    let pass = Pass { variable: inner.variable, components };
     let (mut has_body, mut first) = (false, None);
     for local in &element.locals {
-        let moved = match (&local.slot, moves_on(&local.slot, inner.variable, components)) {
+        let moved = match (&local.slot, pass.moves_on(&local.slot)) {
             (slot, Motion::Fixed) => {
                 has_body |= matches!(slot, Slot::State(Half::Coordinates, _));
                 continue;
@@ -55,10 +56,12 @@ pub(in crate::emit::terms) fn partners(
     first.filter(|_| has_body)
 }
 
-/// How the value of a local variable moves with a loop; free if it wraps around.
-fn moves_on(slot: &Slot, inner: u32, components: i128) -> Motion {
-    let wraps = |index: &Index| wrap(index, inner, 1).or_else(|| wrap(index, inner, components)).is_some();
-    if slot.indices().iter().any(wraps) { Motion::Free } else { moves(slot, inner, components) }
+impl Pass {
+    /// How the value of a local variable moves; free if it wraps around.
+    fn moves_on(self, slot: &Slot) -> Motion {
+        let wraps = slot.indices().iter().any(|index| self.wraps(index).is_some());
+        if wraps { Motion::Free } else { self.moves(slot) }
+    }
 }
 
 /// The arithmetic of one placement, of a pair or in a block.
@@ -79,8 +82,7 @@ pub(super) struct Interaction<'a> {
 }
 
 impl<'a> Interaction<'a> {
-    /// The arithmetic `inside`, with results `values`, which reads some of `constants`.
-    pub(super) fn new(inside: &'a TokenStream, values: &[TokenStream], constants: &'a [Ident]) -> Self {
+    pub(super) fn new(Arithmetic { inside, values, constants, .. }: &'a Arithmetic) -> Self {
         let code = quote!(#inside #(#values)*);
         let is_read = |name: &&Ident| mentions(&code, &name.to_string());
         let factor = Some(format_ident!("__factor")).filter(|name| is_read(&name));
@@ -118,21 +120,16 @@ impl<'a> Interaction<'a> {
 }
 
 impl Chunk<'_> {
-    /// The innermost loop as a row of pairs; `constants` are the names of numbers that no loop changes.
-    pub(in crate::emit::terms) fn row(
-        &self,
-        first: &Index,
-        constants: &[Ident],
-        inside: &TokenStream,
-        values: &[TokenStream],
-    ) -> Emitted {
-        let (inner, [start, end]) = self.inner.clone().promised("pairs have an innermost loop");
-        let mut interaction = Interaction::new(inside, values, constants);
-        let (before, lists) = self.open_pair(&mut interaction, inner, values);
+    /// The innermost loop as a row of pairs.
+    pub(in crate::emit::terms) fn row(&self, first: &Index) -> Emitted {
+        let [start, end] = self.range.clone().promised("pairs have an innermost loop");
+        let mut interaction = Interaction::new(self.arithmetic);
+        let (before, lists) = self.open_pair(&mut interaction);
         interaction.own.extend(interaction.factor.take());
-        let places = self.slopes_of_pair(&mut interaction, inner, values);
+        let places = self.slopes_of_pair(&mut interaction);
         let (items, sizes) = (interaction.emit(&self.wanted.number()), interaction.sizes());
-        let (name, of_partner, first) = (variable(inner), &sizes[2], self.indices.position(first));
+        let (name, of_partner, first) =
+            (variable(self.pass.variable), &sizes[2], self.indices.position(first));
         let Interaction { own, constants, .. } = &interaction;
         let elements = quote!(__wzvi::elements);
         let buffers = quote! {
@@ -156,17 +153,12 @@ impl Chunk<'_> {
     }
 
     /// The inputs of a pair: values common to the row, read before it, and lists with an entry for each partner.
-    fn open_pair(
-        &self,
-        pair: &mut Interaction<'_>,
-        inner: u32,
-        values: &[TokenStream],
-    ) -> (TokenStream, Vec<TokenStream>) {
+    fn open_pair(&self, pair: &mut Interaction<'_>) -> (TokenStream, Vec<TokenStream>) {
         let (mut before, mut lists) = (TokenStream::new(), Vec::new());
-        pair.partner = vec![quote!(_); usize::try_from(self.components).unwrap_or(1)];
-        for (k, local) in self.read_locals(pair.inside, values) {
-            let (slot, name) = (&local.slot, self.locals[k].clone());
-            match (slot, moves_on(slot, inner, self.components)) {
+        pair.partner = vec![quote!(_); usize::try_from(self.pass.components).unwrap_or(1)];
+        for (k, local) in self.read_locals() {
+            let (slot, name) = (&local.slot, self.arithmetic.locals[k].clone());
+            match (slot, self.pass.moves_on(slot)) {
                 (_, Motion::Fixed) => {
                     let value = self.read(self.indices, slot);
                     before.extend(quote!(let #name = #value;));
@@ -185,17 +177,12 @@ impl Chunk<'_> {
     }
 
     /// The results of a pair: the slopes by the body, with their places, and those by the partner.
-    fn slopes_of_pair(
-        &self,
-        pair: &mut Interaction<'_>,
-        inner: u32,
-        values: &[TokenStream],
-    ) -> Vec<TokenStream> {
+    fn slopes_of_pair(&self, pair: &mut Interaction<'_>) -> Vec<TokenStream> {
         let mut places = Vec::new();
         pair.by_partner = vec![self.wanted.constant(&quote!(-0.0)); pair.partner.len()];
-        for ((_, target), value) in self.outputs.iter().zip(values) {
+        for ((_, target), value) in self.outputs.iter().zip(&self.arithmetic.values) {
             let Target::Slope { index, .. } = target else { continue };
-            match motion(index, inner, self.components) {
+            match self.pass.motion(index) {
                 Motion::Fixed => {
                     places.push(self.indices.position(index));
                     pair.by_own.push(value.clone());

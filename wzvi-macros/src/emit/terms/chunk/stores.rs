@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::motion::{Motion, follows, motion, stretch, unwrapped, wrap};
+use super::motion::Motion;
 use super::nest::CHUNK;
 use super::{Chunk, Code};
 use crate::emit::count;
@@ -13,12 +13,12 @@ use crate::model::Index;
 
 impl Chunk<'_> {
     /// Stores the computed values. Slices first, which determine the vectors in use for the rest.
-    pub(super) fn store(&self, code: &mut Code, inner: u32, values: &[TokenStream]) {
+    pub(super) fn store(&self, code: &mut Code) {
         let mut left: Vec<usize> = Vec::new();
-        let order = self.furthest_first(inner);
+        let order = self.furthest_first();
         // Pairs of neighbours before others, which would occupy their vector.
         let pairs: Vec<(usize, usize)> =
-            order.iter().filter_map(|&j| Some((j, self.neighbour(j, inner)?))).collect();
+            order.iter().filter_map(|&j| Some((j, self.neighbour(j)?))).collect();
         let mut carried: Vec<usize> = Vec::new();
         for &(j, next) in &pairs {
             if let Some((vector, _)) = self.slope(j)
@@ -26,7 +26,7 @@ impl Chunk<'_> {
             {
                 code.direct.push(vector.clone());
                 carried.extend([j, next]);
-                self.store_run(code, inner, values, j, Some(next));
+                self.store_run(code, j, Some(next));
             }
         }
         for j in order {
@@ -38,10 +38,10 @@ impl Chunk<'_> {
                 continue;
             };
             let is_taken = code.direct.contains(vector);
-            match motion(index, inner, self.components) {
+            match self.pass.motion(index) {
                 Motion::Run if !is_taken => {
                     code.direct.push(vector.clone());
-                    self.store_run(code, inner, values, j, None);
+                    self.store_run(code, j, None);
                 }
                 Motion::Points { base, part } => {
                     let list = quote!(#vector);
@@ -52,34 +52,32 @@ impl Chunk<'_> {
                         continue;
                     }
                     code.direct.push(vector.clone());
-                    self.keep_order(code, inner, j);
-                    let (points, value) = (self.points(code, inner, &list, &base, true), &values[j]);
+                    self.keep_order(code, j);
+                    let (points, value) = (self.points(code, &list, &base, true), &code.values[j]);
                     let part = count(part);
                     code.stores.extend(quote!(#points.add_part(__place, #part, #value);));
                 }
                 _ => left.push(j),
             }
         }
-        for group in
-            left.chunk_by(|a, b| self.point(*a, inner).is_some_and(|a| self.point(*b, inner) == Some(a)))
-        {
+        for group in left.chunk_by(|a, b| self.point(*a).is_some_and(|a| self.point(*b) == Some(a))) {
             match group {
                 // Another stretch of the same vector is written during the arithmetic.
                 [first, ..]
-                    if self.point(*first, inner).is_some_and(|(vector, ..)| code.direct.contains(vector)) =>
+                    if self.point(*first).is_some_and(|(vector, ..)| code.direct.contains(vector)) =>
                 {
-                    self.store_waiting(code, inner, group, values)
+                    self.store_waiting(code, group)
                 }
-                _ => group.iter().for_each(|&j| self.store_other(code, inner, j, &values[j])),
+                _ => group.iter().for_each(|&j| self.store_other(code, j)),
             }
         }
     }
 
     /// The outputs, ordered so that among slopes whose places differ by a constant the one furthest ahead comes first.
-    fn furthest_first(&self, inner: u32) -> Vec<usize> {
+    fn furthest_first(&self) -> Vec<usize> {
         let place = |j: &usize| -> Option<(&Ident, Index, i128)> {
             let (vector, index) = self.slope(*j)?;
-            let (place, _) = unwrapped(index, inner)?;
+            let (place, _) = self.pass.unwrapped(index)?;
             let constant = place.constant;
             Some((vector, place.shifted(-constant)?, constant))
         };
@@ -99,8 +97,8 @@ impl Chunk<'_> {
 
     /// Ends a chunk before a slice that is added later reaches one that is added earlier, so that places get their terms in
     /// the order of the placements.
-    fn keep_order(&self, code: &mut Code, inner: u32, j: usize) {
-        let place = |j: usize| self.point(j, inner);
+    fn keep_order(&self, code: &mut Code, j: usize) {
+        let place = |j: usize| self.point(j);
         let Some((vector, stride, own)) = place(j) else { return };
         let is_own =
             |earlier: &usize| place(*earlier).is_some_and(|(known, _, at)| known == vector && at == own);
@@ -111,7 +109,8 @@ impl Chunk<'_> {
             let Some((_, _, before)) = place(earlier).filter(|(known, ..)| *known == vector) else {
                 continue;
             };
-            let is_plain = wrap(&own, inner, stride).is_none() && wrap(&before, inner, stride).is_none();
+            let is_plain =
+                self.pass.wrap(&own, stride).is_none() && self.pass.wrap(&before, stride).is_none();
             let ahead = own.subtract(&before).and_then(|distance| distance.as_integer());
             if is_plain && ahead.is_some_and(|ahead| ahead <= 0) {
                 continue;
@@ -126,26 +125,26 @@ impl Chunk<'_> {
     }
 
     /// Another slope at the place of slope `j` in the next iteration of the loop.
-    fn neighbour(&self, j: usize, inner: u32) -> Option<usize> {
+    fn neighbour(&self, j: usize) -> Option<usize> {
         let (vector, own) = self.slope(j)?;
-        let is_next = |(known, index): (&Ident, &Index)| known == vector && follows(index, own, inner);
+        let is_next = |(known, index): (&Ident, &Index)| known == vector && self.pass.follows(index, own);
         (0..self.outputs.len()).find(|&other| other != j && self.slope(other).is_some_and(is_next))
     }
 
     /// Adds slope `j` to its slice, together with the term carried from the last iteration for the same place.
-    fn store_run(&self, code: &mut Code, inner: u32, values: &[TokenStream], j: usize, next: Option<usize>) {
+    fn store_run(&self, code: &mut Code, j: usize, next: Option<usize>) {
         let Some((vector, index)) = self.slope(j) else { return };
-        let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), &values[j]);
+        let (slice, at, value) = (format_ident!("__b{j}"), format_ident!("__at{j}"), code.values[j].clone());
         let carried = format_ident!("__carried{j}");
         let first = self.first(code, index, 1);
-        self.limit(code, index, inner);
-        self.keep_order(code, inner, j);
+        self.limit(code, index);
+        self.keep_order(code, j);
         if let Some((next, (_, ahead))) = next.and_then(|next| Some((next, self.slope(next)?))) {
-            self.limit(code, ahead, inner);
-            let (first_ahead, value_ahead) = (self.first(code, ahead, 1), &values[next]);
+            self.limit(code, ahead);
+            let (first_ahead, value_ahead) = (self.first(code, ahead, 1), code.values[next].clone());
             let zero = self.zero();
             // One placement at a time where wrapping makes the next place another one.
-            if wrap(index, inner, 1).is_some() || wrap(ahead, inner, 1).is_some() {
+            if self.pass.wrap(index, 1).is_some() || self.pass.wrap(ahead, 1).is_some() {
                 let [base, base_ahead] = [index, ahead].map(|index| self.indices.position(index));
                 code.limits.extend(quote! {
                     if #base_ahead != #base + 1 {
@@ -172,8 +171,8 @@ impl Chunk<'_> {
     }
 
     /// Buffers a value of each placement of a chunk.
-    fn store_in_buffer(&self, code: &mut Code, buffer: &Ident, value: &TokenStream) {
-        let (zero, most) = (self.zero(), count(CHUNK));
+    fn store_in_buffer(&self, code: &mut Code, buffer: &Ident, j: usize) {
+        let (zero, most, value) = (self.zero(), count(CHUNK), &code.values[j]);
         code.has_buffers = true;
         code.buffers.extend(quote!(let mut #buffer = [#zero; #most];));
         code.opening.extend(quote!(let #buffer = &mut #buffer[..__len];));
@@ -189,25 +188,25 @@ impl Chunk<'_> {
     }
 
     /// The vector that output `j` adds to, and the first place or point of the stretch of it.
-    fn point(&self, j: usize, inner: u32) -> Option<(&Ident, i128, Index)> {
+    fn point(&self, j: usize) -> Option<(&Ident, i128, Index)> {
         let (vector, index) = self.slope(j)?;
-        let (stride, base) = stretch(index, inner, self.components)?;
+        let (stride, base) = self.pass.stretch(index)?;
         Some((vector, stride, base))
     }
 
     /// Outputs of one stretch, buffered until the arithmetic of the chunk is done.
-    fn store_waiting(&self, code: &mut Code, inner: u32, group: &[usize], values: &[TokenStream]) {
-        let Some((vector, stride, base)) = group.first().and_then(|&j| self.point(j, inner)) else { return };
+    fn store_waiting(&self, code: &mut Code, group: &[usize]) {
+        let Some((vector, stride, base)) = group.first().and_then(|&j| self.point(j)) else { return };
         let size = Literal::i128_unsuffixed(stride);
         let run = if stride == 1 { quote!(run) } else { quote!(points::<#size>) };
         let mut adds = TokenStream::new();
         for &j in group {
             let Some((_, index)) = self.slope(j) else { continue };
             let buffer = format_ident!("__b{j}");
-            self.limit(code, index, inner);
-            self.keep_order(code, inner, j);
-            self.store_in_buffer(code, &buffer, &values[j]);
-            adds.extend(match motion(index, inner, self.components) {
+            self.limit(code, index);
+            self.keep_order(code, j);
+            self.store_in_buffer(code, &buffer, j);
+            adds.extend(match self.pass.motion(index) {
                 Motion::Points { part, .. } => {
                     let part = count(part);
                     quote!(__run.add_part(__place, #part, #buffer[__place]);)
@@ -225,15 +224,14 @@ impl Chunk<'_> {
     }
 
     /// Outputs without a slice of their own: sums, buffers, single places.
-    fn store_other(&self, code: &mut Code, inner: u32, j: usize, value: &TokenStream) {
+    fn store_other(&self, code: &mut Code, j: usize) {
         let Some((_, target)) = self.outputs.get(j) else { return };
-        let (buffer, zero) = (format_ident!("__b{j}"), self.zero());
+        let (buffer, zero, value) = (format_ident!("__b{j}"), self.zero(), code.values[j].clone());
+        let is_moving = |index: &Index| index.loops().contains(&self.pass.variable);
         let is_fixed = match target {
             Target::Value { .. } | Target::Total => true,
-            Target::Slope { index, .. } => !index.loops().contains(&inner),
-            Target::Curvature { row, column, .. } => {
-                !row.loops().contains(&inner) && !column.loops().contains(&inner)
-            }
+            Target::Slope { index, .. } => !is_moving(index),
+            Target::Curvature { row, column, .. } => !is_moving(row) && !is_moving(column),
         };
         let is_shared = matches!(target, Target::Slope { vector, .. } if code.direct.contains(vector));
         if is_fixed {
@@ -241,8 +239,8 @@ impl Chunk<'_> {
             code.stores.extend(quote!(#buffer = #buffer + #value;));
             code.after.extend(self.add(self.indices, target, &quote!(#buffer)));
         } else if is_shared {
-            self.store_in_buffer(code, &buffer, value);
-            let name = variable(inner);
+            self.store_in_buffer(code, &buffer, j);
+            let name = variable(self.pass.variable);
             let add = self.add(self.indices, target, &quote!(#buffer[__place]));
             code.closing.extend(quote! {
                 for __place in 0..__len {
@@ -251,7 +249,7 @@ impl Chunk<'_> {
                 }
             });
         } else {
-            code.stores.extend(self.add(self.in_loop(), target, value));
+            code.stores.extend(self.add(self.in_loop(), target, &value));
         }
     }
 }
