@@ -20,6 +20,7 @@ pub(crate) fn figures() -> Result<Vec<(&'static str, Figure)>, Box<dyn Error>> {
     Ok(vec![
         ("embeddings", embeddings()),
         ("modified_energy", modified_energy()?),
+        ("phase", phase()?),
         ("stability_limit", stability_limit()?),
         ("ito", ito()?),
         ("thermostat", thermostat()?),
@@ -53,8 +54,9 @@ fn embeddings() -> Figure {
         ("Gauss<4>", gauss[1]),
     ];
     let names = rows.iter().rev().map(|(name, _)| *name);
-    let mut figure =
-        Figure::panel("Quadrature points within a step", "l", "").x_range(-0.05..1.05).y_names(names);
+    let mut figure = Figure::panel("Quadrature points within a step", "fraction of the step l", "")
+        .x_range(-0.05..1.05)
+        .y_names(names);
     for (height, (_, points)) in rows.iter().rev().enumerate() {
         let height = height as f64;
         figure = figure.line("", Colour::GREY, [(0.0, height), (1.0, height)]);
@@ -71,14 +73,30 @@ fn modified_energy() -> Drawn {
         let first = of(&path.states()[0]);
         path.iter().map(|state| (state.t, of(state) - first)).collect::<Vec<_>>()
     };
-    Ok(Figure::panel("Pendulum by Verlet, h = 0.4: change of the energies", "t", "change since the start")
-        .line("energy", Colour::VERMILION, change(&|state| Pendulum.energy(state)))
-        .line("modified energy", Colour::BLUE, change(&|state| Pendulum.shadow_energy::<Verlet>(state, h))))
+    Ok(Figure::panel(
+        "Pendulum by Verlet, h = 0.4: change of the energies",
+        "time t",
+        "change since the start",
+    )
+    .line("energy", Colour::VERMILION, change(&|state| Pendulum.energy(state)))
+    .line("modified energy", Colour::BLUE, change(&|state| Pendulum.shadow_energy::<Verlet>(state, h))))
+}
+
+/// What no energy shows: long steps run ahead on the right orbit.
+fn phase() -> Drawn {
+    let swing = |h: f64| {
+        let path = Pendulum.simulate::<Verlet>(h).start(State::new([2.0], [0.0])).until(400.0).run()?;
+        let last = path.iter().filter(|state| state.t >= 370.0).map(|state| (state.t, state.q[0]));
+        Ok::<_, wzvi::Error>(last.collect::<Vec<_>>())
+    };
+    Ok(Figure::panel("Pendulum by Verlet, after 45 periods", "time t", "angle [rad]")
+        .line("h = 0.01", Colour::GREY, swing(0.01)?)
+        .line("h = 0.4", Colour::VERMILION, swing(0.4)?))
 }
 
 /// How far an oscillator gets in 40 steps.
 fn stability_limit() -> Drawn {
-    Ok(Figure::panel("Oscillator, 40 steps: largest radius over that at the start", "ω h", "growth")
+    Ok(Figure::panel("Oscillator, 40 steps: largest radius over that at the start", "ω h", "growth factor")
         .log_y()
         .y_range(0.5..1e6)
         .points(Look::Broad, "Midpoint", Colour::GREY, growth::<Midpoint>()?)
@@ -150,7 +168,7 @@ where
     )
 }
 
-/// Positions by Baoab beside the law of Boltzmann.
+/// Positions by Baoab beside the Boltzmann distribution.
 fn thermostat() -> Drawn {
     let kt = 0.2;
     let statistics = WarmWells { gamma: 0.5, kt }
@@ -171,7 +189,7 @@ fn thermostat() -> Drawn {
     for series in &mut figure.series {
         (series.look, series.name) = (Look::Dots, "Baoab, h = 0.3".into());
     }
-    Ok(figure.line("law of Boltzmann", Colour::GREY, places.map(|q| (q, weight(q) / total))))
+    Ok(figure.line("Boltzmann distribution", Colour::GREY, places.map(|q| (q, weight(q) / total))))
 }
 
 /// Period doublings and chaos of a driven pendulum.
@@ -281,10 +299,13 @@ fn paths() -> Drawn {
 /// A failed run: the energy for steps that are too long, up to the alarm.
 fn unresolved() -> Drawn {
     let start = State::new([1.9, 0.0], [0.0, (0.1f64 / 1.9).sqrt()]);
-    let mut figure =
-        Figure::panel("Kepler, e = 0.9, by Midpoint: relative change of the energy", "t", "change of H")
-            .log_y()
-            .y_range(1e-8..100.0);
+    let mut figure = Figure::panel(
+        "Kepler, e = 0.9, by Midpoint: relative change of the energy",
+        "time t",
+        "relative change of H",
+    )
+    .log_y()
+    .y_range(1e-8..100.0);
     for (colour, h) in [0.001, 0.01, 0.1].into_iter().enumerate() {
         let (path, error) = Kepler.simulate::<Midpoint>(h).start(start).until(30.0).run_partial()?;
         let first = Kepler.energy(&start);
@@ -307,7 +328,7 @@ fn branches() -> Figure {
         });
         places.collect::<Vec<_>>()
     };
-    Figure::panel("Mid-point step of a cubic potential from q = p = 1", "size of the step", "mid-point of q")
+    Figure::panel("Mid-point step of a cubic potential from q = p = 1", "step size h", "mid-point of q")
         .y_range(0.0..12.0)
         .x_range(0.0..1.0)
         .line("continues the state", Colour::BLUE, branch(-1.0))
@@ -448,17 +469,23 @@ where
     Ok(points)
 }
 
-/// The exact bias of thermostats in a harmonic well: the worse of both variances.
+/// The exact variances of thermostats in a harmonic well: of `q` as lines, of `p` dashed.
 fn order_bath() -> Figure {
-    fn bias<W: Letters>() -> Vec<(f64, f64)> {
-        let steps = (0..14).map(|k| 0.01 * 1.5f64.powi(k));
-        let law = |h: f64| HarmonicLaw::of::<W>(h, h);
-        steps.map(|h| (h, (law(h).q - 1.0).abs().max((law(h).p - 1.0).abs()))).collect()
+    fn variances<W: Letters>(figure: Figure, look: Look, name: &str, colour: usize) -> Figure {
+        let laws = || (1..=180).map(|k| 0.01 * f64::from(k)).map(|h| (h, HarmonicLaw::of::<W>(h, h)));
+        let dashed = if look == Look::Line { Look::Dashed } else { look };
+        figure.points(look, name, colour, laws().map(|(h, law)| (h, law.q))).points(
+            dashed,
+            "",
+            colour,
+            laws().map(|(h, law)| (h, law.p)),
+        )
     }
-    Figure::panel("Harmonic well, γ = ω: exact bias of <q²> or <p²>, the worse", "ω h", "relative bias")
-        .log_log()
-        .points(Look::Joined, "Baoab (in p; exact in q)", 0, bias::<(B, A, O, A, B)>())
-        .points(Look::Joined, "Obabo (in q; exact in p)", 1, bias::<(O, B, A, B, O)>())
-        .points(Look::Joined, "(A, O, B, O, A)", 2, bias::<(A, O, B, O, A)>())
-        .points(Look::Joined, "(B, O, A, O, B)", 3, bias::<(B, O, A, O, B)>())
+    let title = "Harmonic well, γ = ω: variances of q (lines) and p (dashed)";
+    let figure = Figure::panel(title, "ω h", "variance over the exact one").y_range(0.0..3.0);
+    let figure = variances::<(B, A, O, A)>(figure, Look::Broad, "(B, A, O, A)", Colour::GREY);
+    let figure = variances::<(B, A, O, A, B)>(figure, Look::Line, "Baoab", Colour::BLUE);
+    let figure = variances::<(O, B, A, B, O)>(figure, Look::Line, "Obabo", Colour::VERMILION);
+    let figure = variances::<(A, O, B, O, A)>(figure, Look::Line, "(A, O, B, O, A)", Colour::GREEN);
+    variances::<(B, O, A, O, B)>(figure, Look::Line, "(B, O, A, O, B)", Colour::PURPLE)
 }

@@ -51,7 +51,7 @@ fn kubo() -> Drawn {
     let exact = times.map(|(t, w)| (t, (kubo.a * t + kubo.sigma * w).sin()));
     let curve =
         |path: &[State<SVector<f64, 1>>]| path.iter().map(|state| (state.t, state.q[0])).collect::<Vec<_>>();
-    Ok(Figure::panel("Kubo oscillator: one path of the noise", "t", "q")
+    Ok(Figure::panel("Kubo oscillator: one path of the noise", "time t", "q")
         .points(Look::Broad, "exact", Colour::GREY, exact)
         .line("Midpoint", Colour::BLUE, curve(right.states()))
         .line("Uncorrected<DeltaPlus>", Colour::VERMILION, curve(wrong.states())))
@@ -59,7 +59,7 @@ fn kubo() -> Drawn {
 
 /// Swings and rotations, a run each.
 fn pendulum() -> Drawn {
-    let mut figure = Figure::panel("Pendulum: phase portrait", "angle", "momentum").x_range(-PI..PI);
+    let mut figure = Figure::panel("Pendulum: phase portrait", "angle [rad]", "momentum").x_range(-PI..PI);
     let swings = (1..=6).map(|k| State::new([0.5 * f64::from(k)], [0.0]));
     let rotations = [2.1, 2.4, -2.1, -2.4].map(|p: f64| State::new([-PI.copysign(p)], [p]));
     for (start, colour) in swings.map(|s| (s, Colour::BLUE)).chain(rotations.map(|s| (s, Colour::VERMILION)))
@@ -73,7 +73,7 @@ fn pendulum() -> Drawn {
 /// Order beside chaos at one energy: crossings of x = 0.
 fn henon_heiles() -> Drawn {
     const ENERGY: f64 = 0.125;
-    let mut figure = Figure::panel("Hénon and Heiles: section x = 0 at E = 1/8", "y", "py");
+    let mut figure = Figure::panel("Hénon-Heiles: section x = 0, px > 0, at E = 1/8", "y", "py");
     for (colour, y) in [-0.25, -0.1, 0.0, 0.15, 0.3, 0.45].into_iter().enumerate() {
         let start = State::new([0.0, y], [(2.0 * ENERGY - y * y + 2.0 * y * y * y / 3.0).sqrt(), 0.0]);
         let run = HenonHeiles.simulate::<Gauss<8>>(0.25).start(start).until(6000.0).record_every(0);
@@ -104,7 +104,8 @@ fn eight() -> Drawn {
     let v = [0.466203685, 0.43236573, 0.466203685, 0.43236573, -0.93240737, -0.86473146];
     let start = State::new(q.to_vec(), v.to_vec());
     let path = Bodies::<3>.simulate::<Composed<Verlet, KahanLi8>>(0.02).start(start).until(6.4).run()?;
-    let mut figure = Figure::panel("Three bodies on one curve", "x", "y").equal_axes();
+    let mut figure =
+        Figure::panel("Three equal masses on a figure eight, a third of a period", "x", "y").equal_axes();
     for body in 0..3 {
         let place = |state: &State<_>| {
             let q: &wzvi::nalgebra::DVector<f64> = &state.q;
@@ -113,7 +114,7 @@ fn eight() -> Drawn {
         // A third of the way each, so that all three colours show.
         let third = path.len() / 3;
         figure = figure.line("", body, path.iter().take(third + 1).map(place));
-        figure = figure.points(Look::Marks, "", body, path.iter().skip(third).take(1).map(place));
+        figure = figure.points(Look::Dots, "", body, path.iter().skip(third).take(1).map(place));
     }
     Ok(figure)
 }
@@ -126,7 +127,7 @@ fn chain() -> Drawn {
     let start = State::new((0..sites).map(|i| mode(1, i)).collect::<Vec<_>>(), vec![0.0; sites]);
     let run = Chain { alpha: 0.25 }.simulate::<Verlet>(0.1).start(start).until(11_000.0).record_every(100);
     let path = run.run()?;
-    let mut figure = Figure::panel("Fermi, Pasta, Ulam, Tsingou: energies of modes", "t", "energy");
+    let mut figure = Figure::panel("Fermi, Pasta, Ulam, Tsingou: energies of modes", "time t", "energy");
     for k in 1..=4 {
         let omega = 2.0 * (PI * k as f64 / (2.0 * SPRINGS as f64)).sin();
         let energy = path.iter().map(|state| {

@@ -27,11 +27,11 @@ pub(crate) struct Rotor;
 )]
 pub(crate) struct HenonHeiles;
 
-/// A planet; the angular momentum is proven to be kept.
+/// A planet; the angular momentum is proven to be conserved.
 #[hamiltonian(
     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) - 1.0 / (x * x + y * y).sqrt(),
     embedding = [DeltaPlus, Midpoint, Verlet, Gauss<4>, Gauss<8>],
-    invariant = [|[x, y], [px, py]| x * py - y * px],
+    invariant = [angular_momentum = |[x, y], [px, py]| x * py - y * px],
 )]
 pub(crate) struct Kepler;
 
