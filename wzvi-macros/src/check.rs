@@ -15,48 +15,39 @@ pub(crate) fn check(system: &mut System, facts: &Facts, diagnostics: &mut Diagno
     check_flows(system, facts, diagnostics);
 }
 
-/// A bare scheme must converge to the Stratonovich system (`D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p` is constant); a corrected one needs its counter-term.
+/// A bare scheme must converge to the Stratonovich system, for which `D = (1/2 - l) Σ_k ∂H_k/∂q · ∂H_k/∂p` must be constant; a
+/// corrected one needs its counter-term.
 fn check_consistency(
     graph: &mut Graph,
     embeddings: &[Located<Embedding>],
     facts: &Facts,
     diagnostics: &mut Diagnostics,
 ) {
-    for embedding in embeddings {
-        let [_, noise_l] = embedding.value.means();
-        match embedding.value.correction() {
+    for Located { value: scheme, extent } in embeddings {
+        let [_, noise_l] = scheme.means();
+        let error = match scheme.correction() {
             Correction::Bare if !facts.is_consistent(noise_l) => {
                 let defect = facts.defect(graph, &facts.half_defect, noise_l);
-                diagnostics.report(match facts.force_defect_acts(noise_l) {
-                    true => {
-                        let force = facts.defect(graph, &facts.half_force_defect, noise_l);
-                        let hamiltonian = match defect.as_str() {
-                            "0" => String::new(),
-                            defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),
-                        };
-                        messages::inconsistent_forces(
-                            embedding.extent,
-                            &embedding.value,
-                            &hamiltonian,
-                            &force,
-                        )
-                    }
-                    false => messages::inconsistent(
-                        embedding.extent,
-                        &embedding.value,
-                        &defect,
-                        &facts.half_defect.known,
-                    ),
-                });
+                if facts.force_defect_acts(noise_l) {
+                    let force = facts.defect(graph, &facts.half_force_defect, noise_l);
+                    let hamiltonian = match defect.as_str() {
+                        "0" => String::new(),
+                        defect => format!(", and drift Hamiltonian H0 - D, D = {defect}"),
+                    };
+                    messages::inconsistent_forces(*extent, scheme, &hamiltonian, &force)
+                } else {
+                    messages::inconsistent(*extent, scheme, &defect, &facts.half_defect.known)
+                }
             }
             Correction::Corrected if facts.force_defect_acts(noise_l) => {
-                diagnostics.report(messages::correction_of_forces(embedding.extent, &embedding.value));
+                messages::correction_of_forces(*extent, scheme)
             }
             Correction::Corrected if facts.counter_term_acts(noise_l) && facts.counter_term.sum.is_none() => {
-                diagnostics.report(messages::counter_term_of_elements(embedding.extent, &embedding.value));
+                messages::counter_term_of_elements(*extent, scheme)
             }
-            _ => {}
-        }
+            _ => continue,
+        };
+        diagnostics.report(error);
     }
 }
 
@@ -76,8 +67,8 @@ fn check_flows(system: &mut System, facts: &Facts, diagnostics: &mut Diagnostics
     let words: Vec<_> = system.embeddings.iter().filter(is_word).cloned().collect();
     let listed: Vec<Embedding> = words.iter().map(|known| known.value.clone()).collect();
     if !words.is_empty() && Flows::of(system, facts, &listed).is_none() {
-        words
-            .iter()
-            .for_each(|known| diagnostics.report(messages::word_without_flows(known.extent, &known.value)));
+        for Located { value, extent } in &words {
+            diagnostics.report(messages::word_without_flows(*extent, value));
+        }
     }
 }

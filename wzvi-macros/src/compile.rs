@@ -102,7 +102,7 @@ fn compile(
     system.line = written_out(&mut system).map(Rc::new);
     let listed = values(&system.embeddings);
     let steps: Vec<Step> =
-        derived(&listed).iter().map(|embedding| Step::of(&mut system, &facts, embedding)).collect();
+        derived(listed.iter()).iter().map(|embedding| Step::of(&mut system, &facts, embedding)).collect();
     let texts = Texts::new(&mut system, &facts, &listed, &steps);
     Some(emit(&mut system, &facts, &steps, &texts))
 }

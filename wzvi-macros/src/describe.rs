@@ -19,16 +19,10 @@ pub(crate) struct Texts {
     pub(crate) parts: Option<[Form; 2]>,
 }
 
-/// The derived schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
-pub(crate) fn stepped(listed: &[Embedding], flows: Option<Flows>) -> Vec<Embedding> {
-    let is_stepped = |embedding: &&Embedding| flows.is_none() || !embedding.takes_flows();
-    derived(&listed.iter().filter(is_stepped).cloned().collect::<Vec<_>>())
-}
-
 /// The schemes with one quadrature point that the listed schemes need, each once.
-pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
+pub(crate) fn derived<'e>(listed: impl Iterator<Item = &'e Embedding>) -> Vec<Embedding> {
     let mut derived: Vec<Embedding> = Vec::new();
-    for part in listed.iter().flat_map(Embedding::parts) {
+    for part in listed.flat_map(Embedding::parts) {
         if !derived.contains(&part) {
             derived.push(part);
         }
@@ -37,6 +31,12 @@ pub(crate) fn derived(listed: &[Embedding]) -> Vec<Embedding> {
 }
 
 impl Texts {
+    /// The derived schemes whose steps are emitted: not the halves of `Verlet` where it composes flows.
+    pub(crate) fn stepped(&self) -> Vec<Embedding> {
+        let listed = self.listed.iter().map(|(embedding, _)| embedding);
+        derived(listed.filter(|embedding| self.flows.is_none() || !embedding.takes_flows()))
+    }
+
     /// The listed schemes with several stages, and the number of stages.
     pub(crate) fn staged(&self) -> impl Iterator<Item = (&Embedding, u32, &String)> {
         self.listed.iter().filter_map(|(embedding, text)| Some((embedding, embedding.stages()?, text)))
@@ -121,17 +121,14 @@ fn thermostat(embedding: &Embedding, has_force: bool) -> String {
         }
         word => word.letters().map_or(String::new(), |word| word.shares().into_iter().map(flow).collect()),
     };
-    let factor = match is_shortened {
-        true => "  with s = √(tanh(γh/2)/(γh/2)), γ the rate of the friction\n",
-        false => "",
-    };
+    let factor = "  with s = √(tanh(γh/2)/(γh/2)), γ the rate of the friction\n";
+    let factor = if is_shortened { factor } else { "" };
     let order = match embedding {
         Embedding::Splitting(word) => {
             let symmetry = if word.is_symmetric() { "symmetric" } else { "not symmetric" };
+            let order = word.order();
             format!(
-                "  of order {}, {symmetric}; HarmonicLaw::of says what it makes of a harmonic force\n",
-                word.order(),
-                symmetric = symmetry
+                "  of order {order}, {symmetry}; HarmonicLaw::of says what it makes of a harmonic force\n"
             )
         }
         _ => String::new(),

@@ -103,7 +103,7 @@ fn library(asked: &[Path], answers: &[TokenStream], item: &TokenStream) -> syn::
     let mut library = Library::default();
     for (path, answer) in asked.iter().zip(answers) {
         let owner = owner_of(path);
-        for function in syn::parse2::<Answer>(answer.clone())?.0 {
+        for function in self::answer.parse2(answer.clone())? {
             let name = match &owner {
                 None => key(path),
                 Some(owner) if own.as_ref().is_some_and(|own| own == owner) => {
@@ -142,32 +142,27 @@ fn groups(tokens: TokenStream) -> impl Iterator<Item = TokenStream> {
 }
 
 /// What a macro of a shared function, or of the methods of a struct, hands over: `{ item } { the paths it calls } { their definitions }`.
-struct Answer(Vec<Function>);
-
-impl Parse for Answer {
-    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
-        let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
-        let (asked, answers) = (paths(asked)?, groups(answers).collect::<Vec<_>>());
-        let bodies: Vec<(Signature, Block)> = match syn::parse2(item)? {
-            Item::Fn(function) => vec![(function.sig, *function.block)],
-            Item::Impl(methods) => {
-                let methods = methods.items.into_iter().filter_map(|item| match item {
-                    ImplItem::Fn(method) => Some((method.sig, method.block)),
-                    _ => None,
-                });
-                methods.collect()
-            }
-            _ => Vec::new(),
-        };
-        let functions = bodies.into_iter().map(|(signature, block)| {
-            let name = signature.ident.to_string();
-            let reads_self =
-                any_word(quote! { #signature #block }, &mut |word| word == "self" || word == "Self");
-            let library = library(&asked, &answers, &TokenStream::new())?;
-            Ok(Function { name, signature, block, library, reads_self })
-        });
-        functions.collect::<syn::Result<_>>().map(Self)
-    }
+fn answer(input: ParseStream<'_>) -> syn::Result<Vec<Function>> {
+    let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
+    let (asked, answers) = (paths(asked)?, groups(answers).collect::<Vec<_>>());
+    let bodies: Vec<(Signature, Block)> = match syn::parse2(item)? {
+        Item::Fn(function) => vec![(function.sig, *function.block)],
+        Item::Impl(methods) => {
+            let methods = methods.items.into_iter().filter_map(|item| match item {
+                ImplItem::Fn(method) => Some((method.sig, method.block)),
+                _ => None,
+            });
+            methods.collect()
+        }
+        _ => Vec::new(),
+    };
+    let functions = bodies.into_iter().map(|(signature, block)| {
+        let name = signature.ident.to_string();
+        let reads_self = any_word(quote! { #signature #block }, &mut |word| word == "self" || word == "Self");
+        let library = library(&asked, &answers, &TokenStream::new())?;
+        Ok(Function { name, signature, block, library, reads_self })
+    });
+    functions.collect()
 }
 
 /// The name of the item that asks.

@@ -264,6 +264,11 @@ impl System {
         usize::try_from(degrees).ok()
     }
 
+    /// Whether a scheme takes friction in by a flow of its own.
+    pub(crate) fn has_thermostat(&self) -> bool {
+        self.embeddings.iter().any(|known| known.value.is_thermostat())
+    }
+
     /// Whether covectors stand beside the Hamiltonians, with noise or without.
     pub(crate) fn has_forces(&self) -> bool {
         self.force.is_some() || self.noise.iter().any(|noise| noise.is_force)

@@ -1,5 +1,7 @@
 //! The messages about the bodies of closures. One function per mistake.
 
+use std::fmt::Display;
+
 use super::{closest, quoted, source, suggest};
 
 messages! {
@@ -18,7 +20,7 @@ messages! {
     index_not_known(found) = "indices and bounds must be known at compile time: integer literals, loop \
         variables over literal ranges and arithmetic on them; sizes from the struct or constants are not \
         supported yet";
-    index_out_of_range(found, index: i128, len: usize) = "index {index} is out of range: there are {len} \
+    index_out_of_range(found, index: i128, len: impl Display) = "index {index} is out of range: there are {len} \
         elements";
     integer_arithmetic(found) = "this integer arithmetic overflows, divides by zero or leaves its type";
     division_by_zero(found) = "this divides by zero: the Hamiltonian has no value anywhere";

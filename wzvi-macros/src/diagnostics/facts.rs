@@ -80,14 +80,10 @@ messages! {
 }
 
 fn at_witness(witness: &Witness, graph: &Graph) -> String {
-    let point: Vec<String> = witness
-        .point
-        .iter()
-        .map(|&(symbol, value)| format!("{} = {value}", graph.symbol_name(symbol)))
-        .collect();
-    let value = witness.value;
+    let Witness { point, value } = witness;
+    let known = |&(symbol, value): &(_, f64)| format!("{} = {value}", graph.symbol_name(symbol));
     match point.is_empty() {
         true => value.to_string(),
-        false => format!("{value} at {}", point.join(", ")),
+        false => format!("{value} at {}", point.iter().map(known).collect::<Vec<_>>().join(", ")),
     }
 }

@@ -9,26 +9,18 @@ thread_local! {
 }
 
 /// A value that cannot be absent.
-pub(crate) trait Promised {
-    /// What is there.
-    type Value;
-
+pub(crate) trait Promised<T> {
     /// The value, which exists because of `reason`. If it is absent: the default, and an error at the end of the expansion.
-    fn promised(self, reason: &str) -> Self::Value;
+    fn promised(self, reason: &str) -> T;
 }
 
-impl<T: Default> Promised for Option<T> {
-    type Value = T;
-
+impl<T: Default> Promised<T> for Option<T> {
     #[track_caller]
     fn promised(self, reason: &str) -> T {
-        match self {
-            Some(value) => value,
-            None => {
-                broken(reason);
-                T::default()
-            }
+        if self.is_none() {
+            broken(reason);
         }
+        self.unwrap_or_default()
     }
 }
 

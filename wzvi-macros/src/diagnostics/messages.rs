@@ -6,14 +6,37 @@ use proc_macro2::Span;
 use quote::ToTokens;
 use syn::{Error, Item};
 
-use super::{at, closest, source, suggest};
+use super::{at, closest, quoted, source, suggest};
 use crate::symbolic::Rational;
 
 /// The keys that users know.
-const KEYS: &str = "`drift`, `noise`, `force`, `noise_force`, `friction`, `damping`, `temperature`, `embedding`, `invariant` \
-                    and `crate`";
-const SCHEMES: &str = "`DeltaPlus`, `Midpoint`, `DeltaMinus`, `Lambda<N, D>`, `Mixed<Drift, Noise>`, `Verlet`, `Gauss<S>`, \
-                       `Corrected<E>`, `Uncorrected<E>`, and, with friction, `Baoab`, `Obabo`, `Gjf`, `GjI` and `Thermostat<E>`";
+const KEYS: &[&str] = &[
+    "drift",
+    "noise",
+    "force",
+    "noise_force",
+    "friction",
+    "damping",
+    "temperature",
+    "embedding",
+    "invariant",
+    "crate",
+];
+/// The schemes that users know, with the names of their arguments.
+const SCHEMES: [(&str, &str); 9] = [
+    ("DeltaPlus", ""),
+    ("Midpoint", ""),
+    ("DeltaMinus", ""),
+    ("Lambda", "<N, D>"),
+    ("Mixed", "<Drift, Noise>"),
+    ("Verlet", ""),
+    ("Gauss", "<S>"),
+    ("Corrected", "<E>"),
+    ("Uncorrected", "<E>"),
+];
+/// Those for systems with friction.
+const THERMOSTATS: [(&str, &str); 5] =
+    [("Baoab", ""), ("Obabo", ""), ("Gjf", ""), ("GjI", ""), ("Thermostat", "<E>")];
 const PATTERNS: &str = "the supported patterns are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -34,13 +57,14 @@ messages! {
         `std::f64::consts::PI`, declare it inside with `const`, or pass it";
     recursion(call) = "this function calls itself, and recursion cannot be differentiated; write the sum or product \
         with an iterator";
-    expected_key(tokens) = "expected `key = value`; the keys are {KEYS}";
+    expected_key(tokens) { keys = keys(); } = "expected `key = value`; the keys are {keys}";
     unknown_strategy(name) = "unknown strategy `{name}`; there are `inline` and `sweep`";
     duplicate_key(key) = "`{key}` is given twice; merge the two";
     friction_and_damping(key) = "`friction` (rates, 1/time) and `damping` (a matrix, mass/time) describe the same \
         friction: keep one of them";
     missing_value(key) = "`{key} =` has no value";
-    unexpected_after_value(tokens) = "expected `,` and the next `key = value`; the keys are {KEYS}";
+    unexpected_after_value(tokens) { keys = keys(); } = "expected `,` and the next `key = value`; the keys are \
+        {keys}";
     missing_comma(key) = "expected `,` before `{key}`";
     not_a_path(found) = "expected the path of the crate `wzvi`, such as `crate = ::wzvi`";
     not_a_closure(found) = "expected a closure over coordinates and momenta, such as `|q, p| 0.5 * p * p`";
@@ -53,7 +77,7 @@ messages! {
         ...]`";
     name_of_other(name) = "first integrals have names, `invariant = [energy = |q, p| ...]`; other \
         Hamiltonians have none: leave it out";
-    not_a_scheme(found) = "expected an embedding; there are {SCHEMES}";
+    not_a_scheme(found) { schemes = schemes(); } = "expected an embedding; there are {schemes}";
     /// More stages than the tables of coefficients have.
     gauss_stages(found) = "`Gauss<S>` has 1 to 16 stages; `Gauss<1>` is `Midpoint`";
     duplicate_embedding(found, embedding: &impl Display) = "`{embedding}` is listed twice; once is enough";
@@ -96,18 +120,20 @@ messages! {
     return_type(ty) = "the value of a Hamiltonian is an `f64`";
     empty_list(list, key: &syn::Ident) {
         remedy = match key.to_string().as_str() {
-            "embedding" => format!("list at least one scheme of {SCHEMES}"),
+            "embedding" => format!("list at least one scheme of {}", schemes()),
             key => format!("leave `{key}` out if there is none"),
         };
     } = "this list is empty; {remedy}";
     unknown_key(key) {
         word = key.to_string();
         meant = suggest(intended_key(&word));
-    } = "unknown key `{word}`; the keys are {KEYS}{meant}";
+        keys = keys();
+    } = "unknown key `{word}`; the keys are {keys}{meant}";
     unknown_embedding(name) {
         word = name.to_string();
         meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, scheme_names())));
-    } = "unknown embedding `{word}`; there are {SCHEMES}{meant}";
+        schemes = schemes();
+    } = "unknown embedding `{word}`; there are {schemes}{meant}";
     /// A name that requests another sense of the stochastic integral.
     key_of_ito(key) = "{STRATONOVICH}";
     embedding_of_ito(name) = "there is no embedding `{name}`: {STRATONOVICH}";
@@ -150,7 +176,7 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
 
 /// The key that `key` may stand for.
 pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
-    closest(key, names_in(KEYS)).or_else(|| synonym(key))
+    closest(key, KEYS.iter().copied()).or_else(|| synonym(key))
 }
 
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an Ito equation, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
@@ -182,18 +208,27 @@ pub(crate) fn missing_key(key: &str) -> Error {
     Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
 }
 
-/// The names in a list of them, without arguments.
-fn names_in(list: &'static str) -> impl Iterator<Item = &'static str> {
-    list.split('`').skip(1).step_by(2).filter_map(|name| name.split('<').next())
+/// The keys as a list.
+fn keys() -> String {
+    let (others, last) = KEYS.split_at(KEYS.len() - 1);
+    format!("{} and {}", quoted(others), quoted(last))
+}
+
+/// The schemes as a list.
+fn schemes() -> String {
+    let listed = |schemes: &[(&str, &str)]| quoted(schemes.iter().map(|(name, of)| format!("{name}{of}")));
+    let [thermostats @ .., last] = THERMOSTATS;
+    let (schemes, thermostats) = (listed(&SCHEMES), listed(&thermostats));
+    format!("{schemes}, and, with friction, {thermostats} and {}", listed(&[last]))
 }
 
 /// The names of schemes, which are no types of the program.
 pub(crate) fn scheme_names() -> impl Iterator<Item = &'static str> {
-    names_in(SCHEMES).chain(["Splitting"])
+    SCHEMES.into_iter().chain(THERMOSTATS).map(|(name, _)| name).chain(["Splitting"])
 }
 
 pub(crate) fn is_key(name: &str) -> bool {
-    names_in(KEYS).any(|key| key == name)
+    KEYS.contains(&name)
 }
 
 /// What other texts call the same scheme.

@@ -17,7 +17,7 @@ use crate::discretise::{
 };
 use crate::embedding::{Embedding, Points};
 use crate::model::{System, Term};
-use crate::symbolic::{Expr, Graph, Knowledge, Rational, Symbol};
+use crate::symbolic::{Graph, Knowledge, Rational};
 
 /// The text of one scheme, from the discrete Lagrangian to the step.
 pub(crate) fn derivation(graph: &mut Graph, scheme: &Scheme) -> String {
@@ -79,15 +79,11 @@ fn lagrangian(graph: &mut Graph, scheme: &Scheme, text: &mut String) {
     }
     for stage in symbols.stages.iter().filter(|stage| !stage.at.l.is_zero()) {
         for (i, &point) in stage.q.iter().enumerate() {
-            let value = shifted(graph, symbols.nodes[i], symbols.unknowns[i], stage.at.l);
+            let increment = graph.symbol(symbols.unknowns[i]);
+            let value = graph.shifted(symbols.nodes[i], increment, stage.at.l);
             say!(text, "  {} = {}", graph.symbol_name(point), graph.display(value));
         }
     }
-}
-
-fn shifted(graph: &mut Graph, base: Symbol, by: Symbol, l: Rational) -> Expr {
-    let (base, by) = (graph.symbol(base), graph.symbol(by));
-    graph.linear_combination(&[(base, Rational::ONE), (by, l)])
 }
 
 fn equations(graph: &mut Graph, scheme: &Scheme, text: &mut String) {

@@ -88,9 +88,8 @@ impl Hamiltonians {
         let mut noise: Vec<Sum> = noise.collect();
         let mut numbers = system.noise_numbers();
         let hamiltonians = system.noise.iter().filter(|noise| !noise.is_force).count();
-        let friction = system.friction.as_ref().filter(|_| {
-            system.conformal.is_some() || system.embeddings.iter().any(|known| known.value.is_thermostat())
-        });
+        let is_drawn = system.conformal.is_some() || system.has_thermostat();
+        let friction = system.friction.as_ref().filter(|_| is_drawn);
         let forces = Forces {
             force: system.force.as_ref().map(|force| unweighted(of(force))).unwrap_or_default(),
             friction: friction.map(|friction| unweighted(of(&friction.term))).unwrap_or_default(),
@@ -172,10 +171,9 @@ impl Facts {
                 let Reads { q, p } = element.reads();
                 !p || !q && !element.is_covector()
             }),
-            has_diagonal_kinetic_energy: acting
-                .iter()
-                .filter(|element| !element.reads().q && !element.is_covector())
-                .all(|element| is_diagonal(sums.graph, element)),
+            has_diagonal_kinetic_energy: acting.iter().all(|element| {
+                element.reads().q || element.is_covector() || is_diagonal(sums.graph, element)
+            }),
             half_defect,
             half_force_defect: forces.defect(sums),
             counter_term,

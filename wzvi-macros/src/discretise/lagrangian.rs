@@ -1,4 +1,4 @@
-//! The discrete Lagrangian of a small system, the source of its generated step (MATH section 2), with the stages of
+//! The discrete Lagrangian of a small system, the source of its generated step, with the stages of
 //! [`quadrature`](super::quadrature):
 //!
 //! ```text
@@ -52,10 +52,11 @@ pub(crate) struct DiscreteLagrangian {
 impl DiscreteLagrangian {
     pub(crate) fn new(graph: &mut Graph, line: &StraightLine, quadrature: &Quadrature) -> Self {
         let symbols = StepSymbols::new(graph, &line.phase, line.noises(), quadrature);
-        let forces: Vec<Vec<Expr>> =
-            symbols.stages.iter().map(|stage| forces(graph, line, &symbols, stage)).collect();
-        let decay = decay(graph, line, &symbols);
-        let step_hamiltonian = step_hamiltonian(graph, line, &symbols);
+        let step = PlacedLine { line, symbols: &symbols };
+        let forces: Vec<Vec<Expr>> = symbols.stages.iter().map(|stage| step.forces(graph, stage)).collect();
+        // `e^{-γ h} - 1`
+        let decay = step.exponential(graph, Rational::MINUS_ONE, Function::ExpM1);
+        let step_hamiltonian = step.hamiltonian(graph);
         let mut terms = vec![(step_hamiltonian, Rational::MINUS_ONE)];
         for (&momentum, &u) in symbols.momentum.iter().zip(&symbols.unknowns) {
             let (momentum, u) = (graph.symbol(momentum), graph.symbol(u));
@@ -135,116 +136,91 @@ fn node_index(l: Rational) -> String {
     if l.is_zero() { "i".to_owned() } else { format!("{{i+{l}}}") }
 }
 
-impl StageSymbols {
-    /// Maps phase-space symbols to those of this stage, with momenta divided by the scale `e^{γ l h}`.
-    fn placement(
-        &self,
-        graph: &mut Graph,
-        phase: &Phase,
-        momentum: &[Symbol],
-        scale: Option<Expr>,
-    ) -> HashMap<Symbol, Expr> {
-        let from = phase.q.iter().chain(&phase.p).chain([&phase.t]);
-        let to = self.q.iter().chain(momentum).chain([&self.t]);
-        let mut placement: HashMap<Symbol, Expr> =
-            from.zip(to).map(|(&from, &to)| (from, graph.symbol(to))).collect();
+/// A straight line with the symbols of its step.
+struct PlacedLine<'a> {
+    line: &'a StraightLine,
+    symbols: &'a StepSymbols,
+}
+
+impl PlacedLine<'_> {
+    /// A function of `γ l h`, if friction is part of the steps.
+    fn exponential(&self, graph: &mut Graph, l: Rational, function: Function) -> Option<Expr> {
+        let rate = self.line.conformal?;
+        let h = graph.symbol(self.symbols.h);
+        let product = graph.multiply(rate, h);
+        let exponent = graph.scale(product, l);
+        Some(graph.apply(function, &[exponent]))
+    }
+
+    /// The images of phase-space symbols at a stage, with momenta divided by the scale `e^{γ l h}`, and that scale.
+    fn at(&self, graph: &mut Graph, stage: &StageSymbols) -> (HashMap<Symbol, Expr>, Option<Expr>) {
+        let is_there = !stage.at.l.is_zero();
+        let scale = is_there.then(|| self.exponential(graph, stage.at.l, Function::Exp)).flatten();
+        let Phase { q, p, t, .. } = &self.line.phase;
+        let from = q.iter().chain(p).chain([t]);
+        let to = stage.q.iter().chain(&self.symbols.momentum).chain([&stage.t]);
+        let images = from.zip(to).map(|(&from, &to)| (from, graph.symbol(to)));
+        let mut images: HashMap<Symbol, Expr> = images.collect();
         if let Some(scale) = scale {
-            for p in &phase.p {
-                if let Some(momentum) = placement.get_mut(p) {
-                    *momentum = graph.divide(*momentum, scale);
+            for p in p {
+                images.entry(*p).and_modify(|momentum| *momentum = graph.divide(*momentum, scale));
+            }
+        }
+        (images, scale)
+    }
+
+    /// The forces at a stage, `h f + Σ_k ΔW_k f_k`; empty for a system without forces.
+    fn forces(&self, graph: &mut Graph, stage: &StageSymbols) -> Vec<Expr> {
+        let (images, scale) = self.at(graph, stage);
+        let StraightLine { phase, noise, force, noise_forces, .. } = self.line;
+        let StepSymbols { h, dw, .. } = self.symbols;
+        let mut terms: Vec<Vec<Expr>> = Vec::new();
+        for &(part, share) in &stage.at.parts {
+            let driven: Vec<(&Symbol, &Vec<Expr>)> = match part {
+                Part::Force => force.iter().map(|force| (h, force)).collect(),
+                Part::Noise => dw[noise.len()..].iter().zip(noise_forces).collect(),
+                Part::Drift | Part::CounterTerm => Vec::new(),
+            };
+            for (increment, force) in driven {
+                let increment = graph.symbol(*increment);
+                let factors: Vec<Expr> = scale.into_iter().chain([increment]).collect();
+                let product = graph.product(&factors);
+                let weight = graph.scale(product, share);
+                let placed = graph.substitute(force, &images);
+                terms.push(placed.into_iter().map(|component| graph.multiply(weight, component)).collect());
+            }
+        }
+        let degrees = if terms.is_empty() { 0 } else { phase.q.len() };
+        (0..degrees).map(|i| graph.sum(&terms.iter().map(|term| term[i]).collect::<Vec<_>>())).collect()
+    }
+
+    /// `F = Σ_s Σ_m w_m F_m(P, Q_s, T_s)`
+    fn hamiltonian(&self, graph: &mut Graph) -> Expr {
+        let (line, symbols) = (self.line, self.symbols);
+        let mut terms = Vec::new();
+        for stage in &symbols.stages {
+            let (images, scale) = self.at(graph, stage);
+            for &(part, weight) in &stage.at.parts {
+                let (hamiltonians, increments) = match part {
+                    Part::Force => continue,
+                    Part::Drift => (std::slice::from_ref(&line.drift), std::slice::from_ref(&symbols.h)),
+                    Part::Noise | Part::CounterTerm => (line.noise.as_slice(), symbols.dw.as_slice()),
+                };
+                let placed = graph.substitute(hamiltonians, &images).into_iter();
+                let scaled = placed.map(|value| scale.map_or(value, |scale| graph.multiply(scale, value)));
+                let scaled: Vec<Expr> = scaled.collect();
+                if part == Part::CounterTerm {
+                    terms.push((counter_term(graph, symbols, stage, &scaled), weight));
+                    continue;
+                }
+                for (hamiltonian, &increment) in scaled.into_iter().zip(increments) {
+                    let increment = graph.symbol(increment);
+                    terms.push((graph.multiply(increment, hamiltonian), weight));
                 }
             }
         }
-        placement
+        graph.linear_combination(&terms)
     }
-}
-
-/// `γ l h`, if friction is part of the steps.
-fn exponent(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, l: Rational) -> Option<Expr> {
-    let rate = line.conformal?;
-    let h = graph.symbol(symbols.h);
-    let product = graph.multiply(rate, h);
-    Some(graph.scale(product, l))
-}
-
-/// `e^{γ l h}` at a quadrature point.
-fn scale(
-    graph: &mut Graph,
-    line: &StraightLine,
-    symbols: &StepSymbols,
-    stage: &StageSymbols,
-) -> Option<Expr> {
-    if stage.at.l.is_zero() {
-        return None;
-    }
-    let exponent = exponent(graph, line, symbols, stage.at.l)?;
-    Some(graph.apply(Function::Exp, &[exponent]))
-}
-
-/// `e^{-γ h} - 1`
-fn decay(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols) -> Option<Expr> {
-    let exponent = exponent(graph, line, symbols, Rational::MINUS_ONE)?;
-    Some(graph.apply(Function::ExpM1, &[exponent]))
-}
-
-/// The forces at a stage, `h f + Σ_k ΔW_k f_k`; empty for a system without forces.
-fn forces(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols, stage: &StageSymbols) -> Vec<Expr> {
-    let scale = scale(graph, line, symbols, stage);
-    let StraightLine { phase, noise, force, noise_forces, .. } = line;
-    let placement = stage.placement(graph, phase, &symbols.momentum, scale);
-    let mut terms: Vec<Vec<Expr>> = Vec::new();
-    for &(part, share) in &stage.at.parts {
-        let driven: Vec<(Symbol, &Vec<Expr>)> = match part {
-            Part::Force => force.iter().map(|force| (symbols.h, force)).collect(),
-            Part::Noise => symbols.dw[noise.len()..].iter().copied().zip(noise_forces.iter()).collect(),
-            Part::Drift | Part::CounterTerm => Vec::new(),
-        };
-        for (increment, force) in driven {
-            let increment = graph.symbol(increment);
-            let factors: Vec<Expr> = scale.into_iter().chain([increment]).collect();
-            let product = graph.product(&factors);
-            let weight = graph.scale(product, share);
-            let placed = graph.substitute(force, &placement);
-            terms.push(placed.into_iter().map(|component| graph.multiply(weight, component)).collect());
-        }
-    }
-    let degrees = if terms.is_empty() { 0 } else { phase.q.len() };
-    (0..degrees).map(|i| graph.sum(&terms.iter().map(|term| term[i]).collect::<Vec<_>>())).collect()
-}
-
-/// `F = Σ_s Σ_m w_m F_m(P, Q_s, T_s)`
-fn step_hamiltonian(graph: &mut Graph, line: &StraightLine, symbols: &StepSymbols) -> Expr {
-    let mut terms = Vec::new();
-    for stage in &symbols.stages {
-        let scale = scale(graph, line, symbols, stage);
-        let placement = stage.placement(graph, &line.phase, &symbols.momentum, scale);
-        let scaled = |graph: &mut Graph, hamiltonians: &[Expr]| -> Vec<Expr> {
-            let placed = graph.substitute(hamiltonians, &placement).into_iter();
-            placed.map(|value| scale.map_or(value, |scale| graph.multiply(scale, value))).collect()
-        };
-        for &(part, weight) in &stage.at.parts {
-            match part {
-                Part::Force => {}
-                Part::Drift => {
-                    let drift = scaled(graph, &[line.drift])[0];
-                    let h = graph.symbol(symbols.h);
-                    terms.push((graph.multiply(h, drift), weight));
-                }
-                Part::Noise => {
-                    let noise = scaled(graph, &line.noise);
-                    for (hamiltonian, &dw) in noise.into_iter().zip(&symbols.dw) {
-                        let dw = graph.symbol(dw);
-                        terms.push((graph.multiply(dw, hamiltonian), weight));
-                    }
-                }
-                Part::CounterTerm => {
-                    let noise = scaled(graph, &line.noise);
-                    terms.push((counter_term(graph, symbols, stage, &noise), weight));
-                }
-            }
-        }
-    }
-    graph.linear_combination(&terms)
 }
 
 /// `(Σ_j ΔW_j ∂H_j/∂q) · (Σ_k ΔW_k ∂H_k/∂p)`, which is already symmetric in the noises.
@@ -252,15 +228,12 @@ fn counter_term(graph: &mut Graph, symbols: &StepSymbols, stage: &StageSymbols, 
     let mut terms = Vec::new();
     for (&q, &p) in stage.q.iter().zip(&symbols.momentum) {
         let mut weighted_slope = |symbol: Symbol| {
-            let slopes: Vec<Expr> = noise
-                .iter()
-                .zip(&symbols.dw)
-                .map(|(&hamiltonian, &dw)| {
-                    let slope = graph.derivative(hamiltonian, symbol);
-                    let dw = graph.symbol(dw);
-                    graph.multiply(dw, slope)
-                })
-                .collect();
+            let slopes = noise.iter().zip(&symbols.dw).map(|(&hamiltonian, &dw)| {
+                let slope = graph.derivative(hamiltonian, symbol);
+                let dw = graph.symbol(dw);
+                graph.multiply(dw, slope)
+            });
+            let slopes: Vec<Expr> = slopes.collect();
             graph.sum(&slopes)
         };
         let (force, velocity) = (weighted_slope(q), weighted_slope(p));

@@ -1,4 +1,4 @@
-//! The order in which the unknowns of a step are solved, and the solution of each block (MATH section 4).
+//! The order in which the unknowns of a step are solved, and the solution of each block.
 //!
 //! `u_i` and `v_i` are the vertices of a graph with an edge from each unknown to those its `φ` reads. Strongly
 //! connected components in topological order are the blocks. Within a block the iterates are a smallest set of
@@ -46,18 +46,6 @@ impl Block {
     }
 }
 
-/// The unknowns of a component, split into iterates and assigned ones, with the solution method.
-fn block(
-    graph: &mut Graph,
-    symbols: &StepSymbols,
-    equations: &Equations,
-    (iterates, assigned): (Vec<Unknown>, Vec<Unknown>),
-) -> Block {
-    let mut solver = BlockSolver { graph, symbols, equations, slopes: HashMap::new() };
-    let solution = solver.solve(&iterates, &assigned);
-    Block { iterates, assigned, solution }
-}
-
 /// The blocks in solving order, and the definition of every symbol of the step.
 pub(crate) struct Structure {
     pub(crate) blocks: Vec<Block>,
@@ -72,14 +60,14 @@ impl Structure {
         let mut definitions = HashMap::new();
         let mut blocks = Vec::new();
         for component in dependencies.components() {
-            let mut block = block(graph, symbols, equations, dependencies.split(&component));
+            let mut block = BlockSolver::new(graph, symbols, equations).block(dependencies.split(&component));
             let mut solved = equations;
             let isolated = match block.solution {
                 Solution::Newton { .. } => isolate(graph, symbols, equations, &component, &block.iterates),
                 _ => None,
             };
             if let Some((equations, dependencies, pivots)) = &isolated {
-                block = self::block(graph, symbols, equations, dependencies.split(&component));
+                block = BlockSolver::new(graph, symbols, equations).block(dependencies.split(&component));
                 solved = equations;
                 blocks.extend(pivots.iter().map(|&pivot| Block::of(Solution::Isolated(pivot))));
             }
@@ -118,24 +106,20 @@ impl StepSymbols {
 
 /// `P = p_i + v`, `Q_l = q_i + l u`, `T_l = t + l h`.
 fn define_points(graph: &mut Graph, symbols: &StepSymbols, definitions: &mut HashMap<Symbol, Expr>) {
-    let shifted = |graph: &mut Graph, base: Symbol, by: Expr, l: Rational| {
-        let base = graph.symbol(base);
-        graph.linear_combination(&[(base, Rational::ONE), (by, l)])
-    };
     let StepSymbols { nodes, unknowns, .. } = symbols;
     for (i, v) in (symbols.degrees()..unknowns.len()).enumerate() {
         let by = graph.symbol(unknowns[v]);
-        let momentum = shifted(graph, nodes[v], by, Rational::ONE);
+        let momentum = graph.shifted(nodes[v], by, Rational::ONE);
         definitions.insert(symbols.momentum[i], momentum);
         let u = increment(graph, unknowns[i], definitions);
         for stage in &symbols.stages {
-            let point = shifted(graph, nodes[i], u, stage.at.l);
+            let point = graph.shifted(nodes[i], u, stage.at.l);
             definitions.insert(stage.q[i], point);
         }
     }
     let h = graph.symbol(symbols.h);
     for stage in &symbols.stages {
-        let time = shifted(graph, symbols.t, h, stage.at.l);
+        let time = graph.shifted(symbols.t, h, stage.at.l);
         definitions.insert(stage.t, time);
     }
 }
@@ -152,6 +136,12 @@ pub(crate) fn increment(graph: &mut Graph, symbol: Symbol, definitions: &HashMap
 }
 
 impl Graph {
+    /// `base + l by`
+    pub(crate) fn shifted(&mut self, base: Symbol, by: Expr, l: Rational) -> Expr {
+        let base = self.symbol(base);
+        self.linear_combination(&[(base, Rational::ONE), (by, l)])
+    }
+
     /// Whether `expr` contains no symbols but `symbols`.
     pub(crate) fn reads_only(&self, expr: Expr, symbols: &[Symbol]) -> bool {
         self.reachable(&[expr]).iter().all(|&e| self.as_symbol(e).is_none_or(|s| symbols.contains(&s)))
@@ -166,39 +156,39 @@ struct BlockSolver<'a> {
     slopes: HashMap<(Expr, Symbol), Expr>,
 }
 
-impl BlockSolver<'_> {
+impl<'a> BlockSolver<'a> {
+    fn new(graph: &'a mut Graph, symbols: &'a StepSymbols, equations: &'a Equations) -> Self {
+        Self { graph, symbols, equations, slopes: HashMap::new() }
+    }
+
+    /// The unknowns of a component, split into iterates and assigned ones, with the solution method.
+    fn block(&mut self, (iterates, assigned): (Vec<Unknown>, Vec<Unknown>)) -> Block {
+        let solution = self.solve(&iterates, &assigned);
+        Block { iterates, assigned, solution }
+    }
+
     fn solve(&mut self, iterates: &[Unknown], assigned: &[Unknown]) -> Solution {
         if iterates.is_empty() {
             return Solution::Assigned;
         }
-        let jacobian: Vec<Vec<Expr>> = {
-            let columns: Vec<Vec<Expr>> =
-                iterates.iter().map(|&x| self.column(iterates, assigned, x)).collect();
-            (0..iterates.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
-        };
-        let members: Vec<Symbol> = iterates
-            .iter()
-            .chain(assigned)
-            .flat_map(|&x| self.symbols.views(x))
-            .map(|(view, _)| view)
-            .collect();
-        let is_linear = jacobian.iter().flatten().all(|&entry| !self.graph.depends_on(entry, &members))
-            && iterates
-                .iter()
-                .chain(assigned)
-                .all(|&x| !self.graph.has_pieces(self.equations.phi[x], &members));
-        if is_linear {
+        let columns: Vec<Vec<Expr>> = iterates.iter().map(|&x| self.column(iterates, assigned, x)).collect();
+        let n = iterates.len();
+        let rows = (0..n).map(|row| columns.iter().map(|column| column[row]).collect());
+        let jacobian: Vec<Vec<Expr>> = rows.collect();
+        let all: Vec<Unknown> = [iterates, assigned].concat();
+        let members = all.iter().flat_map(|&x| self.symbols.views(x)).map(|(view, _)| view);
+        let members: Vec<Symbol> = members.collect();
+        if jacobian.iter().flatten().all(|&entry| !self.graph.depends_on(entry, &members))
+            && all.iter().all(|&x| !self.graph.has_pieces(self.equations.phi[x], &members))
+        {
             let rhs = self.at_zero(iterates, assigned);
             return Solution::Linear { matrix: jacobian, rhs };
         }
-        let residual = iterates
-            .iter()
-            .map(|&x| {
-                let unknown = self.graph.symbol(self.symbols.unknowns[x]);
-                self.graph.subtract(unknown, self.equations.phi[x])
-            })
-            .collect();
-        let n = iterates.len();
+        let residual = iterates.iter().map(|&x| {
+            let unknown = self.graph.symbol(self.symbols.unknowns[x]);
+            self.graph.subtract(unknown, self.equations.phi[x])
+        });
+        let residual = residual.collect();
         let symmetric = n > 1 && (0..n).all(|i| (0..i).all(|j| jacobian[i][j] == jacobian[j][i]));
         Solution::Newton { residual, jacobian, symmetric }
     }
@@ -211,14 +201,12 @@ impl BlockSolver<'_> {
             let speed = self.total_slope(self.equations.phi[unknown], &speeds);
             speeds.push((unknown, speed));
         }
-        iterates
-            .iter()
-            .map(|&row| {
-                let slope = self.total_slope(self.equations.phi[row], &speeds);
-                let identity = if row == x { one } else { self.graph.integer(0) };
-                self.graph.subtract(identity, slope)
-            })
-            .collect()
+        let entry = |&row: &Unknown| {
+            let slope = self.total_slope(self.equations.phi[row], &speeds);
+            let identity = if row == x { one } else { self.graph.integer(0) };
+            self.graph.subtract(identity, slope)
+        };
+        iterates.iter().map(entry).collect()
     }
 
     /// `Σ_m ∂expr/∂x_m · speed_m`
@@ -226,14 +214,8 @@ impl BlockSolver<'_> {
         let mut terms = Vec::new();
         for &(unknown, speed) in speeds {
             for (view, weight) in self.symbols.views(unknown) {
-                let slope = match self.slopes.get(&(expr, view)) {
-                    Some(&known) => known,
-                    None => {
-                        let slope = self.graph.derivative(expr, view);
-                        self.slopes.insert((expr, view), slope);
-                        slope
-                    }
-                };
+                let Self { graph, slopes, .. } = self;
+                let slope = *slopes.entry((expr, view)).or_insert_with(|| graph.derivative(expr, view));
                 terms.push((self.graph.multiply(slope, speed), weight));
             }
         }
@@ -256,10 +238,8 @@ impl BlockSolver<'_> {
     }
 
     fn place(&mut self, unknown: Unknown, value: Expr, values: &mut HashMap<Symbol, Expr>) {
-        let base = self.graph.symbol(self.symbols.nodes[unknown]);
         for (view, weight) in self.symbols.views(unknown) {
-            let point = self.graph.linear_combination(&[(base, Rational::ONE), (value, weight)]);
-            values.insert(view, point);
+            values.insert(view, self.graph.shifted(self.symbols.nodes[unknown], value, weight));
         }
     }
 }

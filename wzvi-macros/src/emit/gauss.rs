@@ -35,6 +35,14 @@ pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenSt
     generated
 }
 
+/// A number that is known, or not.
+pub(super) fn shape(number: Option<usize>) -> TokenStream {
+    match number.map(count) {
+        Some(number) => quote!(__wzvi::gauss::Fixed<#number>),
+        None => quote!(__wzvi::gauss::Dynamic),
+    }
+}
+
 /// `impl Field`
 fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
     let line = system.line.clone();
@@ -42,12 +50,8 @@ fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
     let slopes = line.map(|line| slopes(&mut system.graph, line, is_nystrom));
     let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
     let in_lanes = line.is_some() || !system.acting().any(reads_time);
-    let size = |number: Option<usize>| match number.map(count) {
-        Some(number) => quote!(__wzvi::gauss::Fixed<#number>),
-        None => quote!(__wzvi::gauss::Dynamic),
-    };
-    let shape = size(line.map(|line| line.phase.q.len()));
-    let noises = size(line.map(StraightLine::noises));
+    let noises = shape(line.map(StraightLine::noises));
+    let shape = shape(line.map(|line| line.phase.q.len()));
     let (reads, functions) = slopes.unwrap_or_default();
     let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
     let (bool, tokens) = (quote!(__wzvi::bool), reads.iter().map(|read| &read.tokens));

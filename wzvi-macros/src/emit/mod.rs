@@ -14,12 +14,12 @@ pub(crate) mod terms;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
-use crate::describe::{Texts, stepped};
+use crate::describe::Texts;
 use crate::discretise::{Facts, Step};
 use crate::model::System;
 
 pub(crate) use names::Names;
-use names::{Surroundings, readable};
+use names::readable;
 pub(crate) use print::{Printer, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::{Body, count, evaluation, parameter_names};
@@ -34,8 +34,7 @@ pub(crate) struct Expansion {
 /// The struct as written, with documentation; and, in a scope of its own, the implementations: terms, elements and steps.
 pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &Texts) -> Expansion {
     let mut generated = terms::terms(system, facts, steps, texts);
-    let is_taken =
-        stepped(&texts.listed.iter().map(|(listed, _)| listed.clone()).collect::<Vec<_>>(), texts.flows);
+    let is_taken = texts.stepped();
     let is_alone = is_taken.len() == 1;
     let steps = steps.iter().zip(&texts.of_parts);
     for (step, text) in steps.filter(|(step, _)| is_taken.contains(step.embedding())) {
@@ -52,16 +51,9 @@ pub(crate) fn emit(system: &mut System, facts: &Facts, steps: &[Step], texts: &T
     generated.extend(facts.energy.is_conservative.then(conservative));
     let read = terms::user_tokens(system);
     let listed = system.listed().iter().map(|parameter| &parameter.tokens);
-    let generated = readable(
-        generated,
-        &Surroundings {
-            crate_path: &system.crate_path,
-            tokens: with_header(&system.item, read.iter().chain(listed)),
-            spelled: &system.type_checks,
-            generics: &system.item.generics,
-        },
-    );
-    let type_checks = &system.type_checks;
+    let (item, type_checks) = (&system.item, &system.type_checks);
+    let tokens = with_header(item, read.iter().chain(listed));
+    let generated = readable(generated, &system.crate_path, (tokens, type_checks), &item.generics);
     let implementations = quote! {
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {

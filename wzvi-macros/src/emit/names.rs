@@ -10,7 +10,7 @@ use proc_macro2::{Ident, Span};
 
 mod readable;
 
-pub(crate) use readable::{Surroundings, readable};
+pub(crate) use readable::readable;
 
 /// The prefix of emitted names.
 const MARK: &str = "__";

@@ -20,7 +20,6 @@ mod solve;
 
 use flow::Flow;
 use prepare::Prepared;
-use solve::Arguments;
 
 /// `dw`, or `dw1`, `dw2`, ... as in the equations.
 pub(crate) fn increment_names(names: &mut Names, noises: usize) -> Vec<Ident> {
@@ -42,17 +41,12 @@ pub(crate) fn emit(
     let noises = scheme.lagrangian.symbols.dw.len();
     let mut names = Names::default();
     let [q, p] = state_names(&mut names, graph, &line.phase);
-    let arguments = Arguments { q, p, dw: increment_names(&mut names, noises) };
-    let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
-    let solve::Solution { functions, statements } = solve::solution(&flow, &prepared, &arguments, names);
-    let Arguments { q, p, dw } = arguments;
-    let state = match dw.is_empty() {
-        true => quote!(let ([#(#q),*], [#(#p),*]) = (__coordinates, __momenta);),
-        false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__coordinates, __momenta, __increments);),
-    };
-    let (open, prepared_type) = (prepared.open(), prepared.ty());
-    let (prepare, memory) = (&prepared.body, memory::memory_type(&flow.newton_sizes()));
     let (d, n) = (count(q.len()), count(noises));
+    let dw = increment_names(&mut names, noises);
+    let prepared = Prepared::new(&flow, graph, &line.parameters, &mut names);
+    let [functions, solve] = solve::solution(&flow, &prepared, [q, p, dw], names);
+    let (prepared_type, prepare) = (prepared.ty(), &prepared.method);
+    let memory = memory::memory_type(&flow.newton_sizes());
     let carry = match flow.affords_compensation() {
         true => quote!(__wzvi::Compensation<__S, #d>),
         false => quote!(__wzvi::Plain),
@@ -68,36 +62,8 @@ pub(crate) fn emit(
             type Prepared = #prepared_type;
             type Memory<__S: __wzvi::Scalar> = #memory;
             type Carry<__S: __wzvi::Scalar> = #carry;
-
-            fn prepare<__K: __wzvi::Constant>(
-                &self,
-                __lift: __wzvi::Lift<'_, __K>,
-                __h: __K,
-            ) -> __wzvi::Result<__wzvi::Of<Self::Prepared, __K>, __wzvi::ConfigError> {
-                #prepare
-            }
-
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn solve<
-                __S: __wzvi::Over<__K>,
-                __K: __wzvi::Constant,
-                __C: __wzvi::Carry<__S>,
-                const __CAREFUL: __wzvi::bool,
-            >(
-                __prepared: &__wzvi::Of<Self::Prepared, __K>,
-                __t: __K,
-                __h: __K,
-                __coordinates: [__S; #d],
-                __momenta: [__S; #d],
-                __increments: [__S; #n],
-                __memory: &mut Self::Memory<__S>,
-                __carry: &__C,
-                __next: &mut __wzvi::Solution<__S, #d>,
-            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
-                #state
-                #open
-                #statements
-            }
+            #prepare
+            #solve
     };
     let step = implementation(item, &quote!(__wzvi::StraightLine<#embedding, #d, #n>), &body);
     let step = quote!(#functions #step);

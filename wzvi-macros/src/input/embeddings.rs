@@ -1,10 +1,10 @@
 //! The schemes of `embedding = ...`.
 
-use quote::ToTokens;
 use syn::parse::{Parse, ParseStream};
 use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
 
 use super::points::read_points;
+use super::system::literal;
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
 use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word};
 
@@ -191,10 +191,8 @@ fn scheme(argument: &GenericArgument, inside: Inside, declared: &[Declared]) -> 
 }
 
 fn number(argument: &GenericArgument) -> syn::Result<u32> {
-    syn::parse2::<syn::LitInt>(argument.to_token_stream())
-        .ok()
-        .and_then(|literal| literal.base10_parse().ok())
-        .ok_or_else(|| messages::lambda_literal(argument))
+    let number = literal(argument).and_then(|number| u32::try_from(number).ok());
+    number.ok_or_else(|| messages::lambda_literal(argument))
 }
 
 /// The last segment's name and generic arguments.

@@ -319,12 +319,8 @@ fn bound(pattern: &Pat) -> syn::Result<(Option<Shape>, Bound)> {
 fn fitting(pattern: &Pat, declared: &Shape) -> syn::Result<Bound> {
     match (peeled(pattern), declared) {
         (Pat::Slice(slice), Shape::Array(element, Length::Literal(len))) if slice.elems.len() == *len => {
-            slice
-                .elems
-                .iter()
-                .map(|inner| fitting(inner, element))
-                .collect::<syn::Result<_>>()
-                .map(Bound::Each)
+            let parts = slice.elems.iter().map(|inner| fitting(inner, element));
+            parts.collect::<syn::Result<_>>().map(Bound::Each)
         }
         (Pat::Ident(_) | Pat::Wild(_), _) => bound(pattern).map(|(_, names)| names),
         _ => match bound(pattern)? {

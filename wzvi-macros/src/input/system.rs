@@ -49,15 +49,9 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
             return None;
         }
     };
-    let fields = item.fields.members().zip(&item.fields).map(|(member, field)| Field {
-        member,
-        kind: kind(&field.ty),
-        conditions: field
-            .attrs
-            .iter()
-            .filter(|attribute| attribute.path().is_ident("cfg"))
-            .cloned()
-            .collect(),
+    let fields = item.fields.members().zip(&item.fields).map(|(member, field)| {
+        let conditions = field.attrs.iter().filter(|attribute| attribute.path().is_ident("cfg"));
+        Field { member, kind: kind(&field.ty), conditions: conditions.cloned().collect() }
     });
     let sizes = item.generics.params.iter().filter_map(|parameter| match parameter {
         GenericParam::Const(parameter) if kind(&parameter.ty) == Kind::Integer => {

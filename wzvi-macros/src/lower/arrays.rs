@@ -126,7 +126,6 @@ impl<'a> Interpreter<'a, '_> {
             if (0..length).contains(&k) {
                 return Some(());
             }
-            let length = usize::try_from(length).unwrap_or(0);
             return self.refuse(expressions::index_out_of_range(at, k, length));
         }
         let above = self
@@ -158,10 +157,7 @@ impl<'a> Interpreter<'a, '_> {
         let is_negative = |number: Option<i128>| number.is_some_and(|number| number < 0);
         if is_negative(rest) || is_negative(start.as_integer()) || is_negative(length.as_integer()) {
             let error = match (end.as_integer(), array.length.as_integer()) {
-                (Some(end), Some(length)) => {
-                    let length = usize::try_from(length).unwrap_or(0);
-                    expressions::index_out_of_range(at, end, length)
-                }
+                (Some(end), Some(length)) => expressions::index_out_of_range(at, end, length),
                 _ => expressions::index_beyond(at, &self.display(end), &self.display(&array.length), 0),
             };
             return self.refuse(error);

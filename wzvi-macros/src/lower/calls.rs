@@ -104,13 +104,11 @@ impl<'a> Interpreter<'a, '_> {
         let inputs = &function.signature.inputs;
         // A method by its path gets `self` as an argument.
         let has_receiver = matches!(inputs.first(), Some(FnArg::Receiver(_)));
-        let parameters: Vec<&'a Pat> = inputs
-            .iter()
-            .filter_map(|input| match input {
-                FnArg::Typed(typed) => Some(&*typed.pat),
-                FnArg::Receiver(_) => None,
-            })
-            .collect();
+        let parameters = inputs.iter().filter_map(|input| match input {
+            FnArg::Typed(typed) => Some(&*typed.pat),
+            FnArg::Receiver(_) => None,
+        });
+        let parameters: Vec<&'a Pat> = parameters.collect();
         if has_receiver && arguments.len() == parameters.len() + 1 {
             arguments.remove(0);
         }

@@ -94,7 +94,7 @@ pub(crate) fn lower(
         .of(Role::Invariant)
         .map(|invariant| invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string()));
     let noise: Vec<Vec<Noise>> = noise.into_iter().collect::<Option<_>>()?;
-    let parts: Vec<Term> = drift.into_iter().collect::<Option<_>>()?;
+    let parts = drift?;
     let (drift, parts) = match parts.as_slice() {
         _ if !phase_space.is_of_drift => return None,
         [first, second] => {
@@ -117,12 +117,12 @@ pub(crate) fn lower(
         drift,
         parts,
         noise: noise.into_iter().flatten().collect(),
-        force: force.into_iter().collect::<Option<Vec<_>>>()?.pop(),
+        force: force?.pop(),
         friction: required(friction)?,
         conformal: None,
         scale: None,
         temperature: required(temperature)?,
-        invariants: invariants.into_iter().collect::<Option<_>>()?,
+        invariants: invariants?,
         invariant_names: invariant_names.collect(),
         embeddings: declaration.embeddings.into_iter().map(|(embedding, _)| embedding).collect(),
         item: container.item,
@@ -204,8 +204,9 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     }
 
     /// Lowers closures independently.
-    fn terms(&mut self, closures: impl Iterator<Item = &'a Hamiltonian>) -> Vec<Option<Term>> {
-        closures.map(|closure| self.term(closure, None)).collect()
+    fn terms(&mut self, closures: impl Iterator<Item = &'a Hamiltonian>) -> Option<Vec<Term>> {
+        let terms: Vec<Option<Term>> = closures.map(|closure| self.term(closure, None)).collect();
+        terms.into_iter().collect()
     }
 
     /// One closure.

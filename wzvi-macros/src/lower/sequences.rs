@@ -335,22 +335,18 @@ impl<'a> Interpreter<'a, '_> {
                 let mapped = this.apply(function, vec![item], at).unwrap_or_default();
                 f(this, mapped)
             }),
-            Source::Filter(inner, predicate) => {
-                self.through(inner, one_by_one, at, &mut |this, item| match this.apply(
-                    predicate,
-                    vec![item.clone()],
-                    at,
-                )? {
+            Source::Filter(inner, predicate) => self.through(inner, one_by_one, at, &mut |this, item| {
+                let zero = this.graph.integer(0);
+                match this.apply(predicate, vec![item.clone()], at)? {
                     Value::Known(true) => f(this, item),
-                    Value::Known(false) => Some(this.graph.integer(0)),
+                    Value::Known(false) => Some(zero),
                     Value::Condition(condition) if !one_by_one => {
                         let value = f(this, item)?;
-                        let zero = this.graph.integer(0);
                         Some(this.graph.select(condition, value, zero))
                     }
                     other => this.no_condition(predicate, &other, one_by_one, at),
-                })
-            }
+                }
+            }),
             Source::Flat(inner, function) => self.through(inner, one_by_one, at, &mut |this, item| {
                 let list = match function {
                     Some(function) => this.apply(function, vec![item], at)?,

@@ -46,6 +46,11 @@ impl Operation {
 }
 
 impl Atom {
+    /// Whether a loop variable is inside of it.
+    pub(crate) fn reads(&self, variable: u32) -> bool {
+        *self == Self::Loop(variable) || self.indices().any(|index| index.loops().contains(&variable))
+    }
+
     /// The indices inside.
     fn indices(&self) -> impl Iterator<Item = &Index> {
         let (entry, both) = match self {
@@ -274,7 +279,7 @@ impl Index {
         for (atom, coefficient) in &self.terms {
             match atom {
                 Atom::Loop(own) if *own == variable => slope = *coefficient,
-                atom if Self::atom(atom.clone()).loops().contains(&variable) => return None,
+                atom if atom.reads(variable) => return None,
                 _ => {}
             }
         }
@@ -320,11 +325,7 @@ impl Bounds<'_> {
         for known in self.loops.iter().rev() {
             let atom = Atom::Loop(known.variable);
             let Some((_, coefficient)) = index.terms.iter().find(|(own, _)| *own == atom) else { continue };
-            let hidden = index
-                .terms
-                .iter()
-                .any(|(own, _)| *own != atom && Index::atom(own.clone()).loops().contains(&known.variable));
-            if hidden {
+            if index.terms.iter().any(|(own, _)| *own != atom && own.reads(known.variable)) {
                 continue;
             }
             let extreme = if *coefficient > 0 { Some(known.start.clone()) } else { known.end.shifted(-1) };
@@ -364,21 +365,16 @@ impl Bounds<'_> {
 
     /// What a size is at least: a loop that runs has an end beyond its start.
     fn lower_bounds(&self, atom: &Atom) -> Vec<Index> {
-        let mut bounds: Vec<Index> = self
-            .loops
-            .iter()
-            .filter_map(|known| {
-                let rest = known.end.plus(&Index::atom(atom.clone()), -1)?;
-                let is_alone = !rest.terms.iter().any(|(other, _)| other == atom);
-                is_alone.then(|| known.start.shifted(1)?.subtract(&rest)).flatten()
-            })
-            .collect();
+        let bounds = self.loops.iter().filter_map(|known| {
+            let rest = known.end.plus(&Index::atom(atom.clone()), -1)?;
+            let is_alone = !rest.terms.iter().any(|(other, _)| other == atom);
+            is_alone.then(|| known.start.shifted(1)?.subtract(&rest)).flatten()
+        });
         let is_natural = match atom {
             Atom::Given(table, _) => self.tables.get(*table as usize).is_some_and(|table| table.is_unsigned),
             _ => true,
         };
-        bounds.extend(is_natural.then(Index::default));
-        bounds
+        bounds.chain(is_natural.then(Index::default)).collect()
     }
 
     /// The largest value that `index` takes, if it is linear in its loops.

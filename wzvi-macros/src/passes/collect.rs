@@ -68,13 +68,11 @@ impl Writer<'_> {
             let present: Vec<(Symbol, Sum)> =
                 symbols.filter_map(|symbol| Some((symbol, self.symbols.sum_of(symbol)?.clone()))).collect();
             let names: Vec<Symbol> = present.iter().map(|(symbol, _)| *symbol).collect();
-            let nonlinear: Vec<&(Symbol, Sum)> = present
-                .iter()
-                .filter(|(symbol, _)| {
-                    let factor = self.graph.derivative(expr, *symbol);
-                    self.graph.depends_on(factor, &names) || self.graph.has_pieces(expr, &[*symbol])
-                })
-                .collect();
+            let nonlinear = present.iter().filter(|(symbol, _)| {
+                let factor = self.graph.derivative(expr, *symbol);
+                self.graph.depends_on(factor, &names) || self.graph.has_pieces(expr, &[*symbol])
+            });
+            let nonlinear: Vec<&(Symbol, Sum)> = nonlinear.collect();
             if nonlinear.is_empty() {
                 return Some((expr, present));
             }
@@ -163,12 +161,9 @@ impl Writer<'_> {
         if terms.len() > opened.most {
             return whole;
         }
-        let others: Vec<Expr> = factors
-            .iter()
-            .enumerate()
-            .filter(|&(i, _)| i != only)
-            .map(|(_, &(base, exponent))| self.graph.power(base, exponent))
-            .collect();
+        let others = factors.iter().enumerate().filter(|&(i, _)| i != only);
+        let others = others.map(|(_, &(base, exponent))| self.graph.power(base, exponent));
+        let others: Vec<Expr> = others.collect();
         let factor = self.graph.product(&others);
         terms.into_iter().map(|(term, weight)| (self.graph.multiply(factor, term), weight)).collect()
     }

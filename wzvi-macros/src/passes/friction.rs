@@ -15,18 +15,16 @@ use crate::symbolic::{Expr, Rational};
 /// [`System::conformal`].
 pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
     let Some(friction) = system.friction.clone() else {
-        let thermostats = system.embeddings.iter().filter(|known| known.value.is_thermostat());
-        thermostats.for_each(|known| {
-            diagnostics.report(messages::thermostat_without_friction(known.extent, &known.value))
-        });
+        for known in system.embeddings.iter().filter(|known| known.value.is_thermostat()) {
+            diagnostics.report(messages::thermostat_without_friction(known.extent, &known.value));
+        }
         if let Some(temperature) = &system.temperature {
             diagnostics.report(messages::temperature_without_friction(temperature.extent));
         }
         return;
     };
     check(system, &friction, diagnostics);
-    let has_thermostat = system.embeddings.iter().any(|known| known.value.is_thermostat());
-    if has_thermostat || system.temperature.is_some() || diagnostics.has_errors() {
+    if system.has_thermostat() || system.temperature.is_some() || diagnostics.has_errors() {
         return;
     }
     // An entry of a list is not a parameter of a system in loops.
@@ -39,8 +37,7 @@ pub(crate) fn friction(system: &mut System, diagnostics: &mut Diagnostics) {
 }
 
 fn check(system: &mut System, friction: &Friction, diagnostics: &mut Diagnostics) {
-    let has_thermostat = system.embeddings.iter().any(|known| known.value.is_thermostat());
-    if has_thermostat || system.temperature.is_some() {
+    if system.has_thermostat() || system.temperature.is_some() {
         let reason = match system.temperature {
             Some(_) => "this system has a temperature, so its scheme needs a heat bath",
             None => "friction is a part of its own in the thermostats that are listed",
@@ -86,10 +83,8 @@ fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
             for (momentum, j) in element.momenta() {
                 let entry = graph.derivative(row, momentum);
                 if !graph.is_zero(entry) {
-                    let reads_fields = element
-                        .locals
-                        .iter()
-                        .any(|local| local.slot.is_of_field() && graph.depends_on(entry, &[local.symbol]));
+                    let mut fields = element.locals.iter().filter(|local| local.slot.is_of_field());
+                    let reads_fields = fields.any(|local| graph.depends_on(entry, &[local.symbol]));
                     entries.push((i.clone(), j.clone(), entry, reads_fields));
                 }
             }

@@ -225,7 +225,7 @@ impl Graph {
     /// their powers could not be collected.
     fn collect_factors(&self, operands: &[(Expr, Rational)]) -> Factors {
         let collect = |keeps_multiples| {
-            let mut factors = Factors { keeps_multiples, ..Factors::default() };
+            let mut factors = Factors::new(Rational::ONE, keeps_multiples);
             for &(operand, exponent) in operands {
                 self.collect_factor(&mut factors, operand, exponent);
                 if factors.overflows && !keeps_multiples {
@@ -245,7 +245,7 @@ impl Graph {
     }
 
     fn opens_beside(&self, coefficient: Rational, base: Expr, exponent: Rational) -> bool {
-        let mut factors = Factors { coefficient, ..Factors::default() };
+        let mut factors = Factors::new(coefficient, false);
         self.collect_factor(&mut factors, base, exponent);
         factors.factors != [(base, exponent)]
     }
@@ -374,9 +374,9 @@ struct Factors {
     overflows: bool,
 }
 
-impl Default for Factors {
-    fn default() -> Self {
-        Self { coefficient: Rational::ONE, factors: Vec::new(), keeps_multiples: false, overflows: false }
+impl Factors {
+    fn new(coefficient: Rational, keeps_multiples: bool) -> Self {
+        Self { coefficient, factors: Vec::new(), keeps_multiples, overflows: false }
     }
 }
 

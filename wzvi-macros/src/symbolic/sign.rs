@@ -21,11 +21,10 @@ impl Graph {
                 _ => Sign::Unknown,
             },
             Node::Sum { terms, constant } => self.sum_sign(terms, *constant),
-            Node::Product(factors) => factors
-                .iter()
-                .map(|&(base, exponent)| self.power_sign(base, exponent))
-                .min()
-                .unwrap_or(Sign::Unknown),
+            Node::Product(factors) => {
+                let signs = factors.iter().map(|&(base, exponent)| self.power_sign(base, exponent));
+                signs.min().unwrap_or(Sign::Unknown)
+            }
             Node::Apply(function, arguments) => match function {
                 Function::Exp | Function::Exp2 | Function::Cosh => Sign::Positive,
                 Function::Sqrt | Function::Abs | Function::Hypot | Function::Acosh | Function::Acos => {

@@ -85,11 +85,9 @@ impl Graph {
         symbols.sort_unstable();
         let mut random = SplitMix::new(0x5eed);
         (0..trials).find_map(|trial| {
-            let point: Vec<(Symbol, f64)> = symbols
-                .iter()
-                .enumerate()
-                .map(|(i, &symbol)| (symbol, coordinate(trial, i, &mut random)))
-                .collect();
+            let point = symbols.iter().enumerate();
+            let point = point.map(|(i, &symbol)| (symbol, coordinate(trial, i, &mut random)));
+            let point: Vec<(Symbol, f64)> = point.collect();
             let value = |symbol: Symbol| {
                 point.binary_search_by_key(&symbol, |&(known, _)| known).map_or(f64::NAN, |i| point[i].1)
             };

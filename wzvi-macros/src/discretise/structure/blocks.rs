@@ -58,11 +58,8 @@ impl Dependencies {
         for candidate in candidates(free, self.reads.len() / 2) {
             let mut feedback: Vec<usize> = forced.iter().chain(&candidate).copied().collect();
             feedback.sort_unstable();
-            let assigned_cost = component
-                .iter()
-                .filter(|vertex| !feedback.contains(vertex))
-                .map(|&vertex| self.cost[vertex])
-                .sum();
+            let assigned = component.iter().filter(|vertex| !feedback.contains(vertex));
+            let assigned_cost = assigned.map(|&vertex| self.cost[vertex]).sum();
             let key = (feedback.len(), assigned_cost);
             if best.as_ref().is_some_and(|(size, cost, _)| (*size, *cost) <= key) {
                 continue;

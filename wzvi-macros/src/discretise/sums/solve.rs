@@ -207,14 +207,11 @@ impl Solver<'_> {
 
     fn unwrap_remainders(&mut self, equation: &Equation) -> Option<bool> {
         let difference = &equation.difference;
-        let wrapped: Vec<(&(Index, Index), i128)> = difference
-            .terms
-            .iter()
-            .filter_map(|(atom, coefficient)| match atom {
-                Atom::Of(Operation::Remainder, both) => Some((&**both, *coefficient)),
-                _ => None,
-            })
-            .collect();
+        let wrapped = difference.terms.iter().filter_map(|(atom, coefficient)| match atom {
+            Atom::Of(Operation::Remainder, both) => Some((&**both, *coefficient)),
+            _ => None,
+        });
+        let wrapped: Vec<(&(Index, Index), i128)> = wrapped.collect();
         match wrapped.as_slice() {
             // a mod n = b mod n
             [(a, 1), (b, -1)] | [(a, -1), (b, 1)]

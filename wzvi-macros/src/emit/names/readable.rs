@@ -20,24 +20,17 @@ const ROOT: &str = "__wzvi";
 /// Types whose names do not start with a capital.
 const PRIMITIVES: [&str; 7] = ["bool", "f64", "i128", "isize", "str", "u32", "usize"];
 const DECLARING: [&str; 4] = ["const", "fn", "struct", "type"];
-/// The surroundings of the code.
-pub(crate) struct Surroundings<'s> {
-    /// The path of the facade crate in the user's crate.
-    pub(crate) crate_path: &'s syn::Path,
-    /// The user's tokens in the code.
-    pub(crate) tokens: TokenStream,
-    /// All other tokens of the user.
-    pub(crate) spelled: &'s TokenStream,
-    /// The generics of the struct.
-    pub(crate) generics: &'s syn::Generics,
-}
-
-/// `generated` with readable names and its imports.
-pub(crate) fn readable(generated: TokenStream, surroundings: &Surroundings<'_>) -> TokenStream {
-    let Surroundings { crate_path, tokens, spelled, generics } = surroundings;
+/// `generated` with readable names and its imports. The facade crate has `crate_path` in the user's crate; of the user's tokens, `tokens`
+/// are in the code, and `spelled` are all others.
+pub(crate) fn readable(
+    generated: TokenStream,
+    crate_path: &syn::Path,
+    (tokens, spelled): (TokenStream, &TokenStream),
+    generics: &syn::Generics,
+) -> TokenStream {
     let mut of_user = HashSet::new();
-    listen(tokens.clone(), &mut of_user, &|word| !word.starts_with(MARK));
-    listen((*spelled).clone(), &mut of_user, &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
+    listen(tokens, &mut of_user, &|word| !word.starts_with(MARK));
+    listen(spelled.clone(), &mut of_user, &|word| word.starts_with(MARK) && !word.starts_with(ROOT));
     if crate_path.leading_colon.is_none() {
         listen(quote!(#crate_path), &mut of_user, &|_| true);
     }
@@ -165,10 +158,8 @@ impl Survey {
         for (name, word) in names.iter_mut().zip(&words).filter(|(_, word)| !word.is_bound) {
             *name = if word.text == ROOT { root.clone() } else { free(&word.text, &mut taken) };
         }
-        let is_imported = paths
-            .iter()
-            .map(|path| path.last().is_some_and(|last| taken.insert(last.clone())))
-            .collect::<Vec<bool>>();
+        let is_new = |path: &Vec<String>| path.last().is_some_and(|last| taken.insert(last.clone()));
+        let is_imported = paths.iter().map(is_new).collect();
         let mut bound = Vec::new();
         for is_of_formula in [true, false] {
             let own = |word: &Word| word.is_bound && self::is_of_formula(&word.text) == is_of_formula;

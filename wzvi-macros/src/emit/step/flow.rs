@@ -164,6 +164,7 @@ impl Flow {
 /// The reciprocal of a pivot that does not read the state.
 #[derive(Clone, Copy)]
 struct Inverse {
+    pivot: Expr,
     symbol: Symbol,
     /// `Prepared`, or `Increments` for a pivot that reads the time or the increments.
     level: Level,
@@ -186,7 +187,7 @@ fn invert_constant_pivots(
     let of_pivot = |graph: &Graph, symbol: Symbol, pivot: Expr| {
         let is_prepared = graph.reads_only(pivot, &constant);
         let level = if is_prepared { Level::Prepared } else { Level::Increments };
-        Inverse { symbol, level, is_safe: graph.exceeds_one(pivot) }
+        Inverse { pivot, symbol, level, is_safe: graph.exceeds_one(pivot) }
     };
     let mut inverses = Vec::new();
     for block in &scheme.structure.blocks {
@@ -199,8 +200,7 @@ fn invert_constant_pivots(
                 definitions.insert(symbols.unknowns[unknown], value);
                 let made = of_pivot(graph, symbol, pivot);
                 if made.level == Level::Prepared {
-                    let quotient = Quotient { rhs: rhs[0], pivot, inverse };
-                    solve_for_points(graph, symbols, unknown, &quotient, definitions);
+                    solve_for_points(graph, symbols, unknown, [rhs[0], pivot, inverse], definitions);
                 }
                 Some(made)
             }
@@ -211,13 +211,6 @@ fn invert_constant_pivots(
     inverses
 }
 
-/// `rhs / pivot`
-struct Quotient {
-    rhs: Expr,
-    pivot: Expr,
-    inverse: Expr,
-}
-
 /// Gives every point `base + w x` that reads the unknown `x = rhs / pivot` a second form, `(w rhs + pivot base) / pivot`,
 /// for pivots above [`STIFF`]: a stiff force reverses the state within the step, `w x` is nearly `-base`, and their sum
 /// would lose all digits. Only if the pivot cancels in the sum, so that the sum is formed without rounding.
@@ -225,21 +218,21 @@ fn solve_for_points(
     graph: &mut Graph,
     symbols: &StepSymbols,
     unknown: Unknown,
-    Quotient { rhs, pivot, inverse }: &Quotient,
+    [rhs, pivot, inverse]: [Expr; 3],
     definitions: &mut HashMap<Symbol, Expr>,
 ) {
     let base = symbols.nodes[unknown];
     for (point, weight) in symbols.views(unknown) {
-        let slope = graph.derivative(*rhs, base);
-        let share = graph.linear_combination(&[(slope, weight), (*pivot, Rational::ONE)]);
+        let slope = graph.derivative(rhs, base);
+        let share = graph.linear_combination(&[(slope, weight), (pivot, Rational::ONE)]);
         let Some(share) = graph.as_number(share) else { continue };
         let zero = graph.integer(0);
-        let rest = graph.substitute(&[*rhs], &HashMap::from([(base, zero)]))[0];
+        let rest = graph.substitute(&[rhs], &HashMap::from([(base, zero)]))[0];
         let start = graph.symbol(base);
         let sum = graph.linear_combination(&[(rest, weight), (start, share)]);
-        let direct = graph.multiply(*inverse, sum);
+        let direct = graph.multiply(inverse, sum);
         let limit = graph.integer(STIFF);
-        let is_stiff = graph.compare(Relation::Less, limit, *pivot);
+        let is_stiff = graph.compare(Relation::Less, limit, pivot);
         if let Some(shifted) = definitions.get_mut(&point) {
             *shifted = graph.select(is_stiff, direct, *shifted);
         }
@@ -274,9 +267,8 @@ fn lower_block(
         symbols.map(|symbol| lowering.program.input(symbol)).collect()
     };
     match (&block.solution, inverse) {
-        (Solution::Assigned, _) => None,
-        (Solution::Isolated(pivot), inverse) => Some(reciprocal(lowering, pivot.value, inverse?)),
-        (Solution::Linear { matrix, .. }, Some(inverse)) => Some(reciprocal(lowering, matrix[0][0], inverse)),
+        (_, Some(inverse)) => Some(reciprocal(lowering, inverse)),
+        (Solution::Assigned | Solution::Isolated(_), None) => None,
         (Solution::Linear { matrix, rhs }, None) => {
             let (matrix, rhs) = (by_rows(lowering, matrix), all(lowering, rhs));
             let is_prepared = |&entry: &Op| lowering.program.level(entry) == Level::Prepared;
@@ -287,7 +279,7 @@ fn lower_block(
             };
             Some(Solve { method, matrix, rhs, unknowns: inputs(lowering) })
         }
-        (Solution::Newton { residual, jacobian, symmetric }, _) => {
+        (Solution::Newton { residual, jacobian, symmetric }, None) => {
             let (method, unknowns) = (Method::Newton { symmetric: *symmetric }, inputs(lowering));
             let (rhs, matrix) = (all(lowering, residual), by_rows(lowering, jacobian));
             Some(Solve { method, matrix, rhs, unknowns })
@@ -295,8 +287,8 @@ fn lower_block(
     }
 }
 
-fn reciprocal(lowering: &mut Lowering<'_>, pivot: Expr, inverse: &Inverse) -> Solve {
-    let Inverse { symbol, level, is_safe } = *inverse;
+fn reciprocal(lowering: &mut Lowering<'_>, inverse: &Inverse) -> Solve {
+    let Inverse { pivot, symbol, level, is_safe } = *inverse;
     let method = if level == Level::Prepared { Method::Inverted } else { Method::Reciprocal { is_safe } };
     let matrix = vec![vec![lowering.lower(pivot)]];
     Solve { method, matrix, rhs: Vec::new(), unknowns: vec![lowering.program.input(symbol)] }

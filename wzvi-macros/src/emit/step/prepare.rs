@@ -19,8 +19,8 @@ pub(super) struct Prepared {
     pub(super) truths: Vec<(Op, Ident)>,
     /// One for each matrix that never changes, with its size.
     pub(super) factors: Vec<(usize, Ident)>,
-    /// The body of the method that computes them from `self` and `__h`, in constants `__K`.
-    pub(super) body: TokenStream,
+    /// The method that computes them from `self` and `__h`, in constants `__K`.
+    pub(super) method: TokenStream,
 }
 
 impl Prepared {
@@ -79,12 +79,18 @@ impl Prepared {
             ops.into_iter().map(|op| (op, names.take(&printer.wish_or_name(op)))).collect()
         };
         let (constants, truths) = (named(constants), named(truths));
-        let mut prepared = Self { constants, truths, factors, body: TokenStream::new() };
+        let mut prepared = Self { constants, truths, factors, method: TokenStream::new() };
         let made = prepared.factors.iter().map(|(_, name)| quote!(#name));
         let value = prepared.parts(numbers, flags, made.collect());
-        prepared.body = quote! {
-            #statements
-            __wzvi::Ok(#value)
+        prepared.method = quote! {
+            fn prepare<__K: __wzvi::Constant>(
+                &self,
+                __lift: __wzvi::Lift<'_, __K>,
+                __h: __K,
+            ) -> __wzvi::Result<__wzvi::Of<Self::Prepared, __K>, __wzvi::ConfigError> {
+                #statements
+                __wzvi::Ok(#value)
+            }
         };
         prepared
     }
@@ -128,11 +134,9 @@ impl Prepared {
 
 /// A matrix by rows.
 pub(super) fn rows(matrix: &[Vec<Op>], value: impl Fn(Op) -> TokenStream) -> Vec<TokenStream> {
-    matrix
-        .iter()
-        .map(|row| {
-            let entries = row.iter().map(|&entry| value(entry));
-            quote!([#(#entries),*])
-        })
-        .collect()
+    let rows = matrix.iter().map(|row| {
+        let entries = row.iter().map(|&entry| value(entry));
+        quote!([#(#entries),*])
+    });
+    rows.collect()
 }

@@ -12,33 +12,21 @@ use crate::emit::names::Names;
 use crate::emit::program::Op;
 use crate::emit::system::count;
 
-/// The names of the arguments of a step.
-pub(super) struct Arguments {
-    pub(super) q: Vec<Ident>,
-    pub(super) p: Vec<Ident>,
-    pub(super) dw: Vec<Ident>,
-}
-
-/// The equations of the Newton blocks, and the statements.
-pub(super) struct Solution {
-    pub(super) functions: TokenStream,
-    pub(super) statements: TokenStream,
-}
-
-/// Prints all blocks.
+/// The equations of the Newton blocks, and the method that solves all blocks, with arguments by the names of `q`, `p` and the
+/// increments.
 pub(super) fn solution(
     flow: &Flow,
     prepared: &Prepared,
-    Arguments { q, p, dw }: &Arguments,
+    [q, p, dw]: [Vec<Ident>; 3],
     names: Names,
-) -> Solution {
+) -> [TokenStream; 2] {
     let made = prepared.constants.iter().chain(&prepared.truths).map(|(op, _)| *op);
     let constants: Vec<Op> = made.chain([flow.h, flow.t]).collect();
     let mut printer =
         Printer::new(&flow.program, quote!(__S), &flow.hints, names).with_constants(&constants, quote!(__K));
     printer.set(flow.h, format_ident!("__h"));
     printer.set(flow.t, format_ident!("__t"));
-    for (&op, name) in flow.nodes.iter().chain(&flow.dw).zip(q.iter().chain(p).chain(dw)) {
+    for (&op, name) in flow.nodes.iter().chain(&flow.dw).zip(q.iter().chain(&p).chain(&dw)) {
         printer.set(op, name.clone());
     }
     for (op, name) in prepared.constants.iter().chain(&prepared.truths) {
@@ -51,7 +39,35 @@ pub(super) fn solution(
         SolveBody { flow, uses, printer, factors: factors.into_iter(), efforts, records, functions };
     let mut statements: TokenStream = flow.solves.iter().map(|solve| body.solved(solve)).collect();
     statements.extend(body.finish());
-    Solution { functions: body.functions, statements }
+    let state = match dw.is_empty() {
+        true => quote!(let ([#(#q),*], [#(#p),*]) = (__coordinates, __momenta);),
+        false => quote!(let ([#(#q),*], [#(#p),*], [#(#dw),*]) = (__coordinates, __momenta, __increments);),
+    };
+    let (open, d, n) = (prepared.open(), count(q.len()), count(dw.len()));
+    let solve = quote! {
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn solve<
+                __S: __wzvi::Over<__K>,
+                __K: __wzvi::Constant,
+                __C: __wzvi::Carry<__S>,
+                const __CAREFUL: __wzvi::bool,
+            >(
+                __prepared: &__wzvi::Of<Self::Prepared, __K>,
+                __t: __K,
+                __h: __K,
+                __coordinates: [__S; #d],
+                __momenta: [__S; #d],
+                __increments: [__S; #n],
+                __memory: &mut Self::Memory<__S>,
+                __carry: &__C,
+                __next: &mut __wzvi::Solution<__S, #d>,
+            ) -> __wzvi::Result<(), __wzvi::StepFailure> {
+                #state
+                #open
+                #statements
+            }
+    };
+    [body.functions, solve]
 }
 
 struct SolveBody<'f> {

@@ -4,9 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, format_ident, quote};
 
 use super::{noise_count, vector_type};
-use crate::diagnostics::Located;
 use crate::discretise::split;
-use crate::embedding::Embedding;
 use crate::emit::{Body, count, evaluation, f64_type};
 use crate::input::Labels;
 use crate::model::{Parameter, System};
@@ -23,7 +21,7 @@ pub(super) fn emit(model: &mut System) -> TokenStream {
         known => Some(number_of("invariants", &count(known).into_token_stream())),
     };
     let parameter = parameter(&model.graph, model.listed());
-    let validate = validate(&model.embeddings, model.friction.is_some());
+    let validate = validate(model);
     let variables = variables(&model.labels, model.graph.symbol_name(model.t), &model.invariant_names);
     quote! {
         type Vector = #vector;
@@ -51,9 +49,8 @@ pub(super) fn kind(model: &System) -> Option<TokenStream> {
 }
 
 /// `Hamiltonian::validate` of a system with friction but no bath; a bath is checked when its steps are prepared.
-fn validate(embeddings: &[Located<Embedding>], has_friction: bool) -> Option<TokenStream> {
-    let is_bare = embeddings.iter().all(|known| !known.value.is_thermostat());
-    (has_friction && is_bare).then(|| {
+fn validate(model: &System) -> Option<TokenStream> {
+    (model.friction.is_some() && !model.has_thermostat()).then(|| {
         quote! {
             fn validate(&self) -> __wzvi::Result<(), __wzvi::ConfigError> {
                 __wzvi::bath::validate(self)

@@ -19,9 +19,7 @@ pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
 use crate::describe::Texts;
 use crate::diagnostics::Promised;
-use crate::discretise::{
-    Facts, PartElements, Quadrature, Step, Sum, Unknowns, parts_of, scale_momenta, unweighted,
-};
+use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
 use crate::emit::compose::structure;
 use crate::emit::plan::degrees;
 use crate::emit::{Names, count, f64_type, implementation, parameter_names};
@@ -143,15 +141,14 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, structure: &
     }
     let [part_values, part_slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| parts::arms(model, wanted));
     let [value, slopes] = [Wanted::Value, Wanted::Slopes].map(|wanted| arms(model, &parts, wanted));
-    let integrals = integrals(model);
-    let (value, slopes) = (quote!(#value #part_values #integrals), quote!(#slopes #part_slopes));
+    let (value, slopes) = (quote!(#value #part_values), quote!(#slopes #part_slopes));
     let [of_value, of_slopes] = [&value, &slopes].map(|code| opened(model, code));
     let curvature = curvatures_of(model, &parts, has_curvature);
     let first_integral = count(Numbers::of(model).integrals);
     let is_true = |holds: bool| holds.then(|| quote!(true));
     let others = [
         ("kind", hamiltonian::kind(model)),
-        ("integrals", (!integrals.is_empty()).then(|| quote!(#first_integral))),
+        ("integrals", (!model.invariants.is_empty()).then(|| quote!(#first_integral))),
         ("has_windows", windows::are_there(model, &parts)),
         ("has_pairs", is_true(windows::have_pairs(model, &parts))),
         ("gathers", windows::gathered(model, &parts)),
@@ -256,13 +253,4 @@ fn opened(model: &System, code: &TokenStream) -> TokenStream {
     let t = mentions(code, "__t").then(|| quote!(let __t = __at.t;));
     let scale = mentions(code, "__scale").then(|| quote!(let __scale = __at.scale;));
     quote!(#read #size #t #scale)
-}
-
-/// The values of first integrals, a part each.
-fn integrals(model: &mut System) -> TokenStream {
-    let first = Numbers::of(model).integrals;
-    let integrals: Vec<Sum> = model.invariants.iter().map(|term| unweighted(&term.values)).collect();
-    let mut nests = Nests { model, wanted: Wanted::Value };
-    let arms = integrals.iter().enumerate().map(|(k, sum)| arm(first + k, None, &nests.group(sum, None)));
-    arms.collect()
 }

@@ -6,9 +6,10 @@ use quote::{format_ident, quote};
 use super::weighted::Nests;
 use super::{Wanted, arm};
 use crate::describe::Texts;
-use crate::discretise::{Kinetic, Part, unweighted};
+use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
+use crate::emit::gauss::shape;
 use crate::emit::{count, implementation};
-use crate::model::{Friction, System};
+use crate::model::{Friction, System, Term};
 
 /// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature, first integrals.
 pub(super) struct Numbers {
@@ -29,33 +30,38 @@ impl Numbers {
     }
 }
 
-/// The arms of values or slopes; for second derivatives only that of damping by a matrix.
-pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let weight = wanted.constant(&quote!(__at.h));
+/// What is computed of each term with a number of its own.
+fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
     let numbers = Numbers::of(model);
-    let parts = model.parts.iter().cloned().zip(numbers.parts..).filter(|_| wanted != Wanted::Curvature);
-    let is_wanted = |friction: &Friction| (wanted == Wanted::Curvature) == friction.is_matrix;
-    let friction = model.friction.clone().filter(is_wanted).map(|mut friction| {
-        if !friction.is_matrix {
+    let value = |number: usize, term: &Term| (number, Wanted::Value, unweighted(&term.values));
+    let mut all = Vec::new();
+    for (number, term) in (numbers.parts..).zip(&model.parts) {
+        all.extend([value(number, term), (number, Wanted::Slopes, unweighted(&term.elements))]);
+    }
+    if let Some(Friction { term, is_matrix, .. }) = &model.friction {
+        let mut elements = unweighted(&term.elements);
+        let wanted = if *is_matrix { Wanted::Curvature } else { Wanted::Slopes };
+        for Weighted { element, .. } in elements.iter_mut().filter(|_| !is_matrix) {
             // The rates without the momenta they act on.
             let one = model.graph.integer(1);
-            for element in &mut friction.term.elements {
-                let momenta = element.momenta().map(|(momentum, _)| (momentum, one)).collect();
-                element.value = model.graph.substitute(&[element.value], &momenta)[0];
-            }
+            let momenta = element.momenta().map(|(momentum, _)| (momentum, one)).collect();
+            element.value = model.graph.substitute(&[element.value], &momenta)[0];
         }
-        (friction.term, numbers.friction)
-    });
-    let temperature = model.temperature.iter().map(|term| (term.clone(), numbers.temperature));
-    let of_bath: Vec<_> = match wanted {
-        Wanted::Value => temperature.collect(),
-        Wanted::Slopes | Wanted::Curvature => friction.into_iter().collect(),
-    };
-    let terms: Vec<_> = parts.chain(of_bath).collect();
+        all.push((numbers.friction, wanted, elements));
+    }
+    all.extend(model.temperature.iter().map(|term| value(numbers.temperature, term)));
+    all.extend((numbers.integrals..).zip(&model.invariants).map(|(number, term)| value(number, term)));
+    all
+}
+
+/// The arms of these terms, weighed by the step size but for first integrals.
+pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
+    let (weight, first_integral) = (wanted.constant(&quote!(__at.h)), Numbers::of(model).integrals);
+    let terms = numbered(model).into_iter().filter(|(_, known, _)| *known == wanted);
     let mut nests = Nests { model, wanted };
-    let arms = terms.into_iter().map(|(term, number)| {
-        let elements = if wanted == Wanted::Value { &term.values } else { &term.elements };
-        arm(number, None, &nests.group(&unweighted(elements), Some(&weight)))
+    let arms = terms.map(|(number, _, sum)| {
+        let weight = (number < first_integral).then_some(&weight);
+        arm(number, None, &nests.group(&sum, weight))
     });
     arms.collect()
 }
@@ -68,13 +74,7 @@ pub(super) fn emit(model: &System, texts: &Texts) -> TokenStream {
         quote!(__wzvi::compose::Form::#form)
     });
     let first = count(Numbers::of(model).parts);
-    let shape = match model.degrees_in_straight_lines() {
-        Some(degrees) => {
-            let degrees = count(degrees);
-            quote!(__wzvi::gauss::Fixed<#degrees>)
-        }
-        None => quote!(__wzvi::gauss::Dynamic),
-    };
+    let shape = shape(model.degrees_in_straight_lines());
     let body = quote! {
         const FORMS: [__wzvi::compose::Form; 2] = [#(#forms),*];
         const FIRST: __wzvi::usize = #first;

@@ -88,14 +88,11 @@ impl Places<'_> {
         if slots.is_empty() && ends.into_iter().all(|end| sizes.is_integer(end)) {
             return TokenStream::new();
         }
-        let loops: Vec<TokenStream> = element
-            .loops
-            .iter()
-            .map(|known| {
-                let (start, end) = (self.index(&known.start, element), self.index(&known.end, element));
-                quote!(__wzvi::elements::places::Loop(#start, #end),)
-            })
-            .collect();
+        let loops = element.loops.iter().map(|known| {
+            let (start, end) = (self.index(&known.start, element), self.index(&known.end, element));
+            quote!(__wzvi::elements::places::Loop(#start, #end),)
+        });
+        let loops: Vec<TokenStream> = loops.collect();
         let slots = slots.into_iter().map(|slot| match slot {
             Slot::State(_, index) => {
                 let kind = if bounds.is_nonnegative(index) { quote!(Natural) } else { quote!(State) };
@@ -117,14 +114,11 @@ impl Places<'_> {
     }
 
     fn index(&mut self, index: &Index, element: &Element) -> TokenStream {
-        let terms: TokenStream = index
-            .terms
-            .iter()
-            .map(|(atom, coefficient)| {
-                let (atom, coefficient) = (self.atom(atom, element), Literal::i128_unsuffixed(*coefficient));
-                quote!((#atom, #coefficient),)
-            })
-            .collect();
+        let terms = index.terms.iter().map(|(atom, coefficient)| {
+            let (atom, coefficient) = (self.atom(atom, element), Literal::i128_unsuffixed(*coefficient));
+            quote!((#atom, #coefficient),)
+        });
+        let terms: TokenStream = terms.collect();
         let (constant, text) =
             (Literal::i128_unsuffixed(index.constant), self.system.index_in(element, index));
         quote!(__wzvi::elements::places::Index::new(&[#terms], #constant, #text))
@@ -165,41 +159,35 @@ impl Places<'_> {
         let (tokens, suffix) = (tokens.clone(), suffix.clone());
         // The list itself, then the lists inside.
         let mut list = quote!(&#tokens[..]);
-        let last = indices.len().checked_sub(1);
-        match (last, &wide) {
-            (None, Some(_)) => {
-                let arm = quote! {
-                    (#number, []) => __wzvi::elements::places::Entries::of_integer((#tokens) as __wzvi::i128),
-                };
-                self.arms.insert((number, 0), arm);
-            }
-            (None, None) => {}
-            (Some(last), _) => {
-                for level in 0..=last {
-                    let found = match &wide {
-                        Some(wide) if level == last => {
-                            quote!(__wzvi::elements::places::Entries::of_list(__list, __range, |__entry| (*__entry)#suffix, #wide))
-                        }
-                        _ => quote!(__wzvi::elements::places::Entries::of_length(__list.len())),
-                    };
-                    let outer = (0..level).map(|k| quote::format_ident!("__o{k}"));
-                    let arm = quote! {
-                        (#number, &[#(#outer),*]) => {
-                            let __list = #list;
-                            #found
-                        }
-                    };
-                    // A list recorded for its length only may be needed for its entries as well.
-                    self.arms.insert((number, level), arm);
-                    let at = quote::format_ident!("__o{level}");
-                    list = quote! {
-                        match (#list).get(#at) {
-                            __wzvi::Some(__inner) => &__inner[..],
-                            __wzvi::None => return __wzvi::elements::places::Entries::of_length(0),
-                        }
-                    };
+        if wide.is_some() && indices.is_empty() {
+            let arm = quote! {
+                (#number, []) => __wzvi::elements::places::Entries::of_integer((#tokens) as __wzvi::i128),
+            };
+            self.arms.insert((number, 0), arm);
+        }
+        for level in 0..indices.len() {
+            let found = match &wide {
+                Some(wide) if level + 1 == indices.len() => {
+                    quote!(__wzvi::elements::places::Entries::of_list(__list, __range, |__entry| (*__entry)#suffix, #wide))
                 }
-            }
+                _ => quote!(__wzvi::elements::places::Entries::of_length(__list.len())),
+            };
+            let outer = (0..level).map(|k| quote::format_ident!("__o{k}"));
+            let arm = quote! {
+                (#number, &[#(#outer),*]) => {
+                    let __list = #list;
+                    #found
+                }
+            };
+            // A list recorded for its length only may be needed for its entries as well.
+            self.arms.insert((number, level), arm);
+            let at = quote::format_ident!("__o{level}");
+            list = quote! {
+                match (#list).get(#at) {
+                    __wzvi::Some(__inner) => &__inner[..],
+                    __wzvi::None => return __wzvi::elements::places::Entries::of_length(0),
+                }
+            };
         }
         let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
         let inside: Vec<bool> =

@@ -225,13 +225,11 @@ impl Graph {
                 self.as_number(root).map(|_| root)
             }
             Node::Product(factors) => {
-                let halved: Option<Vec<(Expr, Rational)>> = factors
-                    .iter()
-                    .map(|&(base, exponent)| {
-                        let half = exponent.multiply(Rational::HALF).filter(|half| half.is_integer())?;
-                        Some((base, half))
-                    })
-                    .collect();
+                let halved = factors.iter().map(|&(base, exponent)| {
+                    let half = exponent.multiply(Rational::HALF).filter(|half| half.is_integer())?;
+                    Some((base, half))
+                });
+                let halved: Option<Vec<(Expr, Rational)>> = halved.collect();
                 let powers: Vec<Expr> =
                     halved?.into_iter().map(|(base, half)| self.power(base, half)).collect();
                 Some(self.product(&powers))

@@ -80,8 +80,7 @@ impl Pass {
     /// `k + r` and `n` of an index `... + stride ((k + r) % n)` with everything else fixed in the loop over `k`.
     pub(super) fn wrap(self, index: &Index, stride: i128) -> Option<&(Index, Index)> {
         let inner = self.variable;
-        let mut moving =
-            index.terms.iter().filter(|(atom, _)| Index::atom(atom.clone()).loops().contains(&inner));
+        let mut moving = index.terms.iter().filter(|(atom, _)| atom.reads(inner));
         match (moving.next(), moving.next()) {
             (Some((Atom::Of(Operation::Remainder, both), coefficient)), None) if *coefficient == stride => {
                 let is_run = both.0.slope(inner) == Some(1) && !both.1.loops().contains(&inner);

@@ -79,19 +79,12 @@ impl Nest<'_> {
         let Self { name, code: Code { limits, ordering, firsts, .. }, chunk, sums, .. } = self;
         let (isize, usize) = (quote!(__wzvi::isize), quote!(__wzvi::usize));
         let (mutable_piece, mutable_chunk, most) = (mutable(limits), mutable(ordering), count(CHUNK));
-        let moved: TokenStream = firsts
-            .iter()
-            .map(|Stretch { stride, name, .. }| {
-                let moved = match stride {
-                    1 => quote!(__skip),
-                    _ => {
-                        let stride = Literal::i128_unsuffixed(*stride);
-                        quote!(#stride * __skip)
-                    }
-                };
-                quote!(let #name = #name + #moved;)
-            })
-            .collect();
+        let moved = firsts.iter().map(|Stretch { stride, name, .. }| {
+            let factor = Some(Literal::i128_unsuffixed(*stride)).filter(|_| *stride != 1);
+            let factor = factor.map(|stride| quote!(#stride *));
+            quote!(let #name = #name + #factor __skip;)
+        });
+        let moved: TokenStream = moved.collect();
         let low = mentions(chunk, &name.to_string()).then(|| quote!(let #name = #name + __skip as #isize;));
         let opened = self.opened();
         self.going_through(&quote! {
