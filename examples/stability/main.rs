@@ -101,27 +101,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut lines = vec![HEADS.map(str::to_owned)];
     let mut page = Document::new("Where the schemes hold and where they stop")
         .text(
-            "Stiff and extreme cases, each run once by the scheme beside it. A run that reaches its end is judged by the worst error on the way; \
-             a step without a solution that continues its state is a typed error, which leaves the state as it was. docs/guide/stability.md explains \
-             each way to fail, and what to do.",
+            "Stiff and extreme cases, each run once. A run that reaches its end is judged by its largest error. \
+             docs/guide/stability.md explains each kind of failure, and what to do about it.",
         )
         .list([
-            "✓ accurate: an error of 10⁻³ at most; ◐ rough: of 0.1 at most; ✗ wrong: above; solved: every step has a solution, and there is nothing to compare it with",
-            "✗ with another word: the error that ended the run; parts: how many parts each step was divided into by a retry",
-            "steps: those that were taken; Newton mean (max): iterations in a step, where there are any",
-            "worst: the largest error on the way: of the energy (dH) relative to its size at the start, of a radius, a place, an angle; or the size of the state",
-            "slow, fast: the spring of a pendulum starts at rest, or stretches at 0.1",
-            "Verlet is stable below ω h = 2, but the nodes lie on a flat ellipse, so the radius is wrong; at ω h = 2 the start (1, 0) only changes its sign",
-            "ns/step: nanoseconds of a step in this run, on a machine that may do other things",
-        ])
-        .text(format!("{}.", Machine::here().line()));
+            "✓ accurate: a largest error of 10⁻³ or less; ◐ rough: of 0.1 or less; ✗ wrong: above 0.1",
+            "✗ unresolved, no solution, ...: the error that ended the run, with the state unchanged",
+            "solved: every step has a solution, and no exact one is known; empty: not run",
+            "parts: how many parts a retry divided each step into; slow, fast: the spring starts at rest, or stretches at 0.1",
+        ]);
     let tables = cases::all()?;
     page = page.heading("Scheme by case");
     for (title, rows) in &tables {
         let (heads, lines) = map(rows);
         page = page.table(*title, heads, lines);
     }
-    page = page.heading("What was measured");
+    page = page
+        .heading("What was measured")
+        .list([
+            "steps: the steps taken; Newton mean (max): iterations per step, where there are any",
+            "worst: the largest error of the energy (dH) relative to its size at the start, of a radius, a place, an angle; or the size of the state",
+            "Verlet is stable below ω h = 2, but the nodes lie on a flat ellipse, so the radius is wrong; at ω h = 2 the start (1, 0) only changes its sign",
+            "ns/step: nanoseconds per step in this run, on a machine that may be busy",
+        ])
+        .text(format!("{}.", Machine::here().line()));
     for (title, rows) in tables {
         let cells: Vec<[String; 7]> = rows.iter().map(Row::cells).collect();
         println!("\n{title}\n");
