@@ -48,7 +48,7 @@ pub use parts::{Form, PartFlows, Parts};
 #[doc(hidden)]
 pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows, WholeOf};
 #[doc(hidden)]
-pub use substeps::{Half, Many, One, Substep, Substeps};
+pub use substeps::{By, Half, Once, Substep};
 pub use tables::{
     Aba864, Aba1064, BlanesMoan4, BlanesMoan6, Chin4, KahanLi6, KahanLi8, Srkn6, Suzuki4, SuzukiUmeno8,
     TakahashiImada4, Yoshida4, Yoshida6,
@@ -169,7 +169,7 @@ pub trait Composes<E, K: Structure<E> = General> {
 impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = Listing::Steps(W::GAMMA);
-    type Steps = K::Steps<Many<E, K, W>>;
+    type Steps = K::Steps<By<E, K, W>>;
 
     fn substeps() -> Vec<Substep> {
         const { check_weights::<W>() };
@@ -187,10 +187,11 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
     sequence.map(|(&weight, half)| (half, weight)).collect()
 }
 
+#[diagnostic::do_not_recommend]
 impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = turns::<W>(DRIFT_KICK, K::NOTE);
-    type Steps = K::Steps<Many<Verlet, K, Self>>;
+    type Steps = K::Steps<By<Verlet, K, Self>>;
 
     fn substeps() -> Vec<Substep> {
         K::splitting(&of_table::<W>())
@@ -200,6 +201,7 @@ impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
 /// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
 macro_rules! partitioned {
     ($($table:ty: $structure:ident, $steps:ty, $parts:expr, $names:expr, $note:expr $(, $gradient:expr)?;)+) => {$(
+        #[diagnostic::do_not_recommend]
         impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
             const ORDER: u32 = <$table as Partitioned>::ORDER;
             const LISTING: Listing = turns::<$table>($names, $note);
@@ -217,11 +219,11 @@ macro_rules! partitioned {
 }
 
 partitioned! {
-    BlanesMoan4: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    BlanesMoan6: Sized, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    Srkn6: QuadraticKinetic, K::Steps<Many<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    Chin4: QuadraticKinetic, KickDrift<Many<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE, Chin4::GRADIENT;
-    TakahashiImada4: QuadraticKinetic, KickDrift<Many<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE, TakahashiImada4::GRADIENT;
-    Aba864: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
-    Aba1064: TwoFlows, K::Flows<Many<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+    BlanesMoan4: Sized, K::Steps<By<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    BlanesMoan6: Sized, K::Steps<By<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    Srkn6: QuadraticKinetic, K::Steps<By<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
+    Chin4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE, Chin4::GRADIENT;
+    TakahashiImada4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE, TakahashiImada4::GRADIENT;
+    Aba864: TwoFlows, K::Flows<By<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+    Aba1064: TwoFlows, K::Flows<By<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
 }

@@ -41,46 +41,6 @@ use series::{HIGHEST_ORDER, Series, modified};
 )]
 pub trait Conservative: Hamiltonian {}
 
-/// Schemes with one quadrature point `l`, in [`embedding`](crate::scheme::embedding).
-pub trait QuadraturePoint {
-    /// The quadrature point `l`, from 0 to 1.
-    const L: f64;
-}
-
-impl QuadraturePoint for DeltaPlus {
-    const L: f64 = 0.0;
-}
-
-impl QuadraturePoint for Midpoint {
-    const L: f64 = 0.5;
-}
-
-impl QuadraturePoint for DeltaMinus {
-    const L: f64 = 1.0;
-}
-
-impl<const N: u32, const D: u32> QuadraturePoint for Lambda<N, D> {
-    const L: f64 = N as f64 / D as f64;
-}
-
-impl QuadraturePoint for Gauss<1> {
-    const L: f64 = 0.5;
-}
-
-/// Without noise only the first point matters.
-impl<E: QuadraturePoint, Noise> QuadraturePoint for Mixed<E, Noise> {
-    const L: f64 = E::L;
-}
-
-/// Without noise there is nothing to correct.
-impl<E: QuadraturePoint> QuadraturePoint for Corrected<E> {
-    const L: f64 = E::L;
-}
-
-impl<E: QuadraturePoint> QuadraturePoint for Uncorrected<E> {
-    const L: f64 = E::L;
-}
-
 /// Schemes with known first terms of the modified Hamiltonian.
 #[diagnostic::on_unimplemented(
     message = "no modified energy is known for steps by `{Self}`",
@@ -93,13 +53,47 @@ pub trait ModifiedBy {
     fn parts() -> Vec<(f64, f64)>;
 }
 
-impl<E: QuadraturePoint> ModifiedBy for E {
-    const ORDER: u32 = if E::L == 0.5 { 2 } else { 1 };
-    fn parts() -> Vec<(f64, f64)> {
-        vec![(E::L, 1.0)]
-    }
+/// Of one quadrature point `l`, from 0 to 1.
+macro_rules! of_one_point {
+    ($($scheme:ty $([$($number:ident)+])?: $l:expr;)+) => {$(
+        #[diagnostic::do_not_recommend]
+        impl$(<$(const $number: u32),+>)? ModifiedBy for $scheme {
+            const ORDER: u32 = if $l == 0.5 { 2 } else { 1 };
+            fn parts() -> Vec<(f64, f64)> {
+                vec![($l, 1.0)]
+            }
+        }
+    )+};
 }
 
+of_one_point! {
+    DeltaPlus: 0.0;
+    Midpoint: 0.5;
+    DeltaMinus: 1.0;
+    Lambda<N, D> [N D]: N as f64 / D as f64;
+    Gauss<1>: 0.5;
+}
+
+/// That of `E`, where only the embedding of the noise differs.
+macro_rules! as_without_noise {
+    ($($scheme:ty $([$noise:ident])?;)+) => {$(
+        #[diagnostic::do_not_recommend]
+        impl<E: ModifiedBy $(, $noise)?> ModifiedBy for $scheme {
+            const ORDER: u32 = E::ORDER;
+            fn parts() -> Vec<(f64, f64)> {
+                E::parts()
+            }
+        }
+    )+};
+}
+
+as_without_noise! {
+    Mixed<E, Noise> [Noise];
+    Corrected<E>;
+    Uncorrected<E>;
+}
+
+#[diagnostic::do_not_recommend]
 impl ModifiedBy for Verlet {
     const ORDER: u32 = 2;
     fn parts() -> Vec<(f64, f64)> {
@@ -107,18 +101,16 @@ impl ModifiedBy for Verlet {
     }
 }
 
-impl<E: Symmetric, W: Composes<E>> ModifiedBy for Composed<E, W>
-where
-    E::First: QuadraturePoint,
-    E::Second: QuadraturePoint,
-{
+#[diagnostic::do_not_recommend]
+impl<E: Symmetric<First: ModifiedBy, Second: ModifiedBy>, W: Composes<E>> ModifiedBy for Composed<E, W> {
     const ORDER: u32 = W::ORDER;
     fn parts() -> Vec<(f64, f64)> {
-        let point = |half: Half| match half {
-            Half::First => E::First::L,
-            Half::Second => E::Second::L,
-        };
-        W::substeps().into_iter().map(|(half, weight)| (point(half), weight)).collect()
+        let [first, second] = [E::First::parts(), E::Second::parts()];
+        let parts = W::substeps().into_iter().flat_map(|(half, weight)| {
+            let of_step = if half == Half::First { &first } else { &second };
+            of_step.iter().map(move |&(l, share)| (l, share * weight)).collect::<Vec<_>>()
+        });
+        parts.collect()
     }
 }
 

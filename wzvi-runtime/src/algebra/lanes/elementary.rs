@@ -29,42 +29,30 @@ pub(super) use power::{Cbrt, Hypot, Pow};
 pub(crate) use trigonometric::{COSINE, SINE};
 pub(super) use trigonometric::{Cos, Sin, Tan};
 
-/// A function of one number.
-pub(super) trait Unary {
-    /// Where [`Unary::fast`] is right.
-    fn is_usual(x: f64) -> bool;
-    /// The function of a usual number, without branches; anything elsewhere.
-    fn fast(x: f64) -> f64;
-    /// The function of any other number.
-    fn rare(x: f64) -> f64;
+/// A function of `N` numbers.
+pub(super) trait Function<const N: usize> {
+    /// Where [`Function::fast`] is right.
+    fn is_usual(x: [f64; N]) -> bool;
+    /// The function of usual numbers, without branches; anything elsewhere.
+    fn fast(x: [f64; N]) -> f64;
+    /// The function of any other numbers.
+    fn rare(x: [f64; N]) -> f64;
 
-    /// The function of a usual number, NaN for any other, without branches.
+    /// The function of all lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn usual(x: f64) -> f64 {
-        select(Self::is_usual(x), Self::fast(x), f64::NAN)
-    }
-
-    /// The function of any number, as a call.
-    #[inline(never)]
-    fn alone(x: f64) -> f64 {
-        Self::of([x])[0]
-    }
-
-    /// The function of every number.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of<const L: usize>(x: [f64; L]) -> [f64; L] {
+    fn of<const L: usize>(x: [[f64; L]; N]) -> [f64; L] {
         let mut y = [0.0; L];
         for i in 0..L {
-            y[i] = Self::fast(x[i]);
+            y[i] = Self::fast(lane(&x, i));
         }
         let mut all = true;
-        for &x in &x {
-            all &= Self::is_usual(x);
+        for i in 0..L {
+            all &= Self::is_usual(lane(&x, i));
         }
         if !all {
             // Copies: what a function that is not inlined gets is in memory.
             let (arguments, mut repaired) = (x, y);
-            Self::repair(&arguments, &mut repaired);
+            Self::repair(arguments.each_ref().map(|x| &x[..]), &mut repaired);
             y = repaired;
         }
         y
@@ -73,8 +61,9 @@ pub(super) trait Unary {
     /// Puts in what `fast` cannot do.
     #[cold]
     #[inline(never)]
-    fn repair(x: &[f64], y: &mut [f64]) {
-        for (&x, y) in x.iter().zip(y) {
+    fn repair(x: [&[f64]; N], y: &mut [f64]) {
+        for (i, y) in y.iter_mut().enumerate() {
+            let x = x.map(|x| x[i]);
             if !Self::is_usual(x) {
                 *y = Self::rare(x);
             }
@@ -82,76 +71,49 @@ pub(super) trait Unary {
     }
 }
 
-/// A function of two numbers, as [`Unary`].
-pub(super) trait Binary {
-    /// Where [`Binary::fast`] is right.
-    fn is_usual(a: f64, b: f64) -> bool;
-    /// The function of a usual pair, without branches; anything elsewhere.
-    fn fast(a: f64, b: f64) -> f64;
-    /// The function of any other pair.
-    fn rare(a: f64, b: f64) -> f64;
-
-    /// The function of a usual pair, NaN for any other, without branches.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn usual(a: f64, b: f64) -> f64 {
-        select(Self::is_usual(a, b), Self::fast(a, b), f64::NAN)
+/// The arguments of one lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn lane<const N: usize, const L: usize>(x: &[[f64; L]; N], i: usize) -> [f64; N] {
+    let mut of_lane = [0.0; N];
+    for k in 0..N {
+        of_lane[k] = x[k][i];
     }
-
-    /// The function of any pair, as a call.
-    #[inline(never)]
-    fn alone(a: f64, b: f64) -> f64 {
-        Self::of([a], [b])[0]
-    }
-
-    /// The function of every pair.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of<const L: usize>(a: [f64; L], b: [f64; L]) -> [f64; L] {
-        let mut y = [0.0; L];
-        for i in 0..L {
-            y[i] = Self::fast(a[i], b[i]);
-        }
-        let mut all = true;
-        for i in 0..L {
-            all &= Self::is_usual(a[i], b[i]);
-        }
-        if !all {
-            // Copies: what a function that is not inlined gets is in memory.
-            let (first, second, mut repaired) = (a, b, y);
-            Self::repair(&first, &second, &mut repaired);
-            y = repaired;
-        }
-        y
-    }
-
-    /// Puts in what `fast` cannot do.
-    #[cold]
-    #[inline(never)]
-    fn repair(a: &[f64], b: &[f64], y: &mut [f64]) {
-        for ((&a, &b), y) in a.iter().zip(b).zip(y) {
-            if !Self::is_usual(a, b) {
-                *y = Self::rare(a, b);
-            }
-        }
-    }
+    of_lane
 }
 
-/// `Name: fast where condition, else rare`
+/// `name(arguments): fast where condition, else rare`
 macro_rules! functions {
-    ($($trait:ident $(#[$doc:meta])* $name:ident($($x:ident),*): $fast:expr, where $usual:expr, else $rare:path;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident($($x:ident),*): $fast:expr, where $usual:expr, else $rare:path;)*) => {$(
         $(#[$doc])*
         pub(in crate::algebra::lanes) struct $name;
 
-        impl $trait for $name {
+        impl Function<{ $name::ARGUMENTS }> for $name {
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn is_usual($($x: f64),*) -> bool {
+            fn is_usual([$($x),*]: [f64; $name::ARGUMENTS]) -> bool {
                 $usual
             }
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn fast($($x: f64),*) -> f64 {
+            fn fast([$($x),*]: [f64; $name::ARGUMENTS]) -> f64 {
                 $fast
             }
-            fn rare($($x: f64),*) -> f64 {
+            fn rare([$($x),*]: [f64; $name::ARGUMENTS]) -> f64 {
                 $rare($($x),*)
+            }
+        }
+
+        impl $name {
+            const ARGUMENTS: usize = [$(stringify!($x)),*].len();
+
+            /// The function of usual numbers, NaN for others, without branches.
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            pub(in crate::algebra::lanes) fn usual($($x: f64),*) -> f64 {
+                select(Self::is_usual([$($x),*]), Self::fast([$($x),*]), f64::NAN)
+            }
+
+            /// The function of any numbers, as a call.
+            #[inline(never)]
+            pub(in crate::algebra::lanes) fn alone($($x: f64),*) -> f64 {
+                Self::of([$([$x]),*])[0]
             }
         }
     )*};

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::elementary::{self, Binary, Unary};
+use super::elementary;
 use crate::algebra::scalar::{Mask, Number, Scalar};
 use crate::ground::numbers::{Numbers, Tape};
 

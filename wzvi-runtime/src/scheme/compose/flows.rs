@@ -16,8 +16,9 @@ use std::marker::PhantomData;
 use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
 use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, check, follow};
-use super::substeps::{Half, Substeps, kept_energy, plan};
+use super::substeps::{By, Half, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
+use super::{Composes, Structure};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
@@ -56,7 +57,12 @@ pub trait Flows: Field {
 #[derive(Clone, Copy, Debug)]
 pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
-impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUARES> {
+impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<By<E, T, W>, SQUARES>
+where
+    F: Flows,
+    T: Structure<E>,
+    W: Composes<E, T>,
+{
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties = Properties {
         kept_energy: match SQUARES {
@@ -84,7 +90,7 @@ impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUA
             without_derivatives(h)?;
         }
         check(system)?;
-        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<W>() })
+        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<E, T, W>() })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -144,7 +150,7 @@ impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUA
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let Stages(stages) = stages::<W>();
+        let Stages(stages) = stages::<E, T, W>();
         let parameters = &system.parameters(&as_they_are);
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t: segment.t, h: segment.h };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
@@ -155,8 +161,8 @@ impl<F: Flows, W: Substeps, const SQUARES: bool> Scheme<F> for KickDrift<W, SQUA
 pub(crate) type Act = (Half, f64);
 
 /// The parts of a step.
-fn stages<W: Substeps>() -> Stages<Act> {
-    Stages::of(&W::list()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
+fn stages<E, T: Structure<E>, W: Composes<E, T>>() -> Stages<Act> {
+    Stages::of(&W::substeps()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
 }
 
 /// The parameters of a system, and the parts of a step.

@@ -4,7 +4,8 @@ use std::marker::PhantomData;
 
 use super::kept::Memory;
 use super::lagrangian::{self, Followed};
-use super::substeps::{Half, Substep, Substeps, joint_plan, kept_energy, plan};
+use super::substeps::{By, Half, Substep, joint_plan, kept_energy, plan};
+use super::{Composes, Structure};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
@@ -127,10 +128,11 @@ impl<A, B> Prepared<A, B> {
     }
 }
 
-impl<H, A, B, W> Scheme<H> for Pair<A, B, W>
+impl<H, A, B, E, T, W> Scheme<H> for Pair<A, B, By<E, T, W>>
 where
     H: Listed<A> + Listed<B>,
-    W: Substeps,
+    T: Structure<E>,
+    W: Composes<E, T>,
 {
     const PLAN: Plan =
         plan(joint_plan(<SchemeOf<H, A> as Scheme<H>>::PLAN, <SchemeOf<H, B> as Scheme<H>>::PLAN), W::ORDER);
@@ -154,14 +156,14 @@ where
     type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
 
     fn memory(system: &H) -> Self::Memory<f64> {
-        let [first, second] = counts(&W::list());
+        let [first, second] = counts(&W::substeps());
         let first = rooms(first, &|| SchemeOf::<H, A>::memory(system));
         let second = rooms(second, &|| SchemeOf::<H, B>::memory(system));
         Memory::of((first, second)).with_room(system.degrees(), system.noises())
     }
 
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
-        let (mut start, substeps) = (0.0, W::list());
+        let (mut start, substeps) = (0.0, W::substeps());
         let parts = substeps.iter().map(|&(half, weight)| {
             let kind = match half {
                 Half::First => Kind::First(SchemeOf::<H, A>::prepare(system, lift, h * weight)?),
@@ -221,7 +223,7 @@ where
         lagrangian::value(segment, dw, system.noises(), || {
             let mut state = State { q: segment.q0.clone(), p: segment.p.clone(), t: segment.t };
             let (mut action, mut start) = (0.0, 0.0);
-            for (half, weight) in W::list() {
+            for (half, weight) in W::substeps() {
                 state.t = segment.t + start * segment.h;
                 let own_dw: Vec<f64> = dw.iter().map(|dw| weight * dw).collect();
                 let h = weight * segment.h;

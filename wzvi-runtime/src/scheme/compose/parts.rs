@@ -10,12 +10,12 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use super::Verlet;
 use super::lagrangian::{self, Followed};
 use super::linear::Linear;
 use super::stages::{Memory, Rooms, Stage, Stages, add, advance, check, follow};
 use super::structure::{Parted, Structure, TwoFlows};
-use super::substeps::{Half, Substep, Substeps, plan};
+use super::substeps::{By, Half, Substep, plan};
+use super::{Composes, Verlet};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
@@ -141,7 +141,7 @@ fn form<F: Parts>(half: Half) -> Form {
     if half == Half::First { first } else { second }
 }
 
-impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
+impl<F: Parts, E, T: Structure<E>, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
@@ -157,7 +157,7 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
     fn prepare<K: Constant>(system: &F, _: Lift<'_, K>, h: K) -> Result<Prepared, ConfigError> {
         let h = without_derivatives(h)?;
         check(system)?;
-        prepare(system, system.degrees(), h, &W::list())
+        prepare(system, system.degrees(), h, &W::substeps())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -186,11 +186,11 @@ impl<F: Parts, W: Substeps> Scheme<F> for PartFlows<W> {
     }
 }
 
-impl<W: Substeps> PartFlows<W> {
+impl<E, T: Structure<E>, W: Composes<E, T>> PartFlows<By<E, T, W>> {
     fn follow<F: Parts>(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> Option<Followed<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let Prepared(Stages(stages)) = prepare(system, degrees, h, &W::list()).ok()?;
+        let Prepared(Stages(stages)) = prepare(system, degrees, h, &W::substeps()).ok()?;
         let action = |stage: &Stage<Act>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half| stage.weight * h * system.value_of_part(half, t + stage.node * h, q, p);
             match &stage.act {

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::flows::KickDrift;
 use super::pair::Pair;
-use super::substeps::{Half, One, Substep};
+use super::substeps::{Half, Once, Substep};
 use super::text::{DRIFT_KICK, Equations};
 use super::{Composed, Composes, Symmetric, Verlet};
 use crate::scheme::elements::Elements;
@@ -49,8 +49,7 @@ where
 }
 
 /// The scheme that takes single steps of `E`.
-pub type WholeOf<H, E> =
-    <<E as Symmetric>::Structure<H> as Structure<E>>::Steps<One<E, <E as Symmetric>::Structure<H>>>;
+pub type WholeOf<H, E> = <Once as Composes<E, <E as Symmetric>::Structure<H>>>::Steps;
 
 /// Structures with a kinetic energy that is a quadratic form with constant coefficients.
 pub trait QuadraticKinetic {}

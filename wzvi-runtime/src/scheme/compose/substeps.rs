@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::{Composes, Structure};
+use super::Weights;
 use crate::scheme::plan::{KeptEnergy, Plan, Solver};
 
 /// The kind of a part of a step: a scheme of a pair, or a flow of a splitting.
@@ -17,41 +17,18 @@ pub enum Half {
 /// A part of a step: its kind, and its fraction of the step.
 pub type Substep = (Half, f64);
 
-/// The parts of a step, one after the other.
-pub trait Substeps {
-    /// The order of the step.
-    const ORDER: u32;
-    /// The factors of the squares of forces, one for each part, where there are some.
-    const GRADIENT: &'static [f64] = &[];
-    /// All of them.
-    fn list() -> Vec<Substep>;
-}
-
-/// Those of one step of `E`, for the structure `K`.
+/// The parts of a step that composes steps of `E` by `W`, for a system of the structure `K`: [`Composes`] lists them.
 #[derive(Clone, Copy, Debug)]
-pub struct One<E, K>(PhantomData<(E, K)>);
+pub struct By<E, K, W>(PhantomData<(E, K, W)>);
 
-impl<E, K: Structure<E>> Substeps for One<E, K> {
+/// One step, as a composition.
+#[derive(Clone, Copy, Debug)]
+pub enum Once {}
+
+#[diagnostic::do_not_recommend]
+impl Weights for Once {
     const ORDER: u32 = 2;
-
-    fn list() -> Vec<Substep> {
-        let mut substeps = Vec::new();
-        K::step(1.0, &mut substeps);
-        substeps
-    }
-}
-
-/// Those of steps of `E` with the weights `W`.
-#[derive(Clone, Copy, Debug)]
-pub struct Many<E, K, W>(PhantomData<(E, K, W)>);
-
-impl<E, K: Structure<E>, W: Composes<E, K>> Substeps for Many<E, K, W> {
-    const ORDER: u32 = W::ORDER;
-    const GRADIENT: &'static [f64] = W::GRADIENT;
-
-    fn list() -> Vec<Substep> {
-        W::substeps()
-    }
+    const GAMMA: &'static [f64] = &[1.0];
 }
 
 /// The plan of a symmetric composition of this order; `of_step` is that of a step of order two at most.

@@ -89,7 +89,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 let back = [(1.0 + self.common.friction().decay).recip(); N];
                 lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
             }
-            return self.follow(lists, &mut left.scratch, &mut ());
+            return self.follow(lists, &mut left.scratch, None);
         }
         let from_past = self.dw.is_empty() && left.is_known && !CAREFUL;
         self.guess(lists, &mut left.past, &mut left.scratch, from_past);

@@ -4,7 +4,8 @@ use super::Field;
 use super::advance::Common;
 use super::kept::{Given, Lists, OfStages, Room};
 use super::shape::Shape;
-use super::stages::{Observer, Part, Parts, Stages};
+use super::stages::{Part, Parts, Stages};
+use super::sweep::Relative;
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 
@@ -77,17 +78,17 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     }
 
     /// Computes stages from slopes at the same or other stages, by the columns of `once` (integrals of the slopes) or, in Nyström
-    /// form, `twice` (double integrals). The observer sees each replacement.
+    /// form, `twice` (double integrals). `seen` sees each replacement.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(
         &self,
         into: Placement<'_, S::Stages<N>>,
         [once, twice]: [&[[f64; N]; N]; 2],
         room: &mut Room<F, S, N>,
-        observer: &mut impl Observer<Part<S, N>>,
+        mut seen: Option<&mut Relative<'_, S, N>>,
     ) {
         if F::IS_NYSTROM {
-            self.place_coordinates(into, twice, room, observer);
+            self.place_coordinates(into, twice, room, seen);
             return;
         }
         let Placement { at: [q, p], by_p, by_q } = into;
@@ -101,8 +102,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                     }
                     None => [start_q, start_p],
                 };
-                observer.see(0, d, q[d].part(part), next_q);
-                observer.see(1, d, p[d].part(part), next_p);
+                if let Some(seen) = &mut seen {
+                    seen.see(0, d, q[d].part(part), next_q);
+                    seen.see(1, d, p[d].part(part), next_p);
+                }
                 q[d].set_part(part, next_q);
                 p[d].set_part(part, next_p);
             }
@@ -116,7 +119,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         into: Placement<'_, S::Stages<N>>,
         twice: &[[f64; N]; N],
         room: &mut Room<F, S, N>,
-        observer: &mut impl Observer<Part<S, N>>,
+        mut seen: Option<&mut Relative<'_, S, N>>,
     ) {
         let Placement { at: [q, p], by_p, by_q } = into;
         let mut rooms = F::Shape::lend(&mut room.parts, Parts::of_length(0, 0));
@@ -137,7 +140,9 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             self.slopes::<false, true>(t, h, momenta, momenta, dw, &mut [], velocities, one);
             for (d, (stages, velocity)) in q.iter_mut().zip(&*velocities).enumerate() {
                 let next = S::Stages::<N>::same(self.start[0][d]) + *velocity;
-                observer.see(0, d, stages.part(part), next);
+                if let Some(seen) = &mut seen {
+                    seen.see(0, d, stages.part(part), next);
+                }
                 stages.set_part(part, next);
             }
         }
@@ -161,7 +166,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             by_p: by_p.as_mut(),
             by_q: if from_past { Some(by_q.as_ref()) } else { None },
         };
-        self.place(into, [&self.common.table().nu, &self.common.table().kappa], room, &mut ());
+        self.place(into, [&self.common.table().nu, &self.common.table().kappa], room, None);
     }
 
     /// `b_i ∂F/∂p` and `b_i ∂F/∂q` at the stages, except for paths that keep their slopes.

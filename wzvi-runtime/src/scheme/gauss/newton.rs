@@ -228,7 +228,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         self.jacobian.point.clone_from(x);
         self.write(x);
         self.step.field(self.lists, self.scratch, S::Mask::from_bool(false));
-        self.step.follow(self.lists, self.scratch, &mut ());
+        self.step.follow(self.lists, self.scratch, None);
         self.read(into);
         into.iter_mut().zip(x).for_each(|(next, x)| *next = *x - *next);
     }

@@ -6,18 +6,6 @@ use super::shape::Shape;
 use crate::algebra::scalar::{Constant, Over, Parameters, Scalar};
 pub use crate::algebra::stages::Stages;
 
-/// Observes the stages that [`place`](super::advance::Step::place) replaces. (A trait, because a closure called in several places would
-/// not be inlined, and so not be compiled for the instruction set of its caller.)
-pub(super) trait Observer<T> {
-    /// Half of the phase space, degree of freedom, a part of the old stages and the same part of the new ones.
-    fn see(&mut self, half: usize, d: usize, old: T, new: T);
-}
-
-impl<T> Observer<T> for () {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn see(&mut self, _half: usize, _d: usize, _old: T, _new: T) {}
-}
-
 /// The unit of arithmetic for numbers `S`: all stages of one path in the lanes of a register, or one stage.
 pub(super) type Part<S, const N: usize> = <<S as Scalar>::Stages<N> as Stages<S, N>>::Part;
 

@@ -3,7 +3,7 @@
 use super::Field;
 use super::equations::{Placement, Step};
 use super::kept::{ExactLists, ExactOf, LeftOf, Lists, Room};
-use super::stages::{Observer, Part, Stages};
+use super::stages::{Part, Stages};
 use super::stiff::Modal;
 use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Rounded, Scalar};
 use crate::algebra::solve::Effort;
@@ -49,14 +49,15 @@ pub(super) struct Swept<S: Scalar> {
 }
 
 /// The relative change of the stages in a sweep.
-struct Relative<'a, S: Scalar, const N: usize> {
+pub(super) struct Relative<'a, S: Scalar, const N: usize> {
     start: [&'a [S]; 2],
     changes: Part<S, N>,
 }
 
-impl<S: Scalar, const N: usize> Observer<Part<S, N>> for Relative<'_, S, N> {
+impl<S: Scalar, const N: usize> Relative<'_, S, N> {
+    /// Half of the phase space, degree of freedom, a part of the old stages and the same part of the new ones.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn see(&mut self, half: usize, d: usize, old: Part<S, N>, new: Part<S, N>) {
+    pub(super) fn see(&mut self, half: usize, d: usize, old: Part<S, N>, new: Part<S, N>) {
         let start = S::Stages::<N>::same(self.start[half][d]);
         let relative = (new - old).nearly_over(new.abs() + start.abs());
         self.changes = Scalar::select(relative.less(self.changes), self.changes, relative);
@@ -70,11 +71,11 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         &self,
         lists: &mut Lists<S, F::Shape, N>,
         room: &mut Room<F, S, N>,
-        observer: &mut impl Observer<Part<S, N>>,
+        seen: Option<&mut Relative<'_, S, N>>,
     ) {
         let Lists { at: [q, p], slopes: [by_p, by_q], .. } = lists;
         let into = Placement { at: [q.as_mut(), p.as_mut()], by_p: by_p.as_mut(), by_q: Some(by_q.as_ref()) };
-        self.place(into, [&self.common.table().mu, &self.common.table().eta], room, observer);
+        self.place(into, [&self.common.table().mu, &self.common.table().eta], room, seen);
     }
 
     /// Sweeps from the current stages until all `wanted` paths have ended. The slopes are then those of the last sweep of each path.
@@ -94,7 +95,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         loop {
             sweeps += 1;
             let mut relative = Relative { start: self.start, changes: Scalar::from_f64(0.0) };
-            self.sweep(are_settled, lists, scratch, modal, &mut relative);
+            self.sweep(are_settled, lists, scratch, modal, Some(&mut relative));
             // Stored by stage, so that the maximum is vectorised.
             lists.changes = relative.changes;
             let change = unbounded(S::Stages::largest(lists.changes));
@@ -126,7 +127,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             if settle.any() {
                 // The derivatives of a dual number converge as fast as its value, but later.
                 if !S::IS_BESIDE && size_of::<S>() != size_of::<f64>() {
-                    (0..sweeps + 2).for_each(|_| self.sweep(none, lists, scratch, modal, &mut ()));
+                    (0..sweeps + 2).for_each(|_| self.sweep(none, lists, scratch, modal, None));
                 }
                 if F::IS_STIFF && self.common.modes().is_some() {
                     // The slopes precede the last change, which alters a stiff force more than the stages.
@@ -158,20 +159,21 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         room: &mut Room<F, S, N>,
         modal: &mut Modal<S::Stages<N>>,
-        observer: &mut impl Observer<Part<S, N>>,
+        seen: Option<&mut Relative<'_, S, N>>,
     ) {
         self.field(lists, room, stay);
         match self.common.modes() {
             Some(modes) if F::IS_STIFF => {
                 modal.remember(lists.at[0].as_ref());
-                self.follow(lists, room, &mut ());
+                self.follow(lists, room, None);
                 modes.filter::<S>(lists.at[0].as_mut(), modal);
+                let Some(seen) = seen else { return };
                 for (d, (old, new)) in modal.before().iter().zip(lists.at[0].as_ref()).enumerate() {
                     (0..S::Stages::<N>::PARTS)
-                        .for_each(|part| observer.see(0, d, old.part(part), new.part(part)));
+                        .for_each(|part| seen.see(0, d, old.part(part), new.part(part)));
                 }
             }
-            _ => self.follow(lists, room, observer),
+            _ => self.follow(lists, room, seen),
         }
     }
 
@@ -216,7 +218,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let parameters = &F::Parameters::lane(self.parameters, lane);
         let step = given.step(self.system, (parameters, self.common), [self.t, self.h].map(|x| x.lane(lane)));
         step.field(exact, scratch, false);
-        step.follow(exact, scratch, &mut ());
+        step.follow(exact, scratch, None);
         let kinds = if F::IS_NYSTROM { 1 } else { 2 };
         for (kind, (exact, stages)) in exact.at.iter().zip(&lists.at).take(kinds).enumerate() {
             for (d, (next, stages)) in exact.as_ref().iter().zip(stages.as_ref()).enumerate() {

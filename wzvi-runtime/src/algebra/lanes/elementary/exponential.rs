@@ -1,13 +1,15 @@
 //! `e^x`, `2^x` and `e^x - 1`.
 
-use super::{LN2_HIGH, LN2_LOW, Unary, functions, high, inverse_power_of_two, nearest, power_of_two, select};
+use super::{
+    Function, LN2_HIGH, LN2_LOW, functions, high, inverse_power_of_two, nearest, power_of_two, select,
+};
 
 functions! {
-    Unary /// `e^x`
+    /// `e^x`
     Exp(x): exp(x), where x.abs() <= 708.0, else libm::exp;
-    Unary /// `2^x`
+    /// `2^x`
     Exp2(x): exp2_sum(x, 0.0), where x.abs() <= 1021.0, else libm::exp2;
-    Unary /// `e^x - 1`
+    /// `e^x - 1`
     ExpM1(x): exp_m1(x), where x.abs() <= 36.0 || (0.0..708.0).contains(&x), else libm::expm1;
 }
 

@@ -2,20 +2,20 @@
 
 use super::exponential::{exp, exp_m1};
 use super::logarithm::ln_1p;
-use super::{Unary, functions, select};
+use super::{Function, functions, select};
 
 functions! {
-    Unary /// Hyperbolic sine.
+    /// Hyperbolic sine.
     Sinh(x): sinh(x), where x.abs() <= 708.0, else libm::sinh;
-    Unary /// Hyperbolic cosine.
+    /// Hyperbolic cosine.
     Cosh(x): cosh(x), where x.abs() <= 708.0, else libm::cosh;
-    Unary /// Hyperbolic tangent.
+    /// Hyperbolic tangent.
     Tanh(x): tanh(x), where x.abs() <= f64::INFINITY, else libm::tanh;
-    Unary /// Inverse hyperbolic sine.
+    /// Inverse hyperbolic sine.
     Asinh(x): asinh(x), where x.abs() <= 1e8, else libm::asinh;
-    Unary /// Inverse hyperbolic cosine.
+    /// Inverse hyperbolic cosine.
     Acosh(x): acosh(x), where (1.0..1e8).contains(&x), else libm::acosh;
-    Unary /// Inverse hyperbolic tangent.
+    /// Inverse hyperbolic tangent.
     Atanh(x): atanh(x), where x.abs() < 1.0, else libm::atanh;
 }
 

@@ -2,16 +2,16 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Binary, Unary, functions, high, select};
+use super::{Function, functions, high, select};
 
 functions! {
-    Unary /// Arc sine.
+    /// Arc sine.
     Asin(x): asin(x), where x.abs() <= 1.0, else libm::asin;
-    Unary /// Arc cosine.
+    /// Arc cosine.
     Acos(x): acos(x), where x.abs() <= 1.0, else libm::acos;
-    Unary /// Arc tangent.
+    /// Arc tangent.
     Atan(x): atan(x), where x.abs() <= f64::INFINITY, else libm::atan;
-    Binary /// The angle of the point (`x`, `y`).
+    /// The angle of the point (`x`, `y`).
     Atan2(y, x): atan2(y, x), where is_moderate(y) & is_moderate(x), else libm::atan2;
 }
 

@@ -1,15 +1,15 @@
 //! Logarithms: `ln x = k ln 2 + ln(1 + f)`, and `ln(1 + f) = f - f²/2 + s (f²/2 + R(s))` with `s = f/(2 + f)`.
 
-use super::{LN2_HIGH, LN2_LOW, Unary, exponent_and_mantissa, functions, high, select};
+use super::{Function, LN2_HIGH, LN2_LOW, exponent_and_mantissa, functions, high, select};
 
 functions! {
-    Unary /// Natural logarithm.
+    /// Natural logarithm.
     Ln(x): ln(x), where is_normal_and_positive(x), else libm::log;
-    Unary /// `ln(1 + x)`
+    /// `ln(1 + x)`
     Ln1p(x): ln_1p(x), where x > -1.0 && x < 1e300, else libm::log1p;
-    Unary /// Logarithm to base 2.
+    /// Logarithm to base 2.
     Log2(x): log2(x), where is_normal_and_positive(x), else libm::log2;
-    Unary /// Logarithm to base 10.
+    /// Logarithm to base 10.
     Log10(x): log10(x), where is_normal_and_positive(x), else libm::log10;
 }
 

@@ -2,14 +2,14 @@
 
 use super::exponential::exp2_sum;
 use super::logarithm::is_normal_and_positive;
-use super::{Binary, Unary, functions, high, select, small_integer};
+use super::{Function, functions, high, select, small_integer};
 
 functions! {
-    Binary /// `x^y`
+    /// `x^y`
     Pow(x, y): pow(x, y), where is_moderate(x, y), else libm::pow;
-    Binary /// `√(x² + y²)`
+    /// `√(x² + y²)`
     Hypot(x, y): hypot(x, y), where squares_fit(x, y), else libm::hypot;
-    Unary /// `∛x`
+    /// `∛x`
     Cbrt(x): cbrt(x), where is_normal_and_positive(x.abs()), else libm::cbrt;
 }
 

@@ -1,6 +1,6 @@
 //! Sine, cosine and tangent.
 
-use super::{Unary, functions, high, nearest, select};
+use super::{Function, functions, high, nearest, select};
 
 /// `n π/2` is known to the last digit for `n` below 2^20: that is `|x|` up to here.
 const LARGEST: f64 = 1.6e6;
@@ -26,11 +26,11 @@ pub(crate) const COSINE: [f64; 6] = [
 ];
 
 functions! {
-    Unary /// Sine.
+    /// Sine.
     Sin(x): sin(x), where x.abs() <= LARGEST, else libm::sin;
-    Unary /// Cosine.
+    /// Cosine.
     Cos(x): cos(x), where x.abs() <= LARGEST, else libm::cos;
-    Unary /// Tangent.
+    /// Tangent.
     Tan(x): tan(x), where x.abs() <= LARGEST, else libm::tan;
 }
 
