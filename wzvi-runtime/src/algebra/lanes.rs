@@ -23,8 +23,6 @@ pub(crate) mod single;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
-use elementary::Function;
-
 use crate::algebra::scalar::{Mask, Number, Scalar};
 use crate::algebra::solve::{Effort, Equations, lanes, together};
 use crate::error::StepFailure;
@@ -239,7 +237,7 @@ macro_rules! by_lane {
     ($($method:ident: $function:ident),*) => {$(
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn $method(self) -> Self {
-            Self(elementary::$function::of([self.0]))
+            Self(elementary::$function::of(self.0))
         }
     )*};
 }
@@ -382,7 +380,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn powf(self, exponent: Self) -> Self {
-        Self(elementary::Pow::of([self.0, exponent.0]))
+        Self(elementary::Pow::of(self.0, exponent.0))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt(self) -> Self {
@@ -390,11 +388,11 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn hypot(self, other: Self) -> Self {
-        Self(elementary::Hypot::of([self.0, other.0]))
+        Self(elementary::Hypot::of(self.0, other.0))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn atan2(self, other: Self) -> Self {
-        Self(elementary::Atan2::of([self.0, other.0]))
+        Self(elementary::Atan2::of(self.0, other.0))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos(self) -> (Self, Self) {

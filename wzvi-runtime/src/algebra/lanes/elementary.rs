@@ -29,91 +29,63 @@ pub(super) use power::{Cbrt, Hypot, Pow};
 pub(crate) use trigonometric::{COSINE, SINE};
 pub(super) use trigonometric::{Cos, Sin, Tan};
 
-/// A function of `N` numbers.
-pub(super) trait Function<const N: usize> {
-    /// Where [`Function::fast`] is right.
-    fn is_usual(x: [f64; N]) -> bool;
-    /// The function of usual numbers, without branches; anything elsewhere.
-    fn fast(x: [f64; N]) -> f64;
-    /// The function of any other numbers.
-    fn rare(x: [f64; N]) -> f64;
-
-    /// The function of all lanes.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of<const L: usize>(x: [[f64; L]; N]) -> [f64; L] {
-        let mut y = [0.0; L];
-        for i in 0..L {
-            y[i] = Self::fast(lane(&x, i));
-        }
-        let mut all = true;
-        for i in 0..L {
-            all &= Self::is_usual(lane(&x, i));
-        }
-        if !all {
-            // Copies: what a function that is not inlined gets is in memory.
-            let (arguments, mut repaired) = (x, y);
-            Self::repair(arguments.each_ref().map(|x| &x[..]), &mut repaired);
-            y = repaired;
-        }
-        y
-    }
-
-    /// Puts in what `fast` cannot do.
-    #[cold]
-    #[inline(never)]
-    fn repair(x: [&[f64]; N], y: &mut [f64]) {
-        for (i, y) in y.iter_mut().enumerate() {
-            let x = x.map(|x| x[i]);
-            if !Self::is_usual(x) {
-                *y = Self::rare(x);
-            }
-        }
-    }
-}
-
-/// The arguments of one lane.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn lane<const N: usize, const L: usize>(x: &[[f64; L]; N], i: usize) -> [f64; N] {
-    let mut of_lane = [0.0; N];
-    for k in 0..N {
-        of_lane[k] = x[k][i];
-    }
-    of_lane
-}
-
-/// `name(arguments): fast where condition, else rare`
+/// `name(arguments): fast where condition, else rare`: `fast` has no branches and is right where the condition holds, `rare` is right elsewhere.
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident($($x:ident),*): $fast:expr, where $usual:expr, else $rare:path;)*) => {$(
         $(#[$doc])*
         pub(in crate::algebra::lanes) struct $name;
 
-        impl Function<{ $name::ARGUMENTS }> for $name {
+        impl $name {
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn is_usual([$($x),*]: [f64; $name::ARGUMENTS]) -> bool {
+            fn is_usual($($x: f64),*) -> bool {
                 $usual
             }
+
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn fast([$($x),*]: [f64; $name::ARGUMENTS]) -> f64 {
+            fn fast($($x: f64),*) -> f64 {
                 $fast
             }
-            fn rare([$($x),*]: [f64; $name::ARGUMENTS]) -> f64 {
-                $rare($($x),*)
-            }
-        }
 
-        impl $name {
-            const ARGUMENTS: usize = [$(stringify!($x)),*].len();
-
-            /// The function of usual numbers, NaN for others, without branches.
+            /// The function of usual numbers, NaN for any other, without branches.
             #[cfg_attr(not(debug_assertions), inline(always))]
             pub(in crate::algebra::lanes) fn usual($($x: f64),*) -> f64 {
-                select(Self::is_usual([$($x),*]), Self::fast([$($x),*]), f64::NAN)
+                select(Self::is_usual($($x),*), Self::fast($($x),*), f64::NAN)
             }
 
             /// The function of any numbers, as a call.
             #[inline(never)]
             pub(in crate::algebra::lanes) fn alone($($x: f64),*) -> f64 {
-                Self::of([$([$x]),*])[0]
+                Self::of($([$x]),*)[0]
+            }
+
+            /// The function of all lanes.
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            pub(in crate::algebra::lanes) fn of<const L: usize>($($x: [f64; L]),*) -> [f64; L] {
+                let (mut y, mut all) = ([0.0; L], true);
+                for i in 0..L {
+                    y[i] = Self::fast($($x[i]),*);
+                }
+                for i in 0..L {
+                    all &= Self::is_usual($($x[i]),*);
+                }
+                if !all {
+                    // Copies: what a function that is not inlined gets is in memory.
+                    let mut repaired = y;
+                    Self::repair($(&{ $x },)* &mut repaired);
+                    y = repaired;
+                }
+                y
+            }
+
+            /// Puts in what `fast` cannot do.
+            #[cold]
+            #[inline(never)]
+            fn repair($($x: &[f64],)* y: &mut [f64]) {
+                for (i, y) in y.iter_mut().enumerate() {
+                    if !Self::is_usual($($x[i]),*) {
+                        *y = $rare($($x[i]),*);
+                    }
+                }
             }
         }
     )*};

@@ -1,8 +1,6 @@
 //! `e^x`, `2^x` and `e^x - 1`.
 
-use super::{
-    Function, LN2_HIGH, LN2_LOW, functions, high, inverse_power_of_two, nearest, power_of_two, select,
-};
+use super::{LN2_HIGH, LN2_LOW, functions, high, inverse_power_of_two, nearest, power_of_two, select};
 
 functions! {
     /// `e^x`

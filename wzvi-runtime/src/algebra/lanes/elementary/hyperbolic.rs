@@ -2,7 +2,7 @@
 
 use super::exponential::{exp, exp_m1};
 use super::logarithm::ln_1p;
-use super::{Function, functions, select};
+use super::{functions, select};
 
 functions! {
     /// Hyperbolic sine.

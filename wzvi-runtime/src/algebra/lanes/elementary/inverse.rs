@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Function, functions, high, select};
+use super::{functions, high, select};
 
 functions! {
     /// Arc sine.

@@ -2,7 +2,7 @@
 
 use super::exponential::exp2_sum;
 use super::logarithm::is_normal_and_positive;
-use super::{Function, functions, high, select, small_integer};
+use super::{functions, high, select, small_integer};
 
 functions! {
     /// `x^y`

@@ -1,6 +1,6 @@
 //! Sine, cosine and tangent.
 
-use super::{Function, functions, high, nearest, select};
+use super::{functions, high, nearest, select};
 
 /// `n π/2` is known to the last digit for `n` below 2^20: that is `|x|` up to here.
 const LARGEST: f64 = 1.6e6;
