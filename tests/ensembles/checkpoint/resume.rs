@@ -1,6 +1,7 @@
 //! Runs that go on from a checkpoint are those that never stopped.
 
 use std::fs;
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use wzvi::checkpoint::{Checkpoint, CheckpointError};
@@ -145,28 +146,69 @@ fn settings_that_make_no_sense() {
     assert!(contents(&folder).is_empty());
 }
 
-/// Another run takes the file while this one goes on: it stops there, and leaves the file alone.
+/// Ways to lose the file of a run.
+type Loss = fn(&Path);
+
+fn take(file: &Path) {
+    fs::write(file, "another").unwrap();
+}
+
+fn remove(file: &Path) {
+    fs::remove_file(file).unwrap();
+}
+
+fn remove_folder(file: &Path) {
+    fs::remove_dir_all(file.parent().unwrap()).unwrap();
+}
+
+fn put_folder(file: &Path) {
+    remove(file);
+    fs::create_dir(file).unwrap();
+}
+
+/// Whatever happens to the file, the run goes on with its statistics, says at its end what it could not save, and leaves the file of another alone.
 #[test]
-fn a_checkpoint_that_fails_ends_the_run() {
-    let file = folder!("taken").join("run");
+fn a_checkpoint_that_is_lost_does_not_end_the_run() {
     let edge = Edge { a: 1.0, sigma: 0.1 };
-    let calls = AtomicU64::new(0);
-    let run = edge
-        .ensemble::<DeltaPlus>(0.05)
-        .start(State::new([1.0], [0.5]))
-        .paths(100 * 512)
-        .seed(7)
-        .steps(2)
-        .threads(1)
-        .observe("observable0", |_| {
-            // Two nodes for each of 512 paths are a block; the tenth or so takes the file.
-            if calls.fetch_add(1, Ordering::Relaxed) == 10_000 {
-                fs::write(&file, "another").unwrap();
-            }
-            0.0
-        })
-        .checkpoint(Checkpoint::to(&file).every_paths(1));
-    assert_eq!(refused(run.run()), CheckpointError::Taken { path: file.clone() });
-    assert_eq!(fs::read_to_string(&file).unwrap(), "another");
-    assert!(calls.into_inner() < 20_000);
+    let run = |lose: &(dyn Fn(u64) + Sync), file: Option<&Path>| {
+        let calls = AtomicU64::new(0);
+        let ensemble = edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.5])).paths(20 * 512);
+        let ensemble = ensemble.seed(7).steps(2).threads(1).observe("q", |state| {
+            // Two nodes for each of 512 paths are a block.
+            lose(calls.fetch_add(1, Ordering::Relaxed));
+            state.q[0]
+        });
+        match file {
+            Some(file) => ensemble.checkpoint(Checkpoint::to(file).every_paths(1)).run(),
+            None => ensemble.run(),
+        }
+        .unwrap()
+    };
+    let whole = bits(&run(&|_| {}, None));
+    let losses: [(&str, Loss, Option<&str>); 4] = [
+        ("taken", take, Some("was changed during the run")),
+        ("removed", remove, None),
+        ("folder", remove_folder, Some("cannot write")),
+        ("special", put_folder, Some("cannot")),
+    ];
+    for (name, lose, unsaved) in losses {
+        let file = folder!(name).join("inner").join("run");
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        let statistics = run(
+            &|call| {
+                if call == 10_000 {
+                    lose(&file)
+                }
+            },
+            Some(&file),
+        );
+        assert_eq!(bits(&statistics), whole, "{name}");
+        let said = statistics.unsaved().map(ToString::to_string);
+        match (&said, unsaved) {
+            (Some(said), Some(unsaved)) => assert!(said.contains(unsaved), "{name}: {said}"),
+            (None, None) => assert!(fs::read(&file).is_ok_and(|bytes| bytes.starts_with(b"wzvi-ensemble"))),
+            _ => panic!("{name}: {said:?}"),
+        }
+        assert_eq!(name == "taken", fs::read(&file).is_ok_and(|bytes| bytes == b"another"), "{name}");
+    }
 }

@@ -64,7 +64,7 @@ pub enum CheckpointError {
         /// Paths asked for.
         paths: u64,
     },
-    /// Another program changed or removed the file during this run.
+    /// Another program wrote the file while this run began. One that does so later is the [`FileError::Taken`] of a run that goes on.
     Taken {
         /// The file.
         path: PathBuf,
@@ -138,7 +138,7 @@ messages! { CheckpointError:
         "{} has {done} paths, more than the {paths} of this run; ask for at least {done}, or name another \
          file to start anew", path.display();
     Self::Taken { path } =>
-        "{} was changed or removed during the run; use it for one run at a time", path.display();
+        "{} was changed during the run; use it for one run at a time", path.display();
     Self::Internal(error) => "{error}";
     Self::Noise =>
         "the source of the increments has no identity, so a checkpoint cannot tell whether a resumed run has \

@@ -28,6 +28,11 @@ pub enum FileError {
         /// What it is: `"a folder"`, `"a device"`, ...
         found: &'static str,
     },
+    /// Another run changed the file during this one.
+    Taken {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl FileError {
@@ -47,7 +52,7 @@ impl FileError {
     /// The file or folder.
     pub fn path(&self) -> &Path {
         match self {
-            Self::System { path, .. } | Self::Special { path, .. } => path,
+            Self::System { path, .. } | Self::Special { path, .. } | Self::Taken { path } => path,
         }
     }
 }
@@ -74,4 +79,5 @@ messages! { FileError:
     Self::System { path, action, cause, .. } => "cannot {action} {}: {cause}", path.display();
     Self::Special { path, action, found } =>
         "cannot {action} {}: it is {found}; name a regular file", path.display();
+    Self::Taken { path } => "{} was changed during the run; use it for one run at a time", path.display();
 }

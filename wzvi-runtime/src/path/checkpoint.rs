@@ -36,8 +36,7 @@
 //! folder is flushed after that. A process that is killed there leaves its temporary file, which the next one removes. A symbolic link is
 //! followed and stays a link; a device, a pipe or a folder is refused. The file has one line, `wzvi-checkpoint <version> <steps> <length>
 //! <checksum>`, and `length` bytes: words of 64 bits, the least byte first. Recorded nodes ([`record_every`](Simulation::record_every) above 0)
-//! are among them. Only one process at a time should use the file; one that finds it changed by another stops with
-//! [`CheckpointError::Taken`].
+//! are among them. Only one process at a time should use the file; one that finds it changed by another leaves it alone.
 //!
 //! # Cost
 //!
@@ -47,8 +46,8 @@
 //! save less often.
 //! `cargo run --release --example long_run -- cost` measures it.
 //!
-//! A checkpoint that cannot be written, for example on a full disk, does not end the run. The run warns once on the standard error stream,
-//! continues, and tries again at the next one. If the last one failed, [`Trajectory::unsaved`](crate::path::trajectory::Trajectory::unsaved)
+//! A checkpoint that cannot be written, for example on a full disk, in a folder that was removed, or because another run changed the file, does not
+//! end the run. The run warns once on the standard error stream, continues, and tries again at the next one. If the last one failed, [`Trajectory::unsaved`](crate::path::trajectory::Trajectory::unsaved)
 //! or [`Statistics::unsaved`](crate::ensemble::Statistics::unsaved) says why. The first one is written before the first step, and must
 //! succeed.
 //!

@@ -162,25 +162,25 @@ impl Keeper {
     /// Saves the run. If the checkpoint cannot be written, the run continues, because ending it would lose more.
     ///
     /// # Errors
-    /// What no later attempt mends: the file is another run's.
+    /// A bug of the library.
     #[cold]
     #[inline(never)]
     pub(crate) fn save(&mut self, done: u64, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), Error> {
         let Some(file) = &mut self.file else { return Ok(()) };
         let outcome = file.save(done, pass);
         file.due.done();
-        file.unsaved = match outcome {
+        let error = match outcome {
             Ok(()) => None,
-            Err(CheckpointError::File(error)) => {
-                if file.unsaved.is_none() {
-                    eprintln!(
-                        "wzvi: {error}; the run goes on without this checkpoint, and tries again at the next one"
-                    );
-                }
-                Some(error)
-            }
+            Err(CheckpointError::File(error)) => Some(error),
+            Err(CheckpointError::Taken { path }) => Some(FileError::Taken { path }),
             Err(error) => return Err(error.into()),
         };
+        let before = std::mem::replace(&mut file.unsaved, error);
+        if let (None, Some(error)) = (before, &file.unsaved) {
+            eprintln!(
+                "wzvi: {error}; the run goes on without this checkpoint, and tries again at the next one"
+            );
+        }
         Ok(())
     }
 
@@ -264,17 +264,17 @@ impl Kept {
         Ok(())
     }
 
-    /// Whether the file is as this run left it: nothing of another run is replaced.
+    /// Whether the file is as this run left it, or gone: nothing of another run is replaced.
     fn check_ours(&self) -> Result<(), CheckpointError> {
         let is_ours = match (&self.line, file::open(&self.path)?) {
-            (None, None) => true,
+            (_, None) => true,
             (Some(line), Some(file)) => {
                 let mut start = Vec::with_capacity(line.len());
                 let read = file.take(line.len() as u64).read_to_end(&mut start);
                 read.map_err(CheckpointError::file(&self.path, "read"))?;
                 start == *line
             }
-            _ => false,
+            (None, Some(_)) => false,
         };
         if is_ours { Ok(()) } else { Err(CheckpointError::Taken { path: self.path.clone() }) }
     }
