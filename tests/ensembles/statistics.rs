@@ -439,3 +439,44 @@ fn rates_allow_for_censoring() {
     assert_eq!(long.passed() + long.censored(), 2000);
     assert!(long.rate() > 0.0 && long.rate_error() < 0.05 * long.rate(), "{long:?}");
 }
+
+/// Two points in a plane, each in a well of its own.
+#[hamiltonian(
+    drift = |q: [[f64; 2]; 2], p: [[f64; 2]; 2]| (0..2)
+        .map(|i| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1]) + q[i][0] * q[i][0] + (2.0 - q[i][0]) * q[i][1] * q[i][1])
+        .sum::<f64>(),
+    embedding = Midpoint,
+)]
+struct Plane;
+
+/// Observables and sections of points read `state.points` as the closure of the Hamiltonian reads its arguments, in single runs and in ensembles.
+#[test]
+fn points_are_read_as_in_the_hamiltonian() {
+    type Points = State<wzvi::nalgebra::SVector<f64, 4>>;
+    let energy = |state: &Points| {
+        let [q, p] = state.points::<2>();
+        let kinetic = |i: usize| 0.5 * (p[i][0] * p[i][0] + p[i][1] * p[i][1]);
+        let potential = |i: usize| q[i][0] * q[i][0] + (2.0 - q[i][0]) * q[i][1] * q[i][1];
+        (0..2).map(|i| kinetic(i) + potential(i)).sum::<f64>()
+    };
+    let side = |state: &Points| state.points::<2>()[0][1][0];
+    let start: Points = State::new([[0.3, -0.2], [0.5, 0.1]], [[0.1, 0.4], [-0.3, 0.2]]);
+    let path = Plane.simulate::<Midpoint>(0.1).start(start).steps(60);
+    let path = path.observe("H", energy).section(side).run().unwrap();
+    for (state, observed) in path.states().iter().zip(path.observed("H").unwrap()) {
+        assert!((observed - Plane.energy(state)).abs() < 1e-15, "{state}");
+    }
+    assert!(path.crossings().len() > 1 && path.crossings().iter().all(|at| at.state.q[2].abs() < 1e-12));
+
+    let all = Plane.ensemble::<Midpoint>(0.1).start(start).paths(3).steps(60).record_at([0.0, 3.0]);
+    let all = all.observe("H", energy).observe("side", side).section(side).keep_crossings(9).run().unwrap();
+    for (node, step) in all.nodes().iter().zip([0, 30]) {
+        let state = &path.states()[step];
+        assert!((node.mean(0) - Plane.energy(state)).abs() < 1e-15 && node.mean(1) == state.q[2], "{state}");
+    }
+    let crossed: Vec<f64> = all.crossings()[0].iter().map(|at| at.t).collect();
+    assert_eq!(
+        crossed[..path.crossings().len()],
+        path.crossings().iter().map(|at| at.state.t).collect::<Vec<_>>()
+    );
+}
