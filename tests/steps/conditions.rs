@@ -17,7 +17,7 @@ struct Mass;
 /// The same at many sites, which are not coupled.
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| (if q[i] > 0.0 { 0.5 } else { 0.25 }) * p[i] * p[i]).sum::<f64>(),
-    embedding = [DeltaMinus, Midpoint],
+    embedding = [DeltaMinus, Midpoint, Lambda<1, 3>],
 )]
 struct Masses;
 
@@ -59,6 +59,47 @@ struct OneSided;
 )]
 struct Clipped;
 
+/// Conditions of every kind.
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q) + 0.4 * q.abs().min(1.0 + 0.5 * p).max(p * q),
+    embedding = [Midpoint, Lambda<1, 3>, DeltaMinus],
+)]
+struct Nested;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q) + 0.4 * (if q > 0.1 { p * q } else { (q - 0.2).powi(2) }),
+    embedding = [Midpoint, Lambda<1, 3>, DeltaMinus],
+)]
+struct Split;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q) + 0.4 * (2.0 * q - 0.2).signum() * (1.0 + p * p).sqrt(),
+    embedding = [Midpoint, Lambda<1, 3>, DeltaMinus],
+)]
+struct Signed;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q)
+        + 0.4 * (if q * p < q.sin() && p >= 0.0 { p.tanh() } else if q < 0.3 { q * q } else { (q * p).clamp(-0.5, 0.7) }),
+    embedding = [Midpoint, Lambda<1, 3>, DeltaMinus],
+)]
+struct Regions;
+
+/// And of noises.
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q) + 0.4 * q.max(0.3 * p).hypot(0.5),
+    noise = [|q, p| 0.5 * q.abs() * (1.0 + 0.2 * p)],
+    embedding = Midpoint,
+)]
+struct Shaken;
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q) + 0.4 * (q.atan() / (1.5 + p.tanh().powi(2))).clamp(-0.5, 0.7),
+    noise = [|q, p| if q > p { 0.3 * q } else { 0.2 * p.min(0.5) }],
+    embedding = Midpoint,
+)]
+struct Kicked;
+
 const H: f64 = 0.1;
 const STARTS: usize = 400;
 /// The last sum of a step rounds a number below one, and so does that by hand.
@@ -80,56 +121,49 @@ fn ends(q: f64, p: f64, l: f64) -> Vec<f64> {
         .collect()
 }
 
-macro_rules! mass {
-    ($scheme:ty, $l:expr) => {
-        for p in [1.0, -1.0] {
-            for q in starts() {
-                let mut state = State::new([q], [p]);
-                let taken = Mass.stepper::<$scheme>(H).unwrap().step(&mut state, &[]);
-                match (taken, ends(q, p, $l).first()) {
-                    (Ok(_), Some(end)) => {
-                        assert!(
-                            (state.q[0] - end).abs() <= ROUNDING && state.p[0] == p,
-                            "{q}: {state:?} for {end}"
-                        );
-                    }
-                    (Ok(_), None) => panic!("{q}: {state:?}, which is no solution"),
-                    // The equation jumps at the edge: a solution beyond it does not continue the state.
-                    (Err(error), end) => {
-                        let is_beyond = end.is_none_or(|end| ((1.0 - $l) * q + $l * end > 0.0) != (q > 0.0));
-                        assert!(
-                            is_beyond && matches!(error.cause, StepFailure::NoSolution { .. }),
-                            "{q}: {error}"
-                        );
-                    }
-                }
-            }
+/// Where a step of `Mass` from one place, or one of `Masses` from several, ends.
+fn taken<E>(q: &[f64], p: f64) -> Result<Vec<f64>, StepFailure>
+where
+    Mass: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    Masses: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+{
+    if let [q] = *q {
+        let mut state = State::new([q], [p]);
+        let taken = Mass.stepper::<E>(H).unwrap().step(&mut state, &[]);
+        return taken.map(|_| vec![state.q[0]]).map_err(|error| error.cause);
+    }
+    let mut state = State::new(q.to_vec(), vec![p; q.len()]);
+    let taken = Masses.stepper::<E>(H).unwrap().step(&mut state, &[]);
+    taken.map(|_| state.q.as_slice().to_vec()).map_err(|error| error.cause)
+}
+
+/// A start has one answer, alone, among three sites and among all: an end of its own side, else one beyond the edge, else none.
+fn check_mass<E>(l: f64)
+where
+    Mass: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    Masses: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+{
+    for p in [1.0, -1.0] {
+        let (with, without): (Vec<f64>, Vec<f64>) = starts().partition(|&q| !ends(q, p, l).is_empty());
+        let is_end = |(q, end): (&f64, &f64)| (ends(*q, p, l)[0] - end).abs() <= ROUNDING;
+        for q in with.iter().flat_map(|&q| [vec![q], vec![q, 0.3, -0.9]]).chain([with.clone()]) {
+            let end = taken::<E>(&q, p);
+            let is_right = end.as_ref().is_ok_and(|end| q.iter().zip(end).all(is_end));
+            assert!(is_right, "l = {l}, p = {p}: {q:?} to {end:?}");
         }
-    };
+        for q in without.iter().flat_map(|&q| [vec![q], vec![q, 0.3, -0.9]]) {
+            let refused = taken::<E>(&q, p);
+            assert!(matches!(refused, Err(StepFailure::NoSolution { .. })), "l = {l}: {q:?}: {refused:?}");
+        }
+    }
 }
 
 #[test]
 fn a_step_ends_on_the_side_of_its_equation() {
-    mass!(DeltaMinus, 1.0);
-    mass!(Midpoint, 0.5);
-    mass!(Lambda<1, 3>, 1.0 / 3.0);
+    check_mass::<DeltaMinus>(1.0);
+    check_mass::<Midpoint>(0.5);
+    check_mass::<Lambda<1, 3>>(1.0 / 3.0);
     assert_eq!(<Mass as Discretized<Midpoint>>::PLAN.solver, Solver::Newton);
-}
-
-#[test]
-fn so_do_sites_that_are_not_coupled() {
-    let check = |l: f64, step: &dyn Fn(&mut State<_>)| {
-        let q: Vec<f64> = starts().collect();
-        let mut state = State::new(q.clone(), vec![1.0; STARTS]);
-        step(&mut state);
-        let wrong = q
-            .iter()
-            .zip(state.q.iter())
-            .filter(|(q, found)| (ends(**q, 1.0, l)[0] - **found).abs() > ROUNDING);
-        assert_eq!(wrong.count(), 0, "of {STARTS} sites, l = {l}");
-    };
-    check(1.0, &|state| assert!(Masses.stepper::<DeltaMinus>(H).unwrap().step(state, &[]).is_ok()));
-    check(0.5, &|state| assert!(Masses.stepper::<Midpoint>(H).unwrap().step(state, &[]).is_ok()));
 }
 
 /// Numbers between -1/2 and 1/2 (Lehmer's generator).
@@ -243,44 +277,84 @@ fn facts_know_that_pieces_are_no_polynomials() {
     assert_eq!(<OneSided as Discretized<Midpoint>>::PLAN.noise, wzvi::plan::NoiseClass::Position);
 }
 
-/// By how much a step misses `q' = q + h ∂H/∂p` and `p' = p - h ∂H/∂q`, with the slopes at `(q + l (q' - q), p' - l (p' - p))`.
-fn missed(from: &Line, to: &Line, h: f64, l: f64) -> f64 {
-    let ([q, p], [end_q, end_p]) = ([from.q[0], from.p[0]], [to.q[0], to.p[0]]);
-    let at = State::new([q + l * (end_q - q)], [end_p - l * (end_p - p)]);
-    let slopes = Clipped.energy_gradient(&at);
-    (end_q - q - h * slopes.p[0]).abs().max((end_p - p + h * slopes.q[0]).abs())
-}
-
 type Line = State<wzvi::nalgebra::SVector<f64, 1>>;
 
-/// Runs of steps of 0.01 to 0.7. A step may be refused at an edge; one that is taken solves its equations, to some roundings (4e-15) of numbers up to 30.
+/// By how much a step misses `q' = q + h ∂H/∂p + ΔW ∂H_1/∂p` and `p' = p - h ∂H/∂q - ΔW ∂H_1/∂q`, with the slopes at `(q + l (q' - q), p' - l (p' - p))`, in
+/// units of the largest number in it, and with the `ΔW` that fits best.
+fn missed<H>(system: &H, from: &Line, to: &Line, h: f64, l: f64) -> f64
+where
+    H: Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, 1>>,
+{
+    let ([q, p], [end_q, end_p]) = ([from.q[0], from.p[0]], [to.q[0], to.p[0]]);
+    let at = State::new([q + l * (end_q - q)], [end_p - l * (end_p - p)]);
+    let slopes = system.energy_gradient(&at);
+    let rest = [end_q - q - h * slopes.p[0], end_p - p + h * slopes.q[0]];
+    let noise = (system.noises() > 0).then(|| system.noise_gradient(0, &at));
+    let [x, y] = noise.map_or([0.0; 2], |slopes| [slopes.p[0], -slopes.q[0]]);
+    let dw = if x == 0.0 && y == 0.0 { 0.0 } else { (rest[0] * x + rest[1] * y) / (x * x + y * y) };
+    let numbers = [1.0, q, p, end_q, end_p, h * slopes.q[0], h * slopes.p[0]];
+    let scale = numbers.into_iter().fold(0.0, |most: f64, number| most.max(number.abs()));
+    (rest[0] - dw * x).abs().max((rest[1] - dw * y).abs()) / scale
+}
+
+/// Runs of up to 1000 steps of 0.01 to 0.7 from random states, each alone and all in lanes. A step may be refused at an edge; one that is taken solves its
+/// equations, to some roundings (4e-15) of terms of its own size.
+fn check_runs<H, E>(system: &H, l: f64)
+where
+    H: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>> + Sync,
+{
+    let (mut number, mut taken) = (numbers(), 0);
+    for n in 0..16 {
+        let h = [0.02, 0.1, 0.3, 0.7][n % 4] * (0.75 + 0.5 * number());
+        let check = |from: &Line, to: &Line| {
+            let missed = missed(system, from, to, h, l);
+            assert!(
+                missed < 1e-13,
+                "{} {}, run {n}, h = {h}: {from} to {to} misses by {missed:.1e}",
+                std::any::type_name::<H>(),
+                std::any::type_name::<E>()
+            );
+        };
+        let starts: Vec<Line> = (0..8).map(|_| State::new([2.0 * number()], [2.0 * number()])).collect();
+        let mut state = starts[0];
+        let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap();
+        for _ in 0..1000 {
+            let (from, dw) = (state, vec![h.sqrt() * number(); system.noises()]);
+            if stepper.step(&mut state, &dw).is_err() {
+                break;
+            }
+            check(&from, &state);
+            taken += 1;
+        }
+        let run =
+            wzvi::ensemble::Ensemble::<H, E>::new(system, h).starts_from(starts).paths(8).seed(7).steps(1000);
+        let run = run.record_every(1).unwatched().allow_losses(1.0).keep_paths(1 << 20);
+        let Ok(run) = run.observe("q", |state| state.q[0]).observe("p", |state| state.p[0]).run() else {
+            continue;
+        };
+        let paths = run.paths().unwrap();
+        for path in 0..paths.count() {
+            let states = (0..=1000).map_while(|node| paths.at(path, node));
+            let states: Vec<Line> =
+                states.map(|at| State::new([at[0]], [at[1]])).take_while(|at| at.q[0].is_finite()).collect();
+            states.windows(2).for_each(|pair| check(&pair[0], &pair[1]));
+            taken += states.len() - 1;
+        }
+    }
+    println!("{taken} steps");
+    assert!(taken > 20_000, "{taken}");
+}
+
 #[test]
 fn steps_of_runs_solve_their_equations() {
-    fn check<E>(l: f64)
-    where
-        Clipped: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
-    {
-        let (mut number, mut taken) = (numbers(), 0);
-        for n in 0..600 {
-            let h = [0.02, 0.1, 0.3, 0.7][n % 4] * (0.75 + 0.5 * number());
-            let mut state = State::new([2.0 * number()], [2.0 * number()]);
-            let mut stepper = Clipped.stepper::<E>(h).unwrap();
-            for step in 0..40 {
-                let from = state;
-                if stepper.step(&mut state, &[]).is_err() {
-                    break;
-                }
-                let missed = missed(&from, &state, h, l);
-                assert!(
-                    missed < 1e-13,
-                    "run {n}, step {step} of {h}: {from} to {state} misses by {missed:.1e}"
-                );
-                taken += 1;
-            }
-        }
-        assert!(taken > 20_000, "{taken}");
+    macro_rules! check {
+        ($($system:expr),+) => {$(
+            check_runs::<_, Midpoint>(&$system, 0.5);
+            check_runs::<_, Lambda<1, 3>>(&$system, 1.0 / 3.0);
+            check_runs::<_, DeltaMinus>(&$system, 1.0);
+        )+};
     }
-    check::<Midpoint>(0.5);
-    check::<Lambda<1, 3>>(1.0 / 3.0);
-    check::<DeltaMinus>(1.0);
+    check!(Clipped, Nested, Split, Signed, Regions);
+    check_runs::<_, Midpoint>(&Shaken, 0.5);
+    check_runs::<_, Midpoint>(&Kicked, 0.5);
 }

@@ -13,6 +13,10 @@
 //! At a fold the parts shrink without limit, and the step has no solution. At a kink of `H` the curve goes on: the corrections do not contract as they
 //! should, however short the part, but the displacement shrinks with the part, whereas a jump to another solution keeps its length.
 //!
+//! Where the equations jump, at a condition on an unknown, the curve ends with a finite slope ([`STEEPEST`]). No step size avoids such an end: the part of a
+//! step that crosses the edge has it. The solution from zero lies beyond the edge, then. It is taken if it has a Jacobian as below, and the step is reported as
+//! doubtful.
+//!
 //! A stiff force far from equilibrium oscillates many times along `λ`, and no reasonable number of parts resolves that. Then the solution from
 //! zero is taken if its Jacobian has a positive determinant (and is definite, if it is symmetric), as the connected one has and the next one has
 //! not, and the step is reported as doubtful.
@@ -44,6 +48,10 @@ const EARLIEST_END: f64 = 1.0 / 16.0;
 const SHRINKING: f64 = 0.6;
 /// Such parts in a row by which a kink of the curve is recognised.
 const KINK: u32 = 4;
+/// The largest slope of the curve where it ends at a jump of the equations, in units of its mean slope so far. Before a fold at `λ*` the curve is
+/// `x* - K √(λ* - λ)`, and no part is longer than what is left after it. The last one is within 16 [`SHORTEST`] of the fold, with a slope of at least
+/// `K / (2 √(16 SHORTEST)) = 128 K`. The mean is `K / √λ*`, at most `4 K` after [`EARLIEST_END`]: folds are 32 times as steep, jumps about once.
+const STEEPEST: f64 = 16.0;
 
 /// The most coordinates and momenta for which a first step is checked: in large systems its matrices cost too much.
 const MOST_CHECKED: usize = 64;
@@ -112,6 +120,8 @@ pub(crate) struct End {
     pub(crate) reached: f64,
     /// Whether the curve ends there, as far as the shortest parts resolve it.
     pub(crate) is_fold: bool,
+    /// Whether it does so at a jump of the equations, if it ends.
+    pub(crate) is_jump: bool,
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
@@ -124,13 +134,16 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
             (found, _) => match self.follow() {
                 Ok(end) => Ok(end),
-                Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
-                Err(End { reached, is_fold: false }) => match found? {
-                    found if found.effort.is_elsewhere() => Err(StepFailure::NoSolution { reached }),
-                    found => {
+                Err(End { reached, is_fold: true, is_jump: false }) => {
+                    Err(StepFailure::NoSolution { reached })
+                }
+                Err(End { reached, is_fold, .. }) => match found {
+                    Ok(found) if !found.effort.is_elsewhere() => {
                         let effort = Effort { doubt: Doubt::Straying, ..found.effort };
                         Ok(Continued { effort, ..found }.leaving(memory))
                     }
+                    Err(failure) if !is_fold => Err(failure),
+                    Ok(_) | Err(_) => Err(StepFailure::NoSolution { reached }),
                 },
             },
         }
@@ -187,8 +200,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             Ok(end) => {
                 Ok(if end.effort.is_doubtful() || is_same([&end.q, &end.p]) { None } else { Some(end) })
             }
-            Err(End { reached, is_fold: true }) => Err(StepFailure::NoSolution { reached }),
-            Err(End { is_fold: false, .. }) => Ok(None),
+            Err(End { reached, is_fold: true, is_jump: false }) => Err(StepFailure::NoSolution { reached }),
+            Err(End { .. }) => Ok(None),
         }
     }
 
@@ -232,7 +245,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
         };
         let mut at = [self.q.clone(), self.p.clone()];
         let mut memory = self.memory();
-        let mut kink = Kink::of(&at);
+        let (mut kink, mut is_steep) = (Kink::of(&at), true);
         let (mut reached, mut part, mut iterations, mut tried_so_far) = (0.0, LONGEST, 0, 0.0);
         while tried_so_far < MOST_TRIED[0] + reached * (MOST_TRIED[1] - MOST_TRIED[0]) {
             tried_so_far += 1.0;
@@ -259,7 +272,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                         left.tell(&Request::Hold);
                         return Ok(step.leaving(left));
                     }
-                    (at, memory) = ([step.q, step.p], left);
+                    let to = [step.q, step.p];
+                    is_steep = is_steeper([&self.q, &self.p], [&at, &to], (fraction - reached) / fraction);
+                    (at, memory) = (to, left);
                     memory.tell(&Request::Hold);
                     (reached, part) = (fraction, f64::min(2.0 * part, LONGEST));
                     kink.forget();
@@ -273,13 +288,24 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                         // If the corrections contract without doubt, the curve goes on, hidden by rounding or by an oscillating force.
                         let contracts = tried.is_some_and(|step| !step.effort.is_doubtful());
                         let is_fold = reached >= EARLIEST_END && !contracts;
-                        return Err(End { reached, is_fold });
+                        return Err(End { reached, is_fold, is_jump: !is_steep });
                     }
                 }
             }
         }
-        Err(End { reached, is_fold: false })
+        Err(End { reached, is_fold: false, is_jump: false })
     }
+}
+
+/// Whether the last part of a curve from `start`, with this share of its length, is steeper than [`STEEPEST`] in any unknown.
+fn is_steeper<V: Vector>(start: [&V; 2], [from, to]: [&[V; 2]; 2], share: f64) -> bool {
+    start.iter().zip(from).zip(to).any(|((start, from), to)| {
+        let mut components = start.components().iter().zip(from.components()).zip(to.components());
+        components.any(|((start, from), to)| {
+            let rounding = f64::EPSILON * (to.abs() + from.abs());
+            (to - from).abs() > STEEPEST * share * (to - start).abs() + rounding
+        })
+    })
 }
 
 /// Whether two steps from `start` end in the same state. Results for one solution differ by rounding, far below a millionth of the displacement; two
