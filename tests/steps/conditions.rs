@@ -297,12 +297,13 @@ where
     (rest[0] - dw * x).abs().max((rest[1] - dw * y).abs()) / scale
 }
 
-/// Runs of up to 1000 steps of 0.01 to 0.7 from random states, each alone and all in lanes. A step may be refused at an edge; one that is taken solves its
+/// Runs of up to 250 steps of 0.01 to 0.7 from random states, each alone and all in lanes. A step may be refused at an edge; one that is taken solves its
 /// equations, to some roundings (4e-15) of terms of its own size.
 fn check_runs<H, E>(system: &H, l: f64)
 where
     H: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>> + Sync,
 {
+    const STEPS: u64 = 250;
     let (mut number, mut taken) = (numbers(), 0);
     for n in 0..16 {
         let h = [0.02, 0.1, 0.3, 0.7][n % 4] * (0.75 + 0.5 * number());
@@ -318,7 +319,7 @@ where
         let starts: Vec<Line> = (0..8).map(|_| State::new([2.0 * number()], [2.0 * number()])).collect();
         let mut state = starts[0];
         let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap();
-        for _ in 0..1000 {
+        for _ in 0..STEPS {
             let (from, dw) = (state, vec![h.sqrt() * number(); system.noises()]);
             if stepper.step(&mut state, &dw).is_err() {
                 break;
@@ -326,23 +327,26 @@ where
             check(&from, &state);
             taken += 1;
         }
-        let run =
-            wzvi::ensemble::Ensemble::<H, E>::new(system, h).starts_from(starts).paths(8).seed(7).steps(1000);
+        let run = wzvi::ensemble::Ensemble::<H, E>::new(system, h)
+            .starts_from(starts)
+            .paths(8)
+            .seed(7)
+            .steps(STEPS);
         let run = run.record_every(1).unwatched().allow_losses(1.0).keep_paths(1 << 20);
         let Ok(run) = run.observe("q", |state| state.q[0]).observe("p", |state| state.p[0]).run() else {
             continue;
         };
         let paths = run.paths().unwrap();
         for path in 0..paths.count() {
-            let states = (0..=1000).map_while(|node| paths.at(path, node));
+            let states = (0..=STEPS as usize).map_while(|node| paths.at(path, node));
             let states: Vec<Line> =
-                states.map(|at| State::new([at[0]], [at[1]])).take_while(|at| at.q[0].is_finite()).collect();
+                states.map(|at| Line::new([at[0]], [at[1]])).take_while(|at| at.q[0].is_finite()).collect();
             states.windows(2).for_each(|pair| check(&pair[0], &pair[1]));
             taken += states.len() - 1;
         }
     }
     println!("{taken} steps");
-    assert!(taken > 20_000, "{taken}");
+    assert!(taken > 5000, "{taken}");
 }
 
 #[test]
