@@ -55,7 +55,8 @@ fn until_an_error_is_small_enough() {
 #[test]
 fn of_a_run_in_which_a_rank_stalls() {
     let folder = folder!("cluster-stalls");
-    let paths = 1000 * 512;
+    // Some seconds for rank 0 without optimisation: the other is still asleep at the end.
+    let paths = 200 * 512;
     let ended = on_ranks(2, Plan::Stalls, paths, &folder);
     let error = String::from_utf8_lossy(&ended.output.stderr).into_owned();
     assert!(
