@@ -118,10 +118,18 @@ fn are_finite(lists: [&[f64]; 4]) -> bool {
 /// The point beyond which the curve of solutions could not be followed.
 pub(crate) struct End {
     pub(crate) reached: f64,
-    /// Whether the curve ends there, as far as the shortest parts resolve it.
-    pub(crate) is_fold: bool,
-    /// Whether it does so at a jump of the equations, if it ends.
-    pub(crate) is_jump: bool,
+    pub(crate) cause: Cause,
+}
+
+/// Why a curve could not be followed, as far as the shortest parts resolve it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// It ends at a fold.
+    Fold,
+    /// It ends at a jump of the equations.
+    Jump,
+    /// It may go on.
+    Unknown,
 }
 
 impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
@@ -134,15 +142,13 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             (_, blocks) if blocks.len() > 1 => self.solve_halves(blocks),
             (found, _) => match self.follow() {
                 Ok(end) => Ok(end),
-                Err(End { reached, is_fold: true, is_jump: false }) => {
-                    Err(StepFailure::NoSolution { reached })
-                }
-                Err(End { reached, is_fold, .. }) => match found {
+                Err(End { reached, cause: Cause::Fold }) => Err(StepFailure::NoSolution { reached }),
+                Err(End { reached, cause }) => match found {
                     Ok(found) if !found.effort.is_elsewhere() => {
                         let effort = Effort { doubt: Doubt::Straying, ..found.effort };
                         Ok(Continued { effort, ..found }.leaving(memory))
                     }
-                    Err(failure) if !is_fold => Err(failure),
+                    Err(failure) if cause == Cause::Unknown => Err(failure),
                     Ok(_) | Err(_) => Err(StepFailure::NoSolution { reached }),
                 },
             },
@@ -200,8 +206,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
             Ok(end) => {
                 Ok(if end.effort.is_doubtful() || is_same([&end.q, &end.p]) { None } else { Some(end) })
             }
-            Err(End { reached, is_fold: true, is_jump: false }) => Err(StepFailure::NoSolution { reached }),
-            Err(End { .. }) => Ok(None),
+            Err(End { reached, cause: Cause::Fold }) => Err(StepFailure::NoSolution { reached }),
+            Err(End { cause: Cause::Jump | Cause::Unknown, .. }) => Ok(None),
         }
     }
 
@@ -223,7 +229,7 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
     /// The solution that continues the state, or where it ends.
     pub(crate) fn follow(&self) -> Result<Taken<H, E, C>, End> {
         match self.follow_parts(true) {
-            Err(End { is_fold: false, .. }) => {
+            Err(End { cause: Cause::Unknown, .. }) => {
                 let mut end = self.follow_parts(false)?;
                 end.effort.doubt = Doubt::Straying;
                 Ok(end)
@@ -287,13 +293,17 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Hard<'_, H, E, C> {
                     if part < SHORTEST {
                         // If the corrections contract without doubt, the curve goes on, hidden by rounding or by an oscillating force.
                         let contracts = tried.is_some_and(|step| !step.effort.is_doubtful());
-                        let is_fold = reached >= EARLIEST_END && !contracts;
-                        return Err(End { reached, is_fold, is_jump: !is_steep });
+                        let cause = match is_steep {
+                            _ if contracts || reached < EARLIEST_END => Cause::Unknown,
+                            true => Cause::Fold,
+                            false => Cause::Jump,
+                        };
+                        return Err(End { reached, cause });
                     }
                 }
             }
         }
-        Err(End { reached, is_fold: false, is_jump: false })
+        Err(End { reached, cause: Cause::Unknown })
     }
 }
 
