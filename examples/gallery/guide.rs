@@ -481,7 +481,7 @@ fn order_bath() -> Figure {
             laws().map(|(h, law)| (h, law.p)),
         )
     }
-    let title = "Harmonic well, γ = ω: variances of q (lines) and p (dashed)";
+    let title = "Harmonic well, γ = ω: variances of q (solid) and p (dashed)";
     let figure = Figure::panel(title, "ω h", "variance over the exact one").y_range(0.0..3.0);
     let figure = variances::<(B, A, O, A)>(figure, Look::Broad, "(B, A, O, A)", Colour::GREY);
     let figure = variances::<(B, A, O, A, B)>(figure, Look::Line, "Baoab", Colour::BLUE);
