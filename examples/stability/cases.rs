@@ -151,25 +151,26 @@ fn oscillator() -> Result<Vec<Row>, Error> {
         let case = format!("ω h = 1e{exponent}");
         let mut row = row(case, "Midpoint", "angle", run, growth)?;
         row.drift = ("angle, |r-1|", row.drift.1.max((angle / exact - 1.0).abs()));
-        rows.push(row);
+        rows.push((omega, row));
     }
     for omega in [1.999_999, 2.0, 2.000_001] {
         let oscillator = Oscillator { omega };
         let run = || oscillator.simulate::<DeltaPlus>(1.0).start(start).steps(100_000);
-        rows.push(row(format!("ω h = {omega}"), "DeltaPlus", "|r-1|", run, growth)?);
+        rows.push((omega, row(format!("ω h = {omega}"), "DeltaPlus", "|r-1|", run, growth)?));
     }
     // The limit of explicit steps is `ωh = 2`; above it the radius grows by the same factor in each step.
     for omega in [1.9, 1.999_999, 2.0, 2.000_001, 2.1] {
         let oscillator = Oscillator { omega };
         let run = || oscillator.simulate::<Verlet>(1.0).start(start).steps(100_000);
-        rows.push(row(format!("ω h = {omega}"), "Verlet", "|r-1|", run, growth)?);
+        rows.push((omega, row(format!("ω h = {omega}"), "Verlet", "|r-1|", run, growth)?));
     }
     for omega in [1.0, 5.0, 50.0, 1e4, 1e8] {
         let oscillator = Oscillator { omega };
         let run = || oscillator.simulate::<Gauss<8>>(1.0).start(start).steps(100_000);
-        rows.push(row(format!("ω h = {omega:e}"), "Gauss<8>", "|r-1|", run, growth)?);
+        rows.push((omega, row(format!("ω h = {omega:e}"), "Gauss<8>", "|r-1|", run, growth)?));
     }
-    Ok(rows)
+    rows.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    Ok(rows.into_iter().map(|(_, row)| row).collect())
 }
 
 fn singular() -> Result<Vec<Row>, Error> {

@@ -175,7 +175,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self.observe(name, elsewhere)
     }
 
-    /// Sets the first state of each path, at one time for all. It may depend on [`Draw::path`], or be drawn at random by the seed of the
+    /// Sets the first state of each path; all have the same time. It may depend on [`Draw::path`], or be drawn at random by the seed of the
     /// ensemble (0 if it has none). The function is called once for each path, from several threads, and must depend on its argument alone.
     ///
     /// ```ignore
@@ -188,7 +188,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self
     }
 
-    /// Sets the first state of each path, in the order of their numbers, at one time for all. There are as many paths as states, unless
+    /// Sets the first state of each path, in the order of their numbers; all have the same time. There are as many paths as states, unless
     /// [`Ensemble::paths`] says fewer. A list of systems must have the same length.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
         let states = ByPath::Listed(states.into_iter().collect());

@@ -3,10 +3,10 @@
 //! A step of size `h` becomes `2^m` steps of size `h / 2^m`, with the increments that the same Wiener path has there, so that the retry
 //! converges to the same solution. Only the step without solution is subdivided.
 //!
-//! Without noise, `2^m` parts are taken when they agree with `2^(m-1)` parts. That they are solvable is not enough: a step that jumps over a
-//! pericentre often is. The difference of the two is weighted by the slopes of the energy, and compared with the mean of `p · dq/dt`
-//! (`AGREEMENT` in `watch.rs`). With noise, steps are no closer to the path than its strong order, and any parts that have a solution are
-//! taken.
+//! Without noise, `2^m` parts are accepted when they agree with `2^(m-1)` parts. A solution alone is not enough, since a step that skips a
+//! pericentre often has one. The difference of the two is weighted by the slopes of the energy, and compared with the mean of `p · dq/dt`
+//! (`AGREEMENT` in `watch.rs`). With noise, no step is closer to the exact path than its strong order allows, and any parts that have a
+//! solution are accepted.
 //!
 //! A run whose energy has changed ([`StepFailure::Unresolved`]) cannot be repaired at that point. It starts again with all its steps
 //! subdivided once more, so that they stay uniform.

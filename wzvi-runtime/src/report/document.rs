@@ -205,7 +205,7 @@ fn svg(figure: &Figure, plot: &Plot<'_>) -> Result<String, ReportError> {
 
 fn table(caption: &str, headings: &[String], rows: &[Vec<String>]) -> String {
     let mut text = format!(
-        "<p class=\"hint\">Wide tables scroll sideways.</p>\n<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n<thead><tr>",
+        "<p class=\"hint\">Wide tables scroll sideways.</p>\n<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption><span>{0}</span></caption>\n<thead><tr>",
         escaped(caption)
     );
     for heading in headings {

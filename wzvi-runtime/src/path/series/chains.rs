@@ -30,8 +30,8 @@ pub struct Chains {
     pub standard_error: f64,
     /// `mean ± 1.96 error_bound` is the interval of Student's t, of one degree of freedom less than there are paths.
     pub error_bound: f64,
-    /// How much more their means differ than the errors of the single paths allow, as a normal number: above 1.645 in 5 % of the cases where all have the same
-    /// law (an analysis of variance, in E. Paulson's approximation). NaN while a path is too short to know its error.
+    /// The difference of their means beyond the errors of the single paths, as a standard normal number: above 1.645 in 5 % of the cases
+    /// where all have the same law (an analysis of variance, in E. Paulson's approximation). NaN while a path is too short to know its error.
     pub disagreement: f64,
 }
 

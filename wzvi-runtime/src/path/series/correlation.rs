@@ -40,7 +40,7 @@ pub struct Autocorrelation {
     pub time: f64,
     /// Its standard error (U. Wolff, "Monte Carlo errors with less errors", Comput. Phys. Commun. 156, 2004, equation 42).
     pub time_error: f64,
-    /// Lags that were summed up: the first that are [`five`](Autocorrelation::time) correlation times.
+    /// Number of lags in the sum: the least that covers five correlation times ([`time`](Autocorrelation::time)).
     pub window: usize,
     /// The standard error of the mean: `√(2 τ σ² / N Δ)`.
     pub standard_error: f64,
