@@ -28,7 +28,15 @@ struct Spring;
 #[hamiltonian_fn]
 impl Spring {
     fn energy(squared: f64, k: f64) -> f64 {
-        0.5 * k * squared
+        k * Spring::half(squared)
+    }
+
+    fn half(x: f64) -> f64 {
+        Self::share(2.0) * x
+    }
+
+    fn share(parts: f64) -> f64 {
+        1.0 / parts
     }
 }
 

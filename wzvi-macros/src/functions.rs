@@ -11,14 +11,14 @@ mod calls;
 mod define;
 
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 use syn::parse::{Parse, ParseStream, Parser};
 use syn::{Block, ImplItem, Item, Path, Signature, braced};
 
 use crate::diagnostics::{Diagnostics, messages};
 use crate::input::{self, Function, Library};
 use crate::lower::key;
-use crate::tokens::any_word;
+use crate::tokens::{any_word, replaced};
 
 pub(crate) use define::define;
 
@@ -103,15 +103,19 @@ fn library(asked: &[Path], answers: &[TokenStream], item: &TokenStream) -> syn::
     let mut library = Library::default();
     for (path, answer) in asked.iter().zip(answers) {
         let owner = owner_of(path);
-        for function in self::answer.parse2(answer.clone())? {
-            let name = match &owner {
-                None => key(path),
-                Some(owner) if own.as_ref().is_some_and(|own| own == owner) => {
+        let is_own = owner.is_some() && own.as_ref().map(Ident::to_string) == owner;
+        let other = owner.filter(|_| !is_own);
+        for function in
+            (|input: ParseStream<'_>| self::answer(input, other.as_deref())).parse2(answer.clone())?
+        {
+            let name = match &other {
+                None if is_own => {
                     library.methods.push(function);
                     continue;
                 }
+                None => key(path),
                 Some(_) if function.reads_self => continue,
-                Some(owner) => format!("{owner}::{}", function.name),
+                Some(other) => format!("{other}::{}", function.name),
             };
             library.functions.push(Function { name, ..function });
         }
@@ -141,9 +145,17 @@ fn groups(tokens: TokenStream) -> impl Iterator<Item = TokenStream> {
     })
 }
 
-/// What a macro of a shared function, or of the methods of a struct, hands over: `{ item } { the paths it calls } { their definitions }`.
-fn answer(input: ParseStream<'_>) -> syn::Result<Vec<Function>> {
+/// What a macro of a shared function, or of the methods of a type, hands over: `{ item } { the paths it calls } { their definitions }`.
+/// `Self` is that type where it is another one than the struct.
+fn answer(input: ParseStream<'_>, other: Option<&str>) -> syn::Result<Vec<Function>> {
     let (item, asked, answers) = (group(input)?, group(input)?, group(input)?);
+    let item = match other {
+        Some(other) => replaced(item, &|token| match token {
+            TokenTree::Ident(word) if word == "Self" => Ident::new(other, word.span()).into_token_stream(),
+            token => token.into(),
+        }),
+        None => item,
+    };
     let (asked, answers) = (paths(asked)?, groups(answers).collect::<Vec<_>>());
     let bodies: Vec<(Signature, Block)> = match syn::parse2(item)? {
         Item::Fn(function) => vec![(function.sig, *function.block)],

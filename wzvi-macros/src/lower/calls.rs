@@ -10,7 +10,7 @@ use super::names::{is_self, key, may_be_shared, type_of};
 use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
-use crate::input::Function;
+use crate::input::{Function, Library};
 
 impl<'a> Interpreter<'a, '_> {
     pub(super) fn closure(&mut self, syntax: &'a ExprClosure) -> Option<Value> {
@@ -30,8 +30,8 @@ impl<'a> Interpreter<'a, '_> {
         if self.is_pending(&syntax.func) {
             return None;
         }
-        if let Some(function) = self.shared(&syntax.func) {
-            return self.apply_shared(function, &syntax.args, syntax);
+        if let Some((function, home)) = self.shared(&syntax.func) {
+            return self.apply_shared((function, home), &syntax.args, syntax);
         }
         let function = match &*syntax.func {
             // A single name is a variable; as a function it is opaque.
@@ -67,15 +67,23 @@ impl<'a> Interpreter<'a, '_> {
         variable.is_none().then_some(path)
     }
 
-    /// The shared function of a path that does not name a variable.
-    fn shared(&self, function: &Syntax) -> Option<&'a Function> {
+    /// The shared function of a path that does not name a variable, and the functions among which it was found.
+    fn shared(&self, function: &Syntax) -> Option<(&'a Function, &'a Library)> {
         let path = self.path_of_function(function)?;
         let name = key(&path.path);
         let is_own = |known: &&syn::Ident| **known == "Self" || **known == self.system.item.ident;
         match type_of(&path.path).filter(is_own).and(path.path.segments.last()) {
-            Some(method) => self.method(&method.ident.to_string()),
-            None => self.now.library?.functions.iter().find(|function| function.name == name),
+            Some(method) => Some((self.method(&method.ident.to_string())?, self.root)),
+            None => [self.now.library, self.siblings(&path.path)].into_iter().flatten().find_map(|library| {
+                library.functions.iter().find(|function| function.name == name).zip(Some(library))
+            }),
         }
+    }
+
+    /// Where the others of its type are, if the function that is being evaluated is one of the type that the path names.
+    fn siblings(&self, path: &syn::Path) -> Option<&'a Library> {
+        let (owner, _) = self.now.calls.last()?.name.split_once("::")?;
+        self.now.home.filter(|_| type_of(path).is_some_and(|name| name == owner))
     }
 
     /// Whether the path names a function that is yet to be defined.
@@ -96,7 +104,7 @@ impl<'a> Interpreter<'a, '_> {
     /// Inlines the body of a shared function: it sees its parameters and the names at its definition.
     fn apply_shared(
         &mut self,
-        function: &'a Function,
+        (function, home): (&'a Function, &'a Library),
         arguments: &'a Punctuated<Syntax, Token![,]>,
         at: &dyn ToTokens,
     ) -> Option<Value> {
@@ -121,12 +129,12 @@ impl<'a> Interpreter<'a, '_> {
         if !self.spend(1, &at.to_token_stream()) {
             return None;
         }
-        let library = self.now.library.replace(&function.library);
+        let (library, caller) = (self.now.library.replace(&function.library), self.now.home.replace(home));
         self.now.calls.push(function);
         let body = |this: &mut Self| this.block(&function.block);
         let value = self.inside_function(Scope::default(), parameters.into_iter().zip(arguments), body);
         self.now.calls.pop();
-        self.now.library = library;
+        (self.now.library, self.now.home) = (library, caller);
         value
     }
 
@@ -173,7 +181,7 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn method_call(&mut self, syntax: &'a ExprMethodCall) -> Option<Value> {
         if is_self(&syntax.receiver) {
             if let Some(method) = self.method(&syntax.method.to_string()) {
-                return self.apply_shared(method, &syntax.args, syntax);
+                return self.apply_shared((method, self.root), &syntax.args, syntax);
             }
             if self.awaits_definitions() {
                 return None;

@@ -58,6 +58,8 @@ pub(super) struct Evaluation<'a> {
     pub(super) closures: Vec<Closure<'a>>,
     /// The shared functions of the declaration, or of the shared function that is being evaluated.
     pub(super) library: Option<&'a Library>,
+    /// The functions among which that one was found: its type's are beside it.
+    pub(super) home: Option<&'a Library>,
     /// The shared functions around the current expression.
     pub(super) calls: Vec<&'a Function>,
     /// The position in the scope of the first variable of the called closure, after the captured ones.
