@@ -8,7 +8,7 @@ use wzvi::prelude::*;
 #[hamiltonian(drift = |q, p| 0.5 * (q * q + p * p), embedding = Midpoint)]
 pub struct Oscillator;
 
-const PATHS: u64 = 100_000;
+const PATHS: u64 = 200_000;
 
 fn statistics() -> Statistics {
     let run =
@@ -23,7 +23,7 @@ fn files_of_kept_paths_take_the_memory_of_a_part() {
     let folder = std::env::temp_dir().join(format!("wzvi-large-tables-{}", std::process::id()));
     let csv = measure(|| statistics.write_csv(&folder).expect("files"));
     println!("csv {} bytes", csv.bytes_max);
-    // 200 000 rows of three numbers are 4.8 MB, and 100 000 names twice are 6.7 MB and more; a part of 32 768 rows has below 4 MB, doubled as its
+    // 400 000 rows of three numbers are 9.6 MB, and 200 000 names twice are 13.4 MB and more; a part of 32 768 rows has below 4 MB, doubled as its
     // vectors grow, and its encoded pages.
     assert!(csv.bytes_max < 8 << 20, "{}", csv.bytes_max);
     let file = folder.join("all.json");

@@ -75,9 +75,10 @@ fn targets_that_are_met_cover() {
 
 #[test]
 fn the_error_of_a_rate_covers_any_law_of_the_times() {
-    // The hazard of a Wiener process at a distance rises from nothing.
+    // The hazard of a Wiener process at a distance rises from nothing, and falls again: a path that has not passed by `t = 20` is far away.
     let run = |paths, seed| {
-        let run = walkers!(0.05, seed).paths(paths).first_passage("one", |state| state.p[0] - 1.0);
+        let run = walkers!(0.25, seed).until(20.0).paths(paths);
+        let run = run.first_passage("one", |state| state.p[0] - 1.0);
         let statistics = run.run().expect("an ensemble");
         let passages = statistics.passage("one").expect("an event");
         (passages.rate(), passages.rate_error())
