@@ -243,10 +243,22 @@ where
 
 /// Settings of an ensemble that have no meaning here.
 fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
-    let Setup { span, recorded, sections, keeping, retry, is_watched, more, .. } = setup;
+    let Setup {
+        system: _,
+        h: _,
+        span,
+        recorded,
+        observables: _,
+        sections,
+        retry,
+        is_watched,
+        execution: _,
+        keeping,
+        more,
+    } = setup;
     let Many { starts, systems, paths: _, source, settings, own, events, wanted, inspector, control } = more;
     let Extras { quantiles, covariances, histograms, most_bytes, most_crossings, has_work, added } = wanted;
-    let (Settings { is_antithetic, .. }, Control { targets, losses }) = (settings, control);
+    let (Settings { is_antithetic, truncation: _ }, Control { targets, losses }) = (settings, control);
     let Request { every, times } = recorded;
     let refused = [
         (*is_antithetic || source.as_ref().is_some_and(Source::is_antithetic), "antithetic paths"),

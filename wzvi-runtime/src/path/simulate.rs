@@ -258,8 +258,19 @@ where
         N: Serves<R>,
     {
         let Self { setup, noise, mut observer, .. } = self;
-        let Setup { system, h, span, recorded, observables, sections, retry, .. } = setup;
-        let Setup { is_watched, execution, keeping, more: (), .. } = setup;
+        let Setup {
+            system,
+            h,
+            span,
+            recorded,
+            observables,
+            sections,
+            retry,
+            is_watched,
+            execution,
+            keeping,
+            more: (),
+        } = setup;
         let Execution { threads, is_quiet, handle, stop: asked, .. } = execution;
         let (names, functions) = observables.checked("observables")?;
         let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;

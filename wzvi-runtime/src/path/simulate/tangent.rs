@@ -94,9 +94,19 @@ where
 
     fn varied(self, parameters: Option<&[&str]>) -> Result<Tangent<H::Vector>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
-        let Setup { system, h, span, recorded, observables, sections, keeping, .. } = setup;
-        // No step is halved.
-        let Setup { is_watched, execution, retry, more: (), .. } = setup;
+        let Setup {
+            system,
+            h,
+            span,
+            recorded,
+            observables,
+            sections,
+            retry,
+            is_watched,
+            execution,
+            keeping,
+            more: (),
+        } = setup;
         // Nothing is shown, and steps are not in lanes.
         let Execution { threads, stop, handle, .. } = execution;
         let (start, grid) = span.checked::<H, E>(system, h)?;
