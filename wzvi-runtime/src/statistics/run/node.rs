@@ -282,9 +282,9 @@ impl StatisticsNode {
     }
 
     /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
-    /// mean that was seen: as if it had occurred ten times more. The standard error itself is zero until a rare event is seen, and with
+    /// mean that was seen: as if it had occurred ten more times. The standard error itself is zero until a rare event is seen, and with
     /// heavy tails it is too small whenever the mean is. [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares this bound.
-    /// NaN where the observable is the same number on all paths, as an event that was never seen.
+    /// NaN where the observable is the same number on all paths, such as an event that was never seen.
     pub fn error_bound(&self, observable: usize) -> f64 {
         self.independent().error_bound(observable)
     }
