@@ -70,6 +70,17 @@ fn subdivision_cures_it_in_the_same_call() {
     subdivision_cures(1e10, 4);
 }
 
+/// A divided step is hard, or doubtful, where one of its parts is. Parts of a quarter of this step are long for the spring: `ω h = 2.5e5`.
+#[test]
+fn parts_count_as_their_step() {
+    let spring = SpringPendulum { stiffness: 1e16 };
+    let run = spring.simulate::<Midpoint>(0.01).start(hanging(0.0)).until(2.0).record_every(0);
+    let path = run.retry(Retry::halving(4)).run().unwrap();
+    let counts = path.iterations();
+    assert_eq!((counts.halved, counts.halvings), (path.steps(), 2));
+    assert!(counts.hard > path.steps() / 2 && counts.doubtful > path.steps() / 2, "{counts:?}");
+}
+
 #[test]
 fn whoever_does_not_want_the_watch_switches_it_off() {
     let spring = SpringPendulum { stiffness: 1e10 };

@@ -203,19 +203,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
                 outcome
             };
             let error = match outcome {
-                Ok(iterations) => {
-                    match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end], motion) {
-                        Some(cause) if !is_own => {
-                            coarse = Some(end);
-                            StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
-                        }
-                        _ => {
-                            end.t = interval.end();
-                            *state = end;
-                            return Ok(StepInfo { iterations, halvings: level, ..StepInfo::default() });
-                        }
+                Ok(taken) => match self.unsettled(state, [coarse.as_ref().unwrap_or(state), &end], motion) {
+                    Some(cause) if !is_own => {
+                        coarse = Some(end);
+                        StepError { step: interval.step, t: state.t, h: part_of(self.h, level), cause }
                     }
-                }
+                    _ => {
+                        end.t = interval.end();
+                        *state = end;
+                        return Ok(taken);
+                    }
+                },
                 Err(Error::Step(error)) if is_curable(error.cause) => {
                     coarse = None;
                     StepError { step: interval.step, ..error }
@@ -343,34 +341,38 @@ fn numbers_of_parts(step: u64, level: u32) -> Result<Range<u64>, ConfigError> {
     })
 }
 
-/// Takes the `2^level` parts of a step; their Newton iterations. The increments of the step become the sums of theirs, for which there is room.
+/// Takes the `2^level` parts of a step, and counts them as one. The increments of the step become the sums of theirs, for which there is room.
 fn take_parts<V, T: TakeStep<V>, N: Noise>(
     stepper: &mut T,
     step: Step<'_, V, N>,
     level: u32,
     room: &mut Vec<f64>,
-) -> Result<u32, Error> {
+) -> Result<StepInfo, Error> {
     let Step { state, interval, noise, dw } = step;
     dw.fill(0.0);
     room.resize(dw.len(), 0.0);
-    let mut account = Parts { dw, iterations: 0 };
+    let mut account = Parts { dw, taken: StepInfo { halvings: level, ..StepInfo::default() } };
     let numbers = numbers_of_parts(interval.step, level)?;
     let mut path = in_parts(stepper, Step { state, interval, noise, dw: room }, level, &mut account);
     take_each(&mut path, numbers, |_, _| Ok(()))?;
-    Ok(account.iterations)
+    Ok(account.taken)
 }
 
 /// The parts of a step.
 struct Parts<'d> {
     /// Sums of their increments.
     dw: &'d mut [f64],
-    iterations: u32,
+    /// Sums of their iterations; hard and doubtful where one of them is.
+    taken: StepInfo,
 }
 
 impl Account for Parts<'_> {
     fn count(&mut self, dw: &[f64], info: &StepInfo) {
         self.dw.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
-        self.iterations = self.iterations.saturating_add(info.iterations);
+        let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = *info;
+        self.taken.iterations = self.taken.iterations.saturating_add(iterations);
+        self.taken.is_hard |= is_hard;
+        self.taken.is_doubtful |= is_doubtful;
     }
 }
 

@@ -30,10 +30,10 @@ pub struct StepInfo {
     /// [`Retry`](crate::path::retry::Retry) allows more.
     pub halvings: u32,
     /// Whether the previous steps did not predict this one, so that it was solved from zero with a line search. Many such steps in a row
-    /// mean that the step is long for the fastest motion.
+    /// mean that the step is long for the fastest motion. Of a halved step: whether one of its parts was hard.
     pub is_hard: bool,
     /// Whether the solution could not be followed from the state along the step. Only the orientation of its Jacobian then says that it is
-    /// the connected one. The step is far too long for a stiff force.
+    /// the connected one. The step is far too long for a stiff force. Of a halved step: whether this holds for one of its parts.
     pub is_doubtful: bool,
 }
 
