@@ -3,18 +3,14 @@
 use wzvi::prelude::*;
 use wzvi::report::Report;
 
-#[hamiltonian(
-    drift = |q, p| 0.5 * p * p + 0.5 * q * q + 0.25 * b * q.powi(4),
-    friction = 1.0,
-    temperature = 1.0,
-    embedding = [Baoab, Obabo, Thermostat<Midpoint>, Thermostat<Gauss<2>>],
-)]
-struct Oscillator {
-    b: f64,
+use fixtures::bath::Oscillator;
+
+fn oscillator(b: f64) -> Oscillator {
+    Oscillator { m: 1.0, k: 1.0, b, gamma: 1.0, kt: 1.0 }
 }
 
 fn quartic() -> Report {
-    Oscillator { b: 1.0 }
+    oscillator(1.0)
         .work_precision()
         .start(State::new([0.5], [0.5]))
         .until(4.0)
@@ -50,7 +46,7 @@ fn thermostats_converge_to_one_path() {
 /// The stationary variance, whatever the step: the processes of both parts stay independent Wiener processes.
 #[test]
 fn shared_paths_have_the_law_of_the_bath() {
-    let report = Oscillator { b: 0.0 }
+    let report = oscillator(0.0)
         .work_precision()
         .start(State::new([0.0], [0.0]))
         .until(20.0)

@@ -89,7 +89,7 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     /// Whether the last step, which is shorter, has been taken: by steppers.
     is_over: bool,
     /// The coarser paths beside these.
-    coarse: Option<Box<Coarse<'j, 'a, H, E, L>>>,
+    coarse: Option<Box<Coarse<'j, 'a, H, E, P, L>>>,
     systems: PhantomData<P>,
 }
 

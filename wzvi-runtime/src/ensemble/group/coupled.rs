@@ -6,19 +6,19 @@ use super::Group;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::ensemble::job::Job;
-use crate::ensemble::starts::{OneSystem, Systems};
+use crate::ensemble::starts::Systems;
 use crate::error::{LevelError, LevelFailure};
 use crate::path::Error;
 use crate::scheme::system::Discretized;
 
 /// The coarser paths beside a group.
-pub(super) struct Coarse<'j, 'a, H: Discretized<E>, E, const L: usize> {
-    group: Group<'j, 'a, H, E, OneSystem, L>,
+pub(super) struct Coarse<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
+    group: Group<'j, 'a, H, E, P, L>,
     /// The normals of the first of two steps of the finer paths, by process.
     first: Vec<Lanes<L>>,
 }
 
-impl<'j, 'a, H: Discretized<E>, E, const L: usize> Coarse<'j, 'a, H, E, L> {
+impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Coarse<'j, 'a, H, E, P, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         Self { group: Group::new(job, None), first: vec![Lanes::from_f64(0.0); job.processes()] }
     }
