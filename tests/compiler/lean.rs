@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-const MOST_CRATES: usize = 25;
+const MOST_CRATES: usize = 20;
 
 const DETERMINISTIC: &str = r#"
 use wzvi::prelude::*;

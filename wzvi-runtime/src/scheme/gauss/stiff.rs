@@ -92,8 +92,8 @@ impl<const N: usize> Modes<N> {
         let is_coupled = off_diagonal(&stiffness) || off_diagonal(&inverse_mass);
         let (eigenvalues, basis) = if is_coupled {
             let factor = inverse_mass.cholesky()?.unpack();
-            let eigen = SymmetricEigen::new(factor.transpose() * &stiffness * &factor);
-            let vectors = &factor * &eigen.eigenvectors;
+            let eigen = SymmetricEigen::new(product(&product(&factor.transpose(), &stiffness), &factor));
+            let vectors = product(&factor, &eigen.eigenvectors);
             let inverse = vectors.clone().try_inverse()?;
             let rows = |matrix: DMatrix<f64>| matrix.transpose().as_slice().to_vec();
             (eigen.eigenvalues.as_slice().to_vec(), Some([rows(vectors), rows(inverse)]))
@@ -168,6 +168,11 @@ fn inverse_mass<F: Field>(system: &F, parameters: &Of<F::Parameters, f64>, degre
     matrix
 }
 
+/// `a b`, summed in one order on every machine: nalgebra's product of large matrices is fused where the machine can do that.
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.nrows(), b.ncols(), |i, j| (0..a.ncols()).map(|k| a[(i, k)] * b[(k, j)]).sum())
+}
+
 /// `|B^4096|^(1/4096)`, by squaring: the spectral radius up to a factor of at most `κ^(1/4096)`, `κ` the condition of the
 /// eigenvectors of `B`.
 fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
@@ -179,7 +184,7 @@ fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
         }
         power /= norm;
         logarithm += norm.ln() / f64::from(1 << doubling);
-        power = &power * &power;
+        power = product(&power, &power);
     }
     logarithm.exp()
 }
