@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use wzvi::ensemble::{Ensemble, InstructionSet, Statistics, TargetStatus};
+use wzvi::ensemble::{Ensemble, Statistics, TargetStatus};
 use wzvi::error::Error;
 use wzvi::prelude::*;
 
@@ -36,7 +36,7 @@ fn kubo_from_start(seed: u64) -> Ensemble<'static, Kubo, Midpoint> {
 #[test]
 fn a_run_ends_when_its_error_is_small_enough() {
     let run = || kubo(3).paths(1_000_000).until_error("q", 4e-3).until_error("p", 5e-3);
-    let one = run().threads(1).instructions(InstructionSet::Baseline).run_in::<1>().unwrap();
+    let one = run().threads(1).run_in::<1>().unwrap();
     assert_eq!(one.met_targets(), Some(true));
     assert!(one.standard_error("q").unwrap() <= 4e-3 && one.standard_error("p").unwrap() <= 5e-3);
     let paths = one.last().unwrap().count();
@@ -129,13 +129,11 @@ fn the_error_of_pairs_is_their_own() {
 #[test]
 fn pairs_are_the_same_in_every_split() {
     let run = || kubo(8).paths(1234).antithetic().record_every(7).quantiles();
-    let one = run().threads(1).instructions(InstructionSet::Baseline).run_in::<2>().unwrap();
+    let one = run().threads(1).run_in::<2>().unwrap();
     for threads in [1, 3] {
-        for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-            assert!(run().threads(threads).instructions(set).run().unwrap() == one);
-        }
+        assert!(run().threads(threads).run().unwrap() == one);
     }
-    assert!(run().run_in::<4>().unwrap() == one);
+    assert!(run().run_in::<8>().unwrap() == one);
     assert!(matches!(run().run_in::<1>(), Err(Error::Config(_))));
     // Path 2k is path k of the run without pairs.
     let (paired, alone) = (

@@ -6,7 +6,7 @@ use fixtures::edge::Edge;
 use fixtures::small::{DoubleWell, Kubo};
 use std::sync::Mutex;
 
-use wzvi::ensemble::{InstructionSet, Statistics};
+use wzvi::ensemble::Statistics;
 use wzvi::error::{ConfigError, Error, StepFailure};
 use wzvi::increments::{Interval, NoiseError};
 use wzvi::nalgebra;
@@ -32,17 +32,12 @@ fn default_observables_have_the_names_of_the_closure() {
     assert_eq!([run.mean("y").unwrap(), run.mean("u").unwrap()], [0.2, 0.3]);
 }
 
-/// The same run one path after the other, and in lanes of each width. Threads share out groups of paths, and instructions are those within a group, so
-/// that each number of threads goes with one set.
+/// The same run one path after the other, and in lanes on each number of threads.
 macro_rules! every_split {
     ($run:expr) => {{
-        let reference: Statistics =
-            $run.threads(1).instructions(InstructionSet::Baseline).run_in::<1>().unwrap();
-        for (threads, set) in
-            [(1, InstructionSet::Baseline), (2, InstructionSet::Avx2), (3, InstructionSet::Avx512)]
-        {
-            let run = $run.threads(threads).instructions(set).run();
-            assert!(run.unwrap() == reference, "{set:?}, {threads} threads");
+        let reference: Statistics = $run.threads(1).run_in::<1>().unwrap();
+        for threads in [1, 2, 3] {
+            assert!($run.threads(threads).run().unwrap() == reference, "{threads} threads");
         }
         reference
     }};
@@ -173,8 +168,8 @@ fn every_noise_drives_an_ensemble() {
             let run = kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
             run.noise(noise.clone()).keep_paths(1 << 20)
         };
-        let one = run().threads(1).instructions(InstructionSet::Baseline).run_in::<1>().unwrap();
-        assert!(run().threads(3).run().unwrap() == one && run().run_in::<4>().unwrap() == one);
+        let one = run().threads(1).run_in::<1>().unwrap();
+        assert!(run().threads(3).run().unwrap() == one && run().run_in::<8>().unwrap() == one);
         for path in [0, 1, 36] {
             let mut noise = noise.clone();
             noise.set_path(path);

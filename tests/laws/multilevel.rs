@@ -153,6 +153,20 @@ fn every_split_gives_the_same_bits() {
     assert_ne!(other.mean(), one.mean());
 }
 
+/// Optimised builds only have loops for each set of instructions.
+#[test]
+fn an_ensemble_has_the_same_bits_on_every_set_of_instructions() {
+    let run = || {
+        let run =
+            KUBO.ensemble::<Midpoint>(0.05).start(State::new([0.0], [1.0])).seed(9).until(1.0).paths(1101);
+        run.observe("q", |state| state.q[0]).record_every(7).keep_paths(1 << 20)
+    };
+    let one = run().threads(1).instructions(InstructionSet::Baseline).run().unwrap();
+    for set in [InstructionSet::Avx2, InstructionSet::Avx512] {
+        assert!(run().threads(2).instructions(set).run().unwrap() == one, "{set:?}");
+    }
+}
+
 /// Level 0 is the ensemble with the same seed; finer levels have their own normals.
 #[test]
 fn the_coarsest_level_is_the_ensemble() {
