@@ -265,7 +265,7 @@ pub mod __private {
     pub use wzvi_runtime::scheme::modified::Conservative;
     pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{
-        Hamiltonian, Kind, Lift, Listed, Scheme, Solution, Straight, StraightLine, covector, gradient,
+        Discretized, Hamiltonian, Kind, Lift, Scheme, Solution, Straight, StraightLine, covector, gradient,
     };
 
     pub use crate::__bindings as bindings;

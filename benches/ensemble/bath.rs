@@ -53,7 +53,6 @@ fn run<H, E>(system: &H, h: f64, start: State<H::Vector>, paths: u64, steps: u64
 where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync,
-    H::Prepared: Send + Sync,
 {
     let run = system.ensemble::<E>(h).start(start).paths(paths).seed(SEED).steps(steps).threads(1);
     black_box(run.observe("t", |state| state.t).run().unwrap());

@@ -4,6 +4,7 @@ use std::hint::black_box;
 
 use wzvi::prelude::*;
 use wzvi::state::{Components, Vector};
+use wzvi::system::MemoryOf;
 
 use crate::by_hand;
 
@@ -134,7 +135,7 @@ fn advanced<E, H: Discretized<E>, const K: usize>(
 ) -> Outcome {
     let (system, h, dw) = (black_box(system), black_box(h), table(h));
     let prepared = system.prepare(h).unwrap();
-    let mut memory = H::Memory::<f64>::default();
+    let mut memory = MemoryOf::<H, E, f64>::default();
     // On the stack of this function, as the state by hand is.
     let mut state = start.clone();
     let mut iterations = 0;

@@ -93,7 +93,6 @@ fn the_harmonic_variances_are_those_of_the_theory() {
 fn quartic<E>(h: f64) -> (f64, f64)
 where
     Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
-    <Oscillator as Discretized<E>>::Prepared: Send + Sync,
 {
     let system = Oscillator { m: 1.0, k: 1.0, b: 1.0, gamma: 1.0, kt: 1.0 };
     let every = (3.0 / h).round();
@@ -152,7 +151,6 @@ fn levels_share_their_noise() {
 fn check_levels<E>(system: &Oscillator)
 where
     Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
-    <Oscillator as Discretized<E>>::Prepared: Send + Sync,
 {
     let run = system.multilevel::<E>(0.25).start(State::new([0.0], [0.0])).seed(5).until(1.0);
     let estimate = run.observe("q2", |state| state.q[0].powi(2)).target(0.002).run().expect("an estimate");

@@ -6,6 +6,7 @@ use wzvi::elements::{Iteration, Method};
 use wzvi::memory::{LinearWork, StepMemory};
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
+use wzvi::system::MemoryOf;
 
 /// What linear equations took in each step.
 fn work<H: Discretized<Midpoint, Vector = DVector<f64>>>(
@@ -152,7 +153,7 @@ fn same_bits<H: Discretized<Midpoint, Vector = DVector<f64>>>(
     start: State<DVector<f64>>,
 ) {
     let prepared = system.prepare(h).unwrap();
-    let run = |disturb: &mut dyn FnMut(usize, &mut H::Memory<f64>)| {
+    let run = |disturb: &mut dyn FnMut(usize, &mut MemoryOf<H, Midpoint, f64>)| {
         let (mut state, mut memory) = (start.clone(), system.memory());
         for step in 0..24 {
             disturb(step, &mut memory);

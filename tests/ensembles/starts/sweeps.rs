@@ -136,7 +136,6 @@ fn hard_steps_of_a_sweep_are_those_of_steppers() {
 fn hard_sweep<E>(h: f64) -> u32
 where
     Well: Discretized<E, Vector = SVector<f64, 1>>,
-    <Well as Discretized<E>>::Prepared: Send + Sync,
 {
     const PATHS: u64 = 20;
     const STEPS: u64 = 40;

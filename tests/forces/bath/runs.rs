@@ -32,7 +32,6 @@ fn check_lanes<H, E>(system: &H, h: f64, start: State<H::Vector>)
 where
     H: Discretized<E> + Sync,
     H::Vector: Send + Sync + PartialEq,
-    H::Prepared: Send + Sync,
 {
     let run = system.ensemble::<E>(h).start(start.clone()).paths(8).seed(9).steps(40).record_every(1);
     let (path, error) = run.replay(3).expect("a path");

@@ -4,7 +4,7 @@ use wzvi::ensemble::InstructionSet;
 use wzvi::nalgebra::SVector;
 use wzvi::noise::Interval;
 use wzvi::prelude::*;
-use wzvi::system::{Listed, Scheme, SchemeOf};
+use wzvi::system::{Discretized, Scheme, SchemeOf};
 
 use fixtures::bath::{Damped, Driven, Oscillator, Wall};
 use fixtures::lanes::{numbers, steps_in_part};
@@ -28,7 +28,7 @@ fn oscillator(path: u64) -> Oscillator {
 /// Every path is the one that a stepper takes of its system, to the last bit, whatever the width and the threads; how many steps are hard.
 fn check<E, H>(system: fn(u64) -> H, [q, p]: [f64; 2], goes_in_lanes: bool) -> u32
 where
-    H: Listed<E, Vector = SVector<f64, 1>> + Clone + Send + Sync,
+    H: Discretized<E, Vector = SVector<f64, 1>> + Clone + Send + Sync,
 {
     let what = std::any::type_name::<(E, H)>();
     let list: Vec<H> = (0..PATHS).map(system).collect();

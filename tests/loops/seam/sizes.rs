@@ -40,10 +40,10 @@ macro_rules! spellings {
                 let (a, s, name) = (0.7, 0.4, stringify!($system));
                 if <Slices as Discretized<E>>::PLAN.solver != Solver::Newton {
                     let in_lanes = [
-                        <Slices as wzvi::system::Listed<E>>::PROPERTIES.in_lanes,
-                        <Generic<17> as wzvi::system::Listed<E>>::PROPERTIES.in_lanes,
-                        <Sites16 as wzvi::system::Listed<E>>::PROPERTIES.in_lanes,
-                        <Sites17 as wzvi::system::Listed<E>>::PROPERTIES.in_lanes,
+                        <Slices as Discretized<E>>::PROPERTIES.in_lanes,
+                        <Generic<17> as Discretized<E>>::PROPERTIES.in_lanes,
+                        <Sites16 as Discretized<E>>::PROPERTIES.in_lanes,
+                        <Sites17 as Discretized<E>>::PROPERTIES.in_lanes,
                     ];
                     assert_eq!(in_lanes, [true; 4], "{name}");
                 }

@@ -9,7 +9,7 @@
 pub(crate) use fixtures::extremes::state;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
-use wzvi::system::{At, Listed, Scheme, SchemeOf};
+use wzvi::system::{At, Discretized, Scheme, SchemeOf};
 use wzvi_runtime::algebra::carry::Carry;
 
 use super::real::{Real, error_in_ulps, with_precision};
@@ -75,7 +75,7 @@ pub(crate) struct Errors {
 }
 
 /// The step of `case` by the generated code, against the equations solved from its own result.
-pub(crate) fn compare<E: Point, H: Listed<E> + Terms>(
+pub(crate) fn compare<E: Point, H: Discretized<E> + Terms>(
     system: &H,
     case: &Case,
 ) -> Result<Errors, StepFailure> {

@@ -1,7 +1,7 @@
 //! What the monitor of the energy allows for rounding follows from the stages that a step solves at once, not from its order.
 
-use wzvi::__private::Listed;
 use wzvi::prelude::*;
+use wzvi::system::Discretized;
 
 /// The mid-point of a linear motion.
 #[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [Midpoint, Gauss<2>, Gauss<3>, Verlet])]
@@ -11,9 +11,9 @@ struct Oscillator {
 
 fn stages<E>() -> u32
 where
-    Oscillator: Listed<E>,
+    Oscillator: Discretized<E>,
 {
-    <Oscillator as Listed<E>>::PROPERTIES.stages
+    <Oscillator as Discretized<E>>::PROPERTIES.stages
 }
 
 #[test]

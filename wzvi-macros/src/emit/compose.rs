@@ -4,20 +4,10 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
-use super::{implementation, listed};
+use super::listed;
 use crate::describe::Texts;
 use crate::discretise::Flows;
 use crate::embedding::Embedding;
-
-/// The run time's description of the flows that compose `Verlet`.
-pub(crate) fn flows(item: &ItemStruct, flows: Flows, in_windows: Option<TokenStream>) -> TokenStream {
-    let reads_time = flows.force_reads_time;
-    let body = quote! {
-        const FORCE_READS_TIME: __wzvi::bool = #reads_time;
-        #in_windows
-    };
-    implementation(item, &quote!(__wzvi::compose::Flows), &body)
-}
 
 /// The structure that steps of `Verlet` exploit.
 pub(super) fn structure(texts: &Texts) -> TokenStream {
@@ -44,7 +34,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
             // `Gauss<1>` is a step of `Midpoint`.
             (Embedding::Gauss(_), [whole]) => {
                 let whole = whole.path(&quote!(__wzvi));
-                quote!(<Self as __wzvi::Listed<#whole>>::Scheme)
+                quote!(<Self as __wzvi::Discretized<#whole>>::Scheme)
             }
             (_, parts) => {
                 // Inside a thermostat, the inner scheme has the same name as outside.

@@ -4,7 +4,6 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::compose;
 use super::names::Names;
 use super::print::f64_type;
 use super::step::increment_names;
@@ -12,7 +11,7 @@ use super::system::{Body, Read, count, evaluation, evaluation_over, parameter_na
 use super::terms;
 use super::{implementation, listed};
 use crate::describe::Texts;
-use crate::discretise::{Facts, StepSlopes, is_nystrom};
+use crate::discretise::{Facts, Flows, StepSlopes, is_nystrom};
 use crate::model::{Element, StraightLine, System};
 use crate::symbolic::{Expr, Graph};
 
@@ -22,11 +21,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenSt
         return TokenStream::new();
     }
     let is_nystrom = is_nystrom(system, facts);
-    let in_windows = system.line.is_none().then(terms::in_windows);
-    let mut generated = field(system, is_nystrom);
-    if let Some(flows) = texts.flows {
-        generated.extend(compose::flows(&system.item, flows, in_windows));
-    }
+    let mut generated = field(system, is_nystrom, texts.flows);
     for (embedding, stages, text) in texts.staged() {
         let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
         let gauss = quote!(__wzvi::embedding::Gauss<#stages>);
@@ -44,7 +39,7 @@ pub(super) fn shape(number: Option<usize>) -> TokenStream {
 }
 
 /// `impl Field`
-fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
+fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenStream {
     let line = system.line.clone();
     let line = line.as_deref();
     let slopes = line.map(|line| slopes(&mut system.graph, line, is_nystrom));
@@ -52,12 +47,20 @@ fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
     let in_lanes = line.is_some() || !system.acting().any(reads_time);
     let noises = shape(line.map(StraightLine::noises));
     let shape = shape(line.map(|line| line.phase.q.len()));
+    let reads_time = flows.is_some_and(|flows| flows.force_reads_time);
+    let reads_time = reads_time.then(|| {
+        quote!(
+            const FORCE_READS_TIME: __wzvi::bool = true;
+        )
+    });
+    let in_windows = (flows.is_some() && line.is_none()).then(terms::in_windows);
     let (reads, functions) = slopes.unwrap_or_default();
     let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
     let (bool, tokens) = (quote!(__wzvi::bool), reads.iter().map(|read| &read.tokens));
     let body = quote! {
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = #in_lanes;
+            #reads_time
             type Shape = #shape;
             type Noises = #noises;
             type Parameters = __wzvi::Reals<#number>;
@@ -68,6 +71,8 @@ fn field(system: &mut System, is_nystrom: bool) -> TokenStream {
             ) -> __wzvi::Of<Self::Parameters, __K> {
                 [#(__lift(#numbers, #tokens)),*]
             }
+
+            #in_windows
 
             #functions
     };

@@ -94,7 +94,7 @@ pub(crate) fn implementation(item: &syn::ItemStruct, of: &TokenStream, body: &To
     }
 }
 
-/// `impl Listed<E>`: the scheme type and its equations.
+/// `impl Discretized<E>`: the scheme type and its equations.
 pub(crate) fn listed(
     item: &syn::ItemStruct,
     listed: &TokenStream,
@@ -103,7 +103,7 @@ pub(crate) fn listed(
 ) -> TokenStream {
     let body = quote! {
         type Scheme = #scheme;
-        const TEXT: &'static __wzvi::str = #text;
+        const EQUATIONS: &'static __wzvi::str = #text;
     };
-    implementation(item, &quote!(__wzvi::Listed<#listed>), &body)
+    implementation(item, &quote!(__wzvi::Discretized<#listed>), &body)
 }

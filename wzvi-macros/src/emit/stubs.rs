@@ -69,9 +69,9 @@ impl Stubs {
                 impl #parameters #wzvi::modified::Conservative for #system {}
                 #(
                     #[allow(warnings)]
-                    impl #with_scheme #wzvi::system::Listed<#schemes> for #system {
+                    impl #with_scheme #wzvi::system::Discretized<#schemes> for #system {
                         type Scheme = #wzvi::__private::checks::NoSteps;
-                        const TEXT: &'static ::core::primitive::str = "";
+                        const EQUATIONS: &'static ::core::primitive::str = "";
                     }
                 )*
             };

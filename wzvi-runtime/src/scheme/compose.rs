@@ -40,7 +40,7 @@ use text::{DRIFT_KICK, turns};
 
 pub use checks::{check_table, check_weights};
 #[doc(hidden)]
-pub use flows::{Flows, KickDrift};
+pub use flows::KickDrift;
 #[doc(hidden)]
 pub use pair::Pair;
 #[doc(hidden)]

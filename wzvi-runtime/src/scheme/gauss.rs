@@ -36,7 +36,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::Slopes;
-use crate::scheme::elements::{self, Elements};
+use crate::scheme::elements::{self, Elements, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
 use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives};
 
@@ -58,6 +58,8 @@ pub trait Field: Elements + Sized {
     const IS_NYSTROM: bool;
     /// Whether all stages can be evaluated at once although their times differ.
     const IN_LANES: bool;
+    /// Whether `V` reads the time, where `F = T(p) + V(q, t)`.
+    const FORCE_READS_TIME: bool = false;
     /// Lists of one entry per degree of freedom.
     type Shape: Shape;
     /// Whether the potential energy has a constant quadratic part.
@@ -70,6 +72,21 @@ pub trait Field: Elements + Sized {
 
     /// The values of these parameters.
     fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K>;
+
+    /// Takes all parts of a step of drifts and kicks, window by window, if the system [has windows](Facts::has_windows) and `F = T(p) + V(q, t)`.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`] if the new state is not finite.
+    fn take_windows<'p, W: Word>(
+        &self,
+        word: &mut W,
+        q: &[f64],
+        p: &[f64],
+        plan: &'p mut WindowPlan,
+    ) -> Option<Result<Taken<'p>, StepFailure>> {
+        let _ = (word, q, p, plan);
+        None
+    }
 
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
     fn stiffness(&self, _k: &mut [f64]) {}

@@ -7,10 +7,8 @@ mod scheme;
 mod solution;
 mod straight;
 
-use std::fmt::Debug;
 use std::ops::AddAssign;
 
-use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector, dot};
@@ -20,9 +18,7 @@ use crate::scheme::plan::Plan;
 
 pub use own::{OneStep, Own, Scratch, StepField};
 pub(crate) use scheme::without_derivatives;
-pub use scheme::{
-    At, CarryOf, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, as_they_are,
-};
+pub use scheme::{At, CarryOf, Lift, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, as_they_are};
 pub use solution::{Solution, array_mut, covector, gradient, increments};
 pub use straight::{Straight, StraightLine};
 
@@ -308,38 +304,44 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound for generic user code; every
-/// system that [lists](Listed) `E` implements it.
+/// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound for generic user code; generated for
+/// every `E` that the system lists in its `embedding`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
     note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
 )]
-pub trait Discretized<E>: Listed<E> {
-    /// The compile-time facts.
-    const PLAN: Plan;
+pub trait Discretized<E>: Hamiltonian + Sized {
+    /// The scheme of the steps.
+    type Scheme: Scheme<Self>;
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
     const EQUATIONS: &'static str;
 
-    /// The data that depend on the system and the step size only.
-    type Prepared: Clone + Debug + Send + Sync;
+    /// The compile-time facts.
+    const PLAN: Plan = <Self::Scheme as Scheme<Self>>::PLAN;
 
-    /// The data from which the next step is predicted.
-    type Memory<S: Scalar>: StepMemory;
+    /// As [`Scheme::PROPERTIES`].
+    const PROPERTIES: Properties = <Self::Scheme as Scheme<Self>>::PROPERTIES;
 
     /// The number of increments that drive a step of a state with this many degrees of freedom: those of the noises, and after them `√h` times the
     /// standard normals of a bath.
-    fn increments(&self, degrees: usize) -> usize;
+    fn increments(&self, degrees: usize) -> usize {
+        Self::Scheme::increments(self, degrees)
+    }
 
     /// The memory of a new stepper, allocated in full if the system knows its size.
-    fn memory(&self) -> Self::Memory<f64>;
+    fn memory(&self) -> MemoryOf<Self, E, f64> {
+        Self::Scheme::memory(self)
+    }
 
     /// Computes the data common to all steps.
     ///
     /// # Errors
     /// If a parameter is invalid, or a matrix that is factored here is singular.
-    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError>;
+    fn prepare(&self, h: f64) -> Result<PreparedOf<Self, E>, ConfigError> {
+        Self::Scheme::prepare(self, &as_they_are, h)
+    }
 
     /// One step from `(q, p)` at `t` in place, in any numbers, with plain sums: by the fast solver, and from zero with a line search if
     /// that fails. Slices have [`Hamiltonian::degrees`] and [`Discretized::increments`] elements.
@@ -347,27 +349,34 @@ pub trait Discretized<E>: Listed<E> {
     /// # Errors
     /// If no solution was found, or sizes do not fit; `q`, `p` and `memory` are then unchanged.
     #[expect(clippy::too_many_arguments, reason = "each is one thing that a step reads")]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar>(
         &self,
-        prepared: &Self::Prepared,
+        prepared: &PreparedOf<Self, E>,
         t: f64,
         h: f64,
         q: &mut [S],
         p: &mut [S],
         dw: &[S],
-        memory: &mut Self::Memory<S>,
-    ) -> Result<Effort, StepFailure>;
+        memory: &mut MemoryOf<Self, E, S>,
+    ) -> Result<Effort, StepFailure> {
+        anew::advance::<Self, Self::Scheme, f64, S>(self, prepared, At { t, h, q, p, dw }, memory)
+    }
 
     /// `L_d(q_i, q_{i+1}, P; t, h, ΔW)`; NaN unless `dw` has one increment per noise. A constant counter-term, which affects no equation,
     /// is left out.
-    fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64;
+    fn discrete_lagrangian(&self, segment: &Segment<Self::Vector>, dw: &[f64]) -> f64 {
+        Self::Scheme::discrete_lagrangian(self, segment, dw)
+    }
 
     /// The gradient of [`Discretized::discrete_lagrangian`].
     fn discrete_lagrangian_gradient(
         &self,
         segment: &Segment<Self::Vector>,
         dw: &[f64],
-    ) -> LagrangianGradient<Self::Vector>;
+    ) -> LagrangianGradient<Self::Vector> {
+        Self::Scheme::discrete_lagrangian_gradient(self, segment, dw)
+    }
 
     /// The residual of the discrete Euler-Lagrange equations at the node between two steps with increments
     /// `previous_dw` and `next_dw`.
@@ -395,60 +404,7 @@ pub trait Discretized<E>: Listed<E> {
         after: &State<Self::Vector>,
         h: f64,
         dw: &[f64],
-    ) -> Self::Vector;
-}
-
-impl<H: Listed<E>, E> Discretized<E> for H {
-    const PLAN: Plan = <H::Scheme as Scheme<H>>::PLAN;
-    const EQUATIONS: &'static str = H::TEXT;
-    type Prepared = PreparedOf<H, E>;
-    type Memory<S: Scalar> = MemoryOf<H, E, S>;
-
-    fn increments(&self, degrees: usize) -> usize {
-        H::Scheme::increments(self, degrees)
-    }
-
-    fn memory(&self) -> Self::Memory<f64> {
-        H::Scheme::memory(self)
-    }
-
-    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
-        H::Scheme::prepare(self, &as_they_are, h)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<S: Scalar>(
-        &self,
-        prepared: &Self::Prepared,
-        t: f64,
-        h: f64,
-        q: &mut [S],
-        p: &mut [S],
-        dw: &[S],
-        memory: &mut Self::Memory<S>,
-    ) -> Result<Effort, StepFailure> {
-        anew::advance::<H, H::Scheme, f64, S>(self, prepared, At { t, h, q, p, dw }, memory)
-    }
-
-    fn discrete_lagrangian(&self, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
-        H::Scheme::discrete_lagrangian(self, segment, dw)
-    }
-
-    fn discrete_lagrangian_gradient(
-        &self,
-        segment: &Segment<H::Vector>,
-        dw: &[f64],
-    ) -> LagrangianGradient<H::Vector> {
-        H::Scheme::discrete_lagrangian_gradient(self, segment, dw)
-    }
-
-    fn step_momentum(
-        &self,
-        before: &State<H::Vector>,
-        after: &State<H::Vector>,
-        h: f64,
-        dw: &[f64],
-    ) -> H::Vector {
-        H::Scheme::step_momentum(self, before, after, h, dw)
+    ) -> Self::Vector {
+        Self::Scheme::step_momentum(self, before, after, h, dw)
     }
 }

@@ -3,7 +3,7 @@
 //! Kicks and drifts are the flows of [`compose::flows`](crate::scheme::compose), with the increments of the noises; the force at the end of a step is that at the
 //! start of the next.
 //!
-//! For a system with [`Flows`] and [`Damped`].
+//! For a system with [`Field`], of the form `T(p) + V(q, t)`, and [`Damped`].
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -22,7 +22,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{BathError, ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
-use crate::scheme::compose::flows::{Flows, FlowsOf};
+use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
@@ -115,7 +115,7 @@ impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
 
 impl<F, W> Scheme<F> for Splitting<W>
 where
-    F: Flows + Damped,
+    F: Field + Damped,
     W: Letters,
 {
     const PLAN: Plan = {
@@ -278,7 +278,7 @@ fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
 
 /// A step window by window; returns its heat, or `None` if friction and masses are not lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn in_windows<'m, F: Flows + Damped, K: Constant, S: Over<K>, W: Letters>(
+fn in_windows<'m, F: Field + Damped, K: Constant, S: Over<K>, W: Letters>(
     system: &F,
     prepared: &'m Prepared<Of<F::Parameters, K>, K>,
     givens: Givens<'_>,
@@ -305,7 +305,7 @@ struct WithParts<'m, F: Field, K: Constant, S> {
     heat: S,
 }
 
-impl<F: Flows + Damped, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
+impl<F: Field + Damped, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
     /// Moves the state by a part of a step.
     ///
     /// # Errors

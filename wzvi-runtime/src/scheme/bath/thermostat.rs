@@ -19,7 +19,7 @@ use crate::scheme::compose::kept;
 use crate::scheme::elements::{Elements, are_finite};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
-    At, Exchange, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits,
+    At, Discretized, Exchange, Lift, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits,
 };
 
 /// The O parts before and after a step.
@@ -81,11 +81,11 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
 }
 
 /// As far as the plan of `E` says.
-impl<T: Damped + Listed<E>, E> Scheme<T> for Around<E> {
+impl<T: Damped + Discretized<E>, E> Scheme<T> for Around<E> {
     const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
     const PROPERTIES: Properties = Properties {
-        remembers: <T as Listed<E>>::PROPERTIES.remembers,
-        in_lanes: <T as Listed<E>>::PROPERTIES.in_lanes,
+        remembers: <T as Discretized<E>>::PROPERTIES.remembers,
+        in_lanes: <T as Discretized<E>>::PROPERTIES.in_lanes,
         exchanges: true,
         is_variational: false,
         ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)

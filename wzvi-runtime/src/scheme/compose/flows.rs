@@ -9,7 +9,7 @@
 //! kept with the node, and reused if node, step size and, if the force reads it, time are the same to the last bit. Reuse changes no
 //! number, and checkpoints do not contain the force.
 //!
-//! Flows evaluate the system by [`Field::step_slopes`].
+//! Flows evaluate the system by [`Field::step_slopes`]. The compiler proves the form of `F` ([`Structure`]).
 
 use std::marker::PhantomData;
 
@@ -25,33 +25,12 @@ use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure, StepPromise};
-use crate::scheme::elements::{Flow, Slopes, Taken, WindowPlan, Word, add_slopes, nothing};
+use crate::scheme::elements::{Flow, Slopes, add_slopes, nothing};
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives,
 };
-
-/// A system with `F = T(p) + V(q, t)`; generated.
-pub trait Flows: Field {
-    /// Whether `V` reads the time.
-    const FORCE_READS_TIME: bool;
-
-    /// Takes all parts of a step, window by window, if the system [has windows](crate::scheme::plan::Facts::has_windows).
-    ///
-    /// # Errors
-    /// [`StepFailure::NonFinite`] if the new state is not finite.
-    fn take_windows<'p, W: Word>(
-        &self,
-        word: &mut W,
-        q: &[f64],
-        p: &[f64],
-        plan: &'p mut WindowPlan,
-    ) -> Option<Result<Taken<'p>, StepFailure>> {
-        let _ = (word, q, p, plan);
-        None
-    }
-}
 
 /// The drifts and kicks `W` in turn; `SQUARES` if kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +38,7 @@ pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 
 impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<By<E, T, W>, SQUARES>
 where
-    F: Flows,
+    F: Field,
     T: Structure<E>,
     W: Composes<E, T>,
 {
@@ -188,7 +167,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> Clone for FlowsOf<'_, F, K, SQU
 
 impl<F: Field, K: Constant, const SQUARES: bool> Copy for FlowsOf<'_, F, K, SQUARES> {}
 
-impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
+impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     /// Moves the state by a part of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn take<S: Over<K>, C: Carry<S>>(
@@ -223,7 +202,7 @@ impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     }
 }
 
-impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
+impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
     /// The end of the parts and their discrete Lagrangian. That of a drift is `p · Δq - a T(p)`, that of a kick at `q` is
     /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum to values
     /// of `F`, less `F(q_0, p_0)`.
@@ -259,7 +238,7 @@ impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
     }
 }
 
-impl<F: Flows, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
+impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     /// Loops add to each place in turn, and need no separate list of slopes.
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 

@@ -11,12 +11,12 @@
 //! addition to the force, for any number of degrees of freedom. All evaluations are of the fraction `s = -b` of `F`, for which the last
 //! term is `2 c / s³` times `s³ V'' T'' V'`.
 
-use super::flows::{Act, Flows, FlowsOf};
+use super::flows::{Act, FlowsOf};
 use super::stages::Stage;
 use crate::algebra::scalar::{Constant, Dual, Over, Parameters, Scalar};
 use crate::scheme::gauss::Field;
 
-impl<F: Flows, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
+impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
     /// `c |V'(q)|²` of a kick.
     pub(super) fn of_square(&self, stage: &Stage<Act>, q: &[f64], dw: &[f64]) -> f64 {
         let ((_, gradient), degrees) = (stage.act, q.len());
@@ -41,7 +41,7 @@ pub(super) struct Kick<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
     pub(super) dw: &'a [S],
 }
 
-impl<F: Flows, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, S, SQUARES> {
+impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, S, SQUARES> {
     /// Writes `V'` into `force` and `V'' T'' V'` into `change`; returns `|V'|²`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn differentiate(&self, room: &mut Directional<S>, force: &mut [S], change: &mut [S]) -> S {

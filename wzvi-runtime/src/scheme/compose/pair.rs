@@ -15,7 +15,7 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Hamiltonian, Lift, Listed, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
+    At, Discretized, Hamiltonian, Lift, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
     as_they_are, fits,
 };
 
@@ -130,14 +130,14 @@ impl<A, B> Prepared<A, B> {
 
 impl<H, A, B, E, T, W> Scheme<H> for Pair<A, B, By<E, T, W>>
 where
-    H: Listed<A> + Listed<B>,
+    H: Discretized<A> + Discretized<B>,
     T: Structure<E>,
     W: Composes<E, T>,
 {
     const PLAN: Plan =
         plan(joint_plan(<SchemeOf<H, A> as Scheme<H>>::PLAN, <SchemeOf<H, B> as Scheme<H>>::PLAN), W::ORDER);
     const PROPERTIES: Properties = {
-        let (first, second) = (<H as Listed<A>>::PROPERTIES, <H as Listed<B>>::PROPERTIES);
+        let (first, second) = (<H as Discretized<A>>::PROPERTIES, <H as Discretized<B>>::PROPERTIES);
         let kept = match (first.kept_energy, second.kept_energy) {
             (KeptEnergy::Point(_), KeptEnergy::Point(_)) => KeptEnergy::KickDriftKick,
             _ => KeptEnergy::Hamiltonian,

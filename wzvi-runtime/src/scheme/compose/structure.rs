@@ -8,7 +8,7 @@ use super::substeps::{Half, Once, Substep};
 use super::text::{DRIFT_KICK, Equations};
 use super::{Composed, Composes, Symmetric, Verlet};
 use crate::scheme::elements::Elements;
-use crate::scheme::system::{Listed, Scheme};
+use crate::scheme::system::{Discretized, Scheme};
 
 /// The structure of a system, as far as steps of `E` exploit it.
 pub trait Structure<E> {
@@ -38,14 +38,14 @@ pub struct Nystrom;
 #[derive(Clone, Copy, Debug)]
 pub struct Parted<K>(PhantomData<K>);
 
-impl<H, E, W> Listed<Composed<E, W>> for H
+impl<H, E, W> Discretized<Composed<E, W>> for H
 where
     E: Symmetric,
-    H: Elements + Listed<E>,
+    H: Elements + Discretized<E>,
     W: Composes<E, E::Structure<H>, Steps: Scheme<H>>,
 {
     type Scheme = W::Steps;
-    const TEXT: &'static str = Equations::<H, E, W>::ALL;
+    const EQUATIONS: &'static str = Equations::<H, E, W>::ALL;
 }
 
 /// The scheme that takes single steps of `E`.

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::{Composes, Partitioned, Symmetric};
 use crate::scheme::elements::Elements;
-use crate::scheme::system::Listed;
+use crate::scheme::system::Discretized;
 
 /// The parts of a step of a composition, for users.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +43,10 @@ pub(super) struct Equations<H, E, W>(PhantomData<(H, E, W)>);
 impl<H, E, W> Equations<H, E, W>
 where
     E: Symmetric,
-    H: Elements + Listed<E>,
+    H: Elements + Discretized<E>,
     W: Composes<E, E::Structure<H>>,
 {
-    const TEXT: Text<ROOM> = Text::of(&W::LISTING, H::TEXT);
+    const TEXT: Text<ROOM> = Text::of(&W::LISTING, H::EQUATIONS);
     /// The text.
     pub(super) const ALL: &'static str = {
         let text: &'static Text<ROOM> = &Self::TEXT;

@@ -1,6 +1,6 @@
 //! Kicks and drifts of large systems of elements, window by window.
 
-use super::flows::{Act, Flows};
+use super::flows::Act;
 use super::stages::Stage;
 use super::substeps::Half;
 use crate::algebra::memory::Threads;
@@ -10,6 +10,7 @@ use crate::scheme::elements::{
     Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Slopes, Sums, Taken, WindowPlan,
     Word, add_flow,
 };
+use crate::scheme::gauss::Field;
 use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
 
 /// Degrees of freedom from which paths of an ensemble are stepped one after the other, window by window. A step in windows has an overhead
@@ -18,13 +19,13 @@ use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
 const LEAST_ALONE: usize = 256;
 
 /// Degrees of freedom from which paths are stepped one after the other.
-pub(crate) const fn least_alone<F: Flows>() -> usize {
+pub(crate) const fn least_alone<F: Field>() -> usize {
     if F::FACTS.has_windows { LEAST_ALONE } else { usize::MAX }
 }
 
 /// Whether steps of a system of this size go window by window.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn takes_windows<F: Flows>(degrees: usize) -> bool {
+pub(crate) fn takes_windows<F: Field>(degrees: usize) -> bool {
     F::FACTS.has_windows && degrees >= LEAST_IN_WINDOWS
 }
 
@@ -68,7 +69,7 @@ impl Memory {
     /// # Errors
     /// If sizes do not fit, or the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn advance<'m, F: Flows, W: Word, A>(
+    pub(crate) fn advance<'m, F: Field, W: Word, A>(
         &'m mut self,
         system: &F,
         stages: &'m [Stage<A>],

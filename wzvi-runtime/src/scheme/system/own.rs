@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::{
-    At, Hamiltonian as _, Lift, Listed, Properties, Scheme, check_lengths, fits, without_derivatives,
+    At, Discretized, Hamiltonian as _, Lift, Properties, Scheme, check_lengths, fits, without_derivatives,
 };
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{Request, StepMemory};
@@ -155,9 +155,9 @@ impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
     }
 }
 
-impl<H: Elements, T: OneStep> Listed<Own<T>> for H {
+impl<H: Elements, T: OneStep> Discretized<Own<T>> for H {
     type Scheme = Own<T>;
-    const TEXT: &'static str = T::TEXT;
+    const EQUATIONS: &'static str = T::TEXT;
 }
 
 impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::{Exchange, Hamiltonian, LagrangianGradient, Segment, by_dual_numbers};
+use super::{Discretized, Exchange, Hamiltonian, LagrangianGradient, Segment, by_dual_numbers};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
@@ -232,25 +232,8 @@ pub trait Scheme<H: Hamiltonian> {
     }
 }
 
-/// A system that lists `E` in its `embedding`; generated.
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` has no discretisation by `{E}`",
-    label = "this scheme was not generated for `{Self}`",
-    note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
-)]
-pub trait Listed<E>: Hamiltonian + Sized {
-    /// The scheme of the steps.
-    type Scheme: Scheme<Self>;
-
-    /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
-    const TEXT: &'static str;
-
-    /// As [`Scheme::PROPERTIES`].
-    const PROPERTIES: Properties = <Self::Scheme as Scheme<Self>>::PROPERTIES;
-}
-
 /// The scheme that takes the steps of `H` by `E`.
-pub type SchemeOf<H, E> = <H as Listed<E>>::Scheme;
+pub type SchemeOf<H, E> = <H as Discretized<E>>::Scheme;
 /// The prepared data of steps of `H` by `E`.
 pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
 /// The default summation of increments.
