@@ -133,7 +133,7 @@ impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H,
         while path < end {
             group.begin(path, end)?;
             observation.begin(group)?;
-            take_steps(group, 0..job.steps, &mut observation)?;
+            take_steps(&mut (&mut *group, &mut observation), 0..job.steps)?;
             observation.finish(group);
             path += L as u64;
         }

@@ -24,7 +24,6 @@ use crate::increments::Interval;
 use crate::path::Error;
 use crate::path::retry::Subdivision;
 use crate::path::step::{Stepper, checks_starts};
-use crate::path::steps::Advance;
 use crate::path::watch::{Room, Watch, keeps_energy};
 use crate::scheme::continuation::Hard;
 use crate::scheme::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
@@ -478,9 +477,13 @@ fn in_order_of_paths(mut failures: Vec<PathFailure>) -> Vec<PathFailure> {
     failures
 }
 
-impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance for Group<'_, '_, H, E, P, L> {
+impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
+    /// Draws the increments of the step with this number, and takes it.
+    ///
+    /// # Errors
+    /// If no path can go on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance(&mut self, step: u64) -> Result<(), Error> {
+    pub(super) fn advance(&mut self, step: u64) -> Result<(), Error> {
         if let (Some(h), true) = (self.job.grid.shorter, step + 1 == self.job.steps) {
             return self.finish(step, h);
         }

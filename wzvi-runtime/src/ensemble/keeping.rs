@@ -11,7 +11,7 @@ use crate::path::checkpoint::{
     self, Checkpoint, CheckpointError, Described, Extent, Keeper, Keeping, Kind, Suits,
 };
 use crate::path::step::Stepper;
-use crate::path::steps::{Single, take_each};
+use crate::path::steps::Single;
 use crate::scheme::system::Discretized;
 use crate::statistics::{Statistics, StatisticsNode};
 
@@ -152,9 +152,9 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error
         noise: &mut Some(&mut *noise),
         dw: &mut dw,
         first: job.grid.first(),
-        account: &mut (),
     };
-    let taken = take_each(&mut path, 0..steps.min(COMPARED_STEPS), |path, _| {
+    let taken = (0..steps.min(COMPARED_STEPS)).try_for_each(|step| {
+        path.advance(step)?;
         see(path.state);
         Ok(())
     });

@@ -9,7 +9,7 @@ use crate::algebra::state::{State, Vector};
 use crate::path::Error;
 use crate::path::recording::Recorded;
 use crate::path::section::{Crossing, Sections, Watch, first_zero};
-use crate::path::steps::Monitor;
+use crate::path::steps::Advance;
 use crate::scheme::dense::{DenseOutput, copy_state};
 use crate::scheme::system::Discretized;
 use crate::statistics::{Passage, PathFailure, Seen, Statistics, crossing};
@@ -268,34 +268,41 @@ fn have_passed<const L: usize>(passed: &[[f64; L]], lane: usize) -> bool {
     passed.iter().all(|passed| !passed[lane].is_nan())
 }
 
-impl<'g, 'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Monitor<Group<'g, 'a, H, E, P, L>>
-    for Observation<'j, 'a, H, E, L>
+impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
+    for (&mut Group<'_, '_, H, E, P, L>, &mut Observation<'_, '_, H, E, L>)
 {
     type Error = Halt;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next(&self, _group: &Group<'g, 'a, H, E, P, L>, node: u64) -> u64 {
-        let recorded = self.job.recorded.get(self.next).map_or(u64::MAX, |recorded| {
-            // Both nodes of a step that is looked into.
-            if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
-        });
-        let is_watched = !self.job.events.is_empty() || !self.job.sections.is_empty();
-        let watched = if is_watched { node + 1 } else { u64::MAX };
-        recorded.min(watched).min(node.saturating_add(self.pace.left()))
+    fn advance(&mut self, step: u64) -> Result<(), Halt> {
+        Ok(self.0.advance(step)?)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, group: &mut Group<'g, 'a, H, E, P, L>, node: u64) -> Result<(), Halt> {
-        self.pace.done(node - self.seen)?;
-        self.seen = node;
-        if !self.job.events.is_empty() {
-            self.watch(group, node)?;
+    fn next(&self, node: u64) -> u64 {
+        let Observation { job, next, pace, .. } = &*self.1;
+        let recorded = job.recorded.get(*next).map_or(u64::MAX, |recorded| {
+            // Both nodes of a step that is looked into.
+            if recorded.is_inside && recorded.node > node + 1 { recorded.node - 1 } else { recorded.node }
+        });
+        let is_watched = !job.events.is_empty() || !job.sections.is_empty();
+        let watched = if is_watched { node + 1 } else { u64::MAX };
+        recorded.min(watched).min(node.saturating_add(pace.left()))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look(&mut self, node: u64) -> Result<(), Halt> {
+        let (group, observation) = self;
+        observation.pace.done(node - observation.seen)?;
+        observation.seen = node;
+        if !observation.job.events.is_empty() {
+            observation.watch(group, node)?;
         }
-        if !self.job.sections.is_empty() {
-            self.follow(group, node)?;
+        if !observation.job.sections.is_empty() {
+            observation.follow(group, node)?;
         }
-        self.record(group, node)?;
-        for (lane, inside) in self.lanes.iter_mut().enumerate() {
+        observation.record(group, node)?;
+        for (lane, inside) in observation.lanes.iter_mut().enumerate() {
             copy_state(&mut inside.before, group.state_at(lane, node));
         }
         Ok(())

@@ -10,7 +10,6 @@ use crate::path::between::{Between, Part};
 use crate::path::retry::Serves;
 use crate::path::simulate::Partial;
 use crate::path::step::StepInfo;
-use crate::path::steps::take_each;
 use crate::path::trajectory::Recorder;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
@@ -56,7 +55,8 @@ where
         let mut looks = looks_inside.then(|| Between::new(&job.sections, &start));
         // The state at the last node.
         let (mut dense, mut reached) = (DenseOutput::of(&start), start);
-        let taken = take_each(&mut group, 0..job.steps, |group, node| {
+        let taken = (1..=job.steps).try_for_each(|node| {
+            group.advance(node - 1)?;
             if let Some(failure) = group.failure_of(path) {
                 return Err(failure.error.into());
             }

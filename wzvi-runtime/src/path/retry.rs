@@ -20,7 +20,7 @@ use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
 use crate::path::Error;
 use crate::path::step::{StepInfo, Stepper};
-use crate::path::steps::{Account, Single, Step, TakeStep, take_each};
+use crate::path::steps::{Single, Step, TakeStep};
 use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{CarryOf, Discretized};
@@ -168,13 +168,13 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let (mut before, mut state) = (before.clone(), before.clone());
         let mut dw = vec![0.0; self.system.increments(before.q.components().len())];
         let step = Step { state: &mut state, interval, noise, dw: &mut dw };
-        let (parts, account) = (numbers_of_parts(interval.step, halvings)?, &mut ());
-        let mut path = in_parts(&mut stepper, step, halvings, account);
-        take_each(&mut path, parts, |path, _| {
+        let mut path = in_parts(&mut stepper, step, halvings);
+        for part in numbers_of_parts(interval.step, halvings)? {
+            path.advance(part)?;
             see(path.stepper, [&before, path.state], path.dw);
             before.clone_from(path.state);
-            Ok(())
-        })
+        }
+        Ok(())
     }
 
     /// A step in `2^from` parts, or as many more as it takes; `motion` is the mean of `p · dq/dt` along the path so far.
@@ -318,14 +318,9 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_
 }
 
 /// The `2^level` parts of a step.
-fn in_parts<'s, T, V, N, A>(
-    stepper: &'s mut T,
-    step: Step<'s, V, N>,
-    level: u32,
-    account: &'s mut A,
-) -> Single<'s, T, V, N, A> {
+fn in_parts<'s, T, V, N>(stepper: &'s mut T, step: Step<'s, V, N>, level: u32) -> Single<'s, T, V, N> {
     let Step { state, interval: Interval { start, h, .. }, noise, dw } = step;
-    Single { stepper, state, noise, dw, first: Interval { start, h: part_of(h, level), step: 0 }, account }
+    Single { stepper, state, noise, dw, first: Interval { start, h: part_of(h, level), step: 0 } }
 }
 
 /// Their numbers among those of all steps.
@@ -351,29 +346,17 @@ fn take_parts<V, T: TakeStep<V>, N: Noise>(
     let Step { state, interval, noise, dw } = step;
     dw.fill(0.0);
     room.resize(dw.len(), 0.0);
-    let mut account = Parts { dw, taken: StepInfo { halvings: level, ..StepInfo::default() } };
-    let numbers = numbers_of_parts(interval.step, level)?;
-    let mut path = in_parts(stepper, Step { state, interval, noise, dw: room }, level, &mut account);
-    take_each(&mut path, numbers, |_, _| Ok(()))?;
-    Ok(account.taken)
-}
-
-/// The parts of a step.
-struct Parts<'d> {
-    /// Sums of their increments.
-    dw: &'d mut [f64],
-    /// Sums of their iterations; hard and doubtful where one of them is.
-    taken: StepInfo,
-}
-
-impl Account for Parts<'_> {
-    fn count(&mut self, dw: &[f64], info: &StepInfo) {
-        self.dw.iter_mut().zip(dw).for_each(|(sum, dw)| *sum += dw);
-        let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = *info;
-        self.taken.iterations = self.taken.iterations.saturating_add(iterations);
-        self.taken.is_hard |= is_hard;
-        self.taken.is_doubtful |= is_doubtful;
+    let mut path = in_parts(stepper, Step { state, interval, noise, dw: room }, level);
+    // Hard and doubtful where one of the parts is.
+    let mut taken = StepInfo { halvings: level, ..StepInfo::default() };
+    for part in numbers_of_parts(interval.step, level)? {
+        let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = path.advance(part)?;
+        dw.iter_mut().zip(&*path.dw).for_each(|(sum, dw)| *sum += dw);
+        taken.iterations = taken.iterations.saturating_add(iterations);
+        taken.is_hard |= is_hard;
+        taken.is_doubtful |= is_doubtful;
     }
+    Ok(taken)
 }
 
 /// The numbers of the `2^level` parts of a step among those of all steps; `None` if they cannot be counted.

@@ -25,7 +25,7 @@ use crate::path::retry::{Halved, Retry, Serves, Subdivision, Whole};
 use crate::path::series::Averaged;
 use crate::path::span::Grid;
 use crate::path::step::StepInfo;
-use crate::path::steps::{Account, Monitor, Single, take_steps};
+use crate::path::steps::{Advance, Single, take_steps};
 use crate::path::trajectory::{Recorder, Trajectory};
 use crate::path::watch::Watch;
 use crate::scheme::dense::DenseOutput;
@@ -285,7 +285,7 @@ where
         let mut account = Records::new(records()?, processes, is_shown || keeping.is_set() || looks_inside);
         let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
         let mut looks = between();
-        let mut keeper = keeping.open_path(
+        let keeper = keeping.open_path(
             &mut stepper.stepper,
             &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch, &mut observer),
             noise.as_ref(),
@@ -299,14 +299,14 @@ where
         let stop = stop.or(asked.as_deref().map(|stop| stop as _));
         let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
-        let mut monitor = Nodes { observer, keeper: &mut keeper, shown, stop, due: 0, grid, looks, dense };
-        monitor.due = monitor.next_due();
+        let mut nodes = Nodes { observer, account, keeper, shown, stop, due: 0, grid, looks, dense };
+        nodes.due = nodes.next_due();
         let error = loop {
-            if O::AVERAGES && monitor.observer.has_enough() {
+            if O::AVERAGES && nodes.observer.has_enough() {
                 break None;
             }
             if first == 0 {
-                monitor.show(&state, 0, &account, &dw);
+                nodes.show(&state, 0, &dw);
             }
             let mut path = Single {
                 stepper: &mut stepper,
@@ -314,24 +314,23 @@ where
                 noise: &mut noise,
                 dw: &mut dw,
                 first: grid.first(),
-                account: &mut account,
             };
-            match take_all(&mut path, first, &mut monitor) {
+            match take_all(&mut path, first, &mut nodes) {
                 Ok(()) => break None,
-                Err(Error::Stopped(_)) if monitor.observer.has_enough() => break None,
+                Err(Error::Stopped(_)) if nodes.observer.has_enough() => break None,
                 // A run that is kept does not start again: its file says that it went this far. Nor do averages, which have seen its nodes.
-                Err(error) if O::AVERAGES || monitor.keeper.keeps() || !stepper.refine(&error)? => {
+                Err(error) if O::AVERAGES || nodes.keeper.keeps() || !stepper.refine(&error)? => {
                     break Some(error);
                 }
                 Err(_) => {
                     (first, state) = (0, start.clone());
-                    account = Records::new(records()?, processes, account.has_sums);
-                    monitor.looks = between();
+                    nodes.account = Records::new(records()?, processes, nodes.account.has_sums);
+                    nodes.looks = between();
                     dw.fill(0.0);
                 }
             }
         };
-        let Nodes { observer, .. } = monitor;
+        let Nodes { observer, account, keeper, .. } = nodes;
         let exchanged = stepper.stepper.exchanged();
         let trajectory = account.recorder.finish(state).observing(names, &functions);
         let trajectory =
@@ -348,19 +347,19 @@ const PAUSE: Duration = Duration::from_millis(100);
 fn take_all<'s, H, E, N, O>(
     path: &mut OnePath<'_, 's, H, E, N>,
     first: u64,
-    monitor: &mut Nodes<'_, '_, '_, O, H::Vector>,
+    nodes: &mut Nodes<'_, '_, '_, O, H::Vector>,
 ) -> Result<(), Error>
 where
     H: Discretized<E>,
     N: Noise,
     O: Observer<H::Vector>,
 {
-    let grid = monitor.grid;
-    take_steps(path, first..grid.whole(), monitor)?;
+    let grid = nodes.grid;
+    take_steps(&mut (&mut *path, &mut *nodes), first..grid.whole())?;
     match grid.shorter {
         Some(h) if first < grid.steps => {
             path.stepper.finish_with(h)?;
-            take_steps(path, grid.whole()..grid.steps, monitor)
+            take_steps(&mut (path, nodes), grid.whole()..grid.steps)
         }
         _ => Ok(()),
     }
@@ -400,9 +399,8 @@ impl<V: Vector> Records<V> {
     fn new(recorder: Recorder<V>, processes: usize, has_sums: bool) -> Self {
         Self { recorder, wiener: Sums::new(processes), has_sums, last: [0; 2] }
     }
-}
 
-impl<V: Vector> Account for Records<V> {
+    /// A step with these increments was taken.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&mut self, dw: &[f64], info: &StepInfo) {
         self.recorder.step(dw, info);
@@ -439,7 +437,8 @@ impl<'r, 's, 'a, V, O> Run<'r, 's, 'a, V, O> {
 /// Shows nodes to the observer, records them and what is between them, and saves the run.
 struct Nodes<'k, 's, 'a, O, V> {
     observer: O,
-    keeper: &'k mut Keeper,
+    account: Records<V>,
+    keeper: Keeper,
     shown: StepsShown,
     /// Whether to stop, and when to ask.
     stop: Option<(&'k dyn Fn() -> bool, Due)>,
@@ -453,9 +452,9 @@ struct Nodes<'k, 's, 'a, O, V> {
 
 impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn show(&mut self, state: &State<V>, step: u64, account: &Records<V>, dw: &[f64]) {
-        let [iterations, halvings] = account.last;
-        let node = Node { step, wiener: account.wiener.totals(), increments: dw, iterations, halvings };
+    fn show(&mut self, state: &State<V>, step: u64, dw: &[f64]) {
+        let [iterations, halvings] = self.account.last;
+        let node = Node { step, wiener: self.account.wiener.totals(), increments: dw, iterations, halvings };
         self.observer.observe(state, &node);
     }
 
@@ -484,8 +483,8 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
         H: Discretized<E, Vector = V>,
         N: Noise,
     {
-        let (Some(looks), Some(dense)) = (&mut self.looks, &mut self.dense) else { return Ok(()) };
-        let Single { stepper, state, noise, dw, account, first } = path;
+        let Self { looks: Some(looks), dense: Some(dense), account, .. } = self else { return Ok(()) };
+        let Single { stepper, state, noise, dw, first } = path;
         let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
         if looks.wants(node, recorder.next_inside()) {
             if halvings == 0 {
@@ -507,7 +506,7 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     }
 }
 
-impl<'s, H, E, N, O> Monitor<OnePath<'_, 's, H, E, N>> for Nodes<'_, '_, '_, O, H::Vector>
+impl<H, E, N, O> Advance for (&mut OnePath<'_, '_, H, E, N>, &mut Nodes<'_, '_, '_, O, H::Vector>)
 where
     H: Discretized<E>,
     N: Noise,
@@ -516,46 +515,59 @@ where
     type Error = Error;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next(&self, path: &OnePath<'_, 's, H, E, N>, node: u64) -> u64 {
-        let recorder = &path.account.recorder;
-        let shown = if O::LOOKS && recorder.shows_all() { self.observer.next(node) } else { recorder.next() };
-        let inside = self.looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
-        shown.min(self.due).min(inside)
+    fn advance(&mut self, step: u64) -> Result<(), Error> {
+        let (path, nodes) = self;
+        let info = path.advance(step)?;
+        nodes.account.count(path.dw, &info);
+        Ok(())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, path: &mut OnePath<'_, 's, H, E, N>, node: u64) -> Result<(), Error> {
-        if node == self.grid.steps {
-            path.state.t = self.grid.end.unwrap_or(path.state.t);
+    fn next(&self, node: u64) -> u64 {
+        let Nodes { observer, account: Records { recorder, .. }, looks, due, .. } = &*self.1;
+        let shown = if O::LOOKS && recorder.shows_all() { observer.next(node) } else { recorder.next() };
+        let inside = looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
+        shown.min(*due).min(inside)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look(&mut self, node: u64) -> Result<(), Error> {
+        let (path, nodes) = self;
+        let all = nodes.grid.steps;
+        if node == all {
+            path.state.t = nodes.grid.end.unwrap_or(path.state.t);
         }
-        if self.looks.is_some() {
-            self.look_inside(path, node)?;
+        if nodes.looks.is_some() {
+            nodes.look_inside(path, node)?;
         }
-        let Single { stepper, state, account, dw, .. } = path;
-        let is_recorded = account.recorder.reach(state);
-        if O::LOOKS && (is_recorded || account.recorder.shows_all() || node == self.grid.steps) {
-            self.show(state, node, account, dw);
+        let recorder = &mut nodes.account.recorder;
+        let is_recorded = recorder.reach(path.state);
+        if O::LOOKS && (is_recorded || recorder.shows_all() || node == all) {
+            nodes.show(path.state, node, path.dw);
         }
-        let is_enough = O::AVERAGES && self.observer.has_enough();
-        if node >= self.due || is_enough {
-            let is_over = self.is_stopped(node) || is_enough;
-            if self.keeper.is_due(node) || (is_over && self.keeper.keeps()) {
-                let Subdivision { stepper, watch, .. } = &mut **stepper;
-                let mut run = Run::new(state, account, &mut self.looks, watch, &mut self.observer);
-                self.keeper.save_path(stepper, &mut run, node)?;
+        let is_enough = O::AVERAGES && nodes.observer.has_enough();
+        if node >= nodes.due || is_enough {
+            let is_over = nodes.is_stopped(node) || is_enough;
+            if nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps()) {
+                let Nodes { account, looks, observer, keeper, .. } = &mut **nodes;
+                let Subdivision { stepper, watch, .. } = &mut *path.stepper;
+                keeper.save_path(
+                    stepper,
+                    &mut Run::new(path.state, account, looks, watch, observer),
+                    node,
+                )?;
             }
             if is_over {
-                return Err(StoppedError { done: node, all: self.grid.steps }.into());
+                return Err(StoppedError { done: node, all }.into());
             }
-            self.due = self.next_due();
+            nodes.due = nodes.next_due();
         }
         Ok(())
     }
 }
 
 /// The path of a run.
-type OnePath<'r, 's, H, E, N> =
-    Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N, Records<<H as Hamiltonian>::Vector>>;
+type OnePath<'r, 's, H, E, N> = Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N>;
 
 const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
                      `Increments::from(...)`";

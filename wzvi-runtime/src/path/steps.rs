@@ -1,8 +1,8 @@
 //! The loop over the steps of a path: there is one.
 //!
-//! [`take_steps`] takes steps, each with its increments from a source, and stops at the nodes at which somebody wants to look. What a step
-//! is, is the business of [`Advance`]: one path ([`Single`]), the parts of a step that is halved, paths in the lanes of vector
-//! registers, or coupled pairs of those. What is wanted of the nodes, is that of a [`Monitor`].
+//! [`take_steps`] takes steps, each with its increments from a source, and stops at the nodes at which somebody wants to look. What a step is, and what
+//! is wanted of the nodes, is the business of [`Advance`]: for one path ([`Single`]), for paths in the lanes of vector registers, or coupled pairs of
+//! those.
 
 use std::ops::Range;
 
@@ -13,81 +13,46 @@ use crate::path::Error;
 use crate::path::step::{StepInfo, Stepper};
 use crate::scheme::system::Discretized;
 
-/// One path or several: what takes their steps.
+/// One path or several, whose nodes are looked at.
 pub(crate) trait Advance {
+    /// What ends the run.
+    type Error;
+
     /// Draws the increments of the step with this number, and takes it. Steps are taken in order.
     ///
     /// # Errors
     /// If the run cannot go on; where it was before, it still is.
-    fn advance(&mut self, step: u64) -> Result<(), Error>;
-}
+    fn advance(&mut self, step: u64) -> Result<(), Self::Error>;
 
-/// Looks at the nodes of a run.
-pub(crate) trait Monitor<P: Advance> {
-    /// What ends the run.
-    type Error: From<Error>;
-
-    /// The next node, after this one, at which it wants to look. The last node of the run is looked at in any case.
-    fn next(&self, path: &P, node: u64) -> u64;
+    /// The next node, after this one, to look at. The last node of the run is looked at in any case.
+    fn next(&self, node: u64) -> u64;
 
     /// Looks at the node that was reached.
     ///
     /// # Errors
     /// To end the run there.
-    fn look(&mut self, path: &mut P, node: u64) -> Result<(), Self::Error>;
+    fn look(&mut self, node: u64) -> Result<(), Self::Error>;
 }
 
-/// Takes the steps with these numbers, and lets `monitor` look at the nodes that it wants to see.
+/// Takes the steps with these numbers, and looks at the nodes that are wanted.
 ///
 /// # Errors
-/// The first one, of a step or of the monitor.
+/// The first one, of a step or of a look.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn take_steps<P: Advance, M: Monitor<P>>(
-    path: &mut P,
-    steps: Range<u64>,
-    monitor: &mut M,
-) -> Result<(), M::Error> {
+pub(crate) fn take_steps<A: Advance>(run: &mut A, steps: Range<u64>) -> Result<(), A::Error> {
     let mut node = steps.start;
     while node < steps.end {
-        let until = monitor.next(path, node).min(steps.end);
+        let until = run.next(node).min(steps.end);
         loop {
-            path.advance(node)?;
+            run.advance(node)?;
             node += 1;
             if node >= until {
                 break;
             }
         }
-        monitor.look(path, node)?;
+        run.look(node)?;
     }
     Ok(())
-}
-
-/// [`take_steps`] with `look` at every node.
-///
-/// # Errors
-/// The first one, of a step or of `look`.
-pub(crate) fn take_each<P: Advance>(
-    path: &mut P,
-    steps: Range<u64>,
-    look: impl FnMut(&mut P, u64) -> Result<(), Error>,
-) -> Result<(), Error> {
-    take_steps(path, steps, &mut Each(look))
-}
-
-struct Each<F>(F);
-
-impl<P: Advance, F: FnMut(&mut P, u64) -> Result<(), Error>> Monitor<P> for Each<F> {
-    type Error = Error;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next(&self, _path: &P, node: u64) -> u64 {
-        node + 1
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, path: &mut P, node: u64) -> Result<(), Error> {
-        self.0(path, node)
-    }
 }
 
 /// A step to take.
@@ -121,19 +86,8 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Stepper<'_, H,
     }
 }
 
-/// Is told of every step that was taken.
-pub(crate) trait Account {
-    /// A step with these increments.
-    fn count(&mut self, dw: &[f64], info: &StepInfo);
-}
-
-impl Account for () {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&mut self, _dw: &[f64], _info: &StepInfo) {}
-}
-
 /// One path.
-pub(crate) struct Single<'r, T, V, N, A> {
+pub(crate) struct Single<'r, T, V, N> {
     pub(crate) stepper: &'r mut T,
     pub(crate) state: &'r mut State<V>,
     /// As of a [`Step`].
@@ -142,17 +96,17 @@ pub(crate) struct Single<'r, T, V, N, A> {
     pub(crate) dw: &'r mut [f64],
     /// The first step, number 0.
     pub(crate) first: Interval,
-    pub(crate) account: &'r mut A,
 }
 
-impl<T: TakeStep<V>, V, N: Noise, A: Account> Advance for Single<'_, T, V, N, A> {
+impl<T: TakeStep<V>, V, N: Noise> Single<'_, T, V, N> {
+    /// Draws the increments of the step with this number, and takes it.
+    ///
+    /// # Errors
+    /// Those of [`TakeStep::take_step`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance(&mut self, step: u64) -> Result<(), Error> {
-        let Self { stepper, state, noise, dw, first, account } = self;
-        let interval = Interval { step, ..*first };
-        let info = stepper.take_step(Step { state, interval, noise, dw })?;
-        account.count(dw, &info);
-        Ok(())
+    pub(crate) fn advance(&mut self, step: u64) -> Result<StepInfo, Error> {
+        let Self { stepper, state, noise, dw, first } = self;
+        stepper.take_step(Step { state, interval: Interval { step, ..*first }, noise, dw })
     }
 }
 
@@ -162,11 +116,14 @@ mod tests {
     use crate::error::ConfigError;
 
     /// The steps that were taken, and the nodes that were looked at.
-    #[derive(Default)]
     struct Seen {
         steps: Vec<u64>,
         /// Fails at this step.
         bad: Option<u64>,
+        stride: u64,
+        nodes: Vec<u64>,
+        /// Ends at this node.
+        last: u64,
     }
 
     fn wrong(what: &str) -> Error {
@@ -174,6 +131,8 @@ mod tests {
     }
 
     impl Advance for Seen {
+        type Error = Error;
+
         fn advance(&mut self, step: u64) -> Result<(), Error> {
             if self.bad == Some(step) {
                 return Err(wrong("step"));
@@ -181,23 +140,13 @@ mod tests {
             self.steps.push(step);
             Ok(())
         }
-    }
 
-    struct Every {
-        stride: u64,
-        nodes: Vec<u64>,
-        last: u64,
-    }
-
-    impl Monitor<Seen> for Every {
-        type Error = Error;
-
-        fn next(&self, _path: &Seen, node: u64) -> u64 {
+        fn next(&self, node: u64) -> u64 {
             (node / self.stride + 1).saturating_mul(self.stride)
         }
 
-        fn look(&mut self, path: &mut Seen, node: u64) -> Result<(), Error> {
-            assert_eq!(path.steps.last(), Some(&(node - 1)));
+        fn look(&mut self, node: u64) -> Result<(), Error> {
+            assert_eq!(self.steps.last(), Some(&(node - 1)));
             self.nodes.push(node);
             if node == self.last { Err(wrong("node")) } else { Ok(()) }
         }
@@ -206,10 +155,9 @@ mod tests {
     #[test]
     fn every_step_is_taken_once_and_every_wanted_node_seen() {
         let run = |steps: Range<u64>, stride, bad, last| {
-            let (mut path, mut monitor) =
-                (Seen { bad, ..Seen::default() }, Every { stride, nodes: vec![], last });
-            let outcome = take_steps(&mut path, steps, &mut monitor);
-            (path.steps, monitor.nodes, outcome)
+            let mut path = Seen { steps: vec![], bad, stride, nodes: vec![], last };
+            let outcome = take_steps(&mut path, steps);
+            (path.steps, path.nodes, outcome)
         };
         assert_eq!(run(0..7, 3, None, 99), ((0..7).collect(), vec![3, 6, 7], Ok(())));
         assert_eq!(run(5..9, 3, None, 99), ((5..9).collect(), vec![6, 9], Ok(())));

@@ -12,7 +12,7 @@ use crate::increments::{Interval, Noise};
 use crate::path::Error;
 use crate::path::simulate::{Node, Simulation};
 use crate::path::step::{StepInfo, Stepper};
-use crate::path::steps::{Account, Single, TakeStep, take_each};
+use crate::path::steps::{Single, TakeStep};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -103,9 +103,9 @@ pub(super) struct Iterations {
     pub(super) largest: u32,
 }
 
-impl Account for Iterations {
+impl Iterations {
     #[inline]
-    fn count(&mut self, _dw: &[f64], info: &StepInfo) {
+    fn count(&mut self, info: &StepInfo) {
         self.steps += 1;
         self.total += u64::from(info.iterations);
         self.largest = self.largest.max(info.iterations);
@@ -175,10 +175,11 @@ fn timed<V: Vector, T: TakeStep<V>>(
                 noise: &mut rows,
                 dw: &mut dw,
                 first: Interval { start: path.start.t, h: path.h, step: 0 },
-                account: &mut counts,
             };
             // Only paths that were seen to reach the end are timed.
-            take_each(&mut single, 0..path.steps as u64, |_, _| Ok(()))?;
+            for step in 0..path.steps as u64 {
+                counts.count(&single.advance(step)?);
+            }
             black_box(&state);
         }
     }

@@ -14,7 +14,7 @@ use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::{Subdivision, Whole};
 use crate::path::step::StepInfo;
-use crate::path::steps::{Single, Step, TakeStep, take_each};
+use crate::path::steps::{Single, Step, TakeStep};
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
 use crate::scheme::system::{
@@ -137,9 +137,10 @@ where
             noise: &mut noise,
             dw: &mut dw,
             first: grid.first(),
-            account: &mut (),
         };
-        take_each(&mut path, 0..grid.steps, |_, _| Ok(()))?;
+        for step in 0..grid.steps {
+            path.advance(step)?;
+        }
         let named = parameters.map_or(0, <[&str]>::len);
         Ok(Tangent {
             by_start: matrix(&stepper.by_start, degrees, 0..2 * degrees),
