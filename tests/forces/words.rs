@@ -1,7 +1,7 @@
 //! Splittings with letters of one's own.
 
 use fixtures::bath::Oscillator;
-use wzvi::bath::{A, B, HarmonicLaw, Letters, O, Word};
+use wzvi::bath::{A, B, HarmonicLaw, Letters, O};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -212,7 +212,7 @@ fn paths_of_a_word_have_its_law() {
 /// What the O parts need is read by their number, wherever they stand.
 #[test]
 fn a_system_with_a_word_is_one_with_friction() {
-    assert_eq!(<(O, B, A, B, O) as Word>::LETTERS.len(), 5);
+    assert_eq!(<(O, B, A, B, O) as Letters>::LETTERS.len(), 5);
     let spring = Spring { k: 1.0, gamma: 0.5, kt: 0.2 };
     assert_eq!(Discretized::<Uneven>::increments(&spring, 1), 2);
     let oscillator = Oscillator { m: 1.0, k: 1.0, b: 0.0, gamma: 0.5, kt: 0.2 };

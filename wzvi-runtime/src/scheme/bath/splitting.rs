@@ -12,7 +12,7 @@ use super::modes::Decay;
 use super::part::{self, Parts, Shares};
 use super::relaxation::is_list;
 use super::windowed::WithBath;
-use super::word::{A, Act, B, O, Spelling, Word, joined};
+use super::word::{A, Act, B, O, Part, Spelling, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
@@ -31,37 +31,33 @@ use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
 
-/// A word of kicks, drifts and O parts, and how they are applied.
+/// A word of kicks, drifts and O parts, and how they are applied: a tuple of letters, or a scheme with a name.
 pub trait Letters {
-    /// Its letters.
-    type Word: Word;
+    /// Its letters, in the order of the step.
+    const LETTERS: &'static [Part];
     /// The decay of the momenta in the O parts.
     const DECAY: Decay = Decay::Exponential;
     /// Whether kicks and drifts are shortened.
     const IS_SHORTENED: bool = false;
     /// The letters, prepared for steps.
-    const SPELLING: &'static Spelling = &Spelling::of(<Self::Word as Word>::LETTERS);
-}
-
-impl<W: Word> Letters for W {
-    type Word = W;
+    const SPELLING: &'static Spelling = &Spelling::of(Self::LETTERS);
 }
 
 impl Letters for Baoab {
-    type Word = (B, A, O, A, B);
+    const LETTERS: &'static [Part] = <(B, A, O, A, B)>::LETTERS;
 }
 
 impl Letters for Obabo {
-    type Word = (O, B, A, B, O);
+    const LETTERS: &'static [Part] = <(O, B, A, B, O)>::LETTERS;
 }
 
 impl Letters for Gjf {
-    type Word = (B, A, O, A, B);
+    const LETTERS: &'static [Part] = <(B, A, O, A, B)>::LETTERS;
     const DECAY: Decay = Decay::Cayley;
 }
 
 impl Letters for GjI {
-    type Word = (B, A, O, A, B);
+    const LETTERS: &'static [Part] = <(B, A, O, A, B)>::LETTERS;
     const IS_SHORTENED: bool = true;
 }
 

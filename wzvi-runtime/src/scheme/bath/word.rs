@@ -53,15 +53,9 @@ impl Letter for O {
     const PART: Part = Part::O;
 }
 
-/// A tuple of letters, in the order of the step.
-pub trait Word {
-    /// All of them.
-    const LETTERS: &'static [Part];
-}
-
 macro_rules! words {
     ($first:ident $($letter:ident)*) => {
-        impl<$first: Letter, $($letter: Letter),*> Word for ($first, $($letter,)*) {
+        impl<$first: Letter, $($letter: Letter),*> Letters for ($first, $($letter,)*) {
             const LETTERS: &'static [Part] = &[$first::PART, $($letter::PART),*];
         }
         words!($($letter)*);
