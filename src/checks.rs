@@ -10,12 +10,6 @@ use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
 use wzvi_runtime::scheme::system::{At, Hamiltonian, Lift, Scheme};
 
-/// A system whose closures are checked.
-pub trait Checked {
-    /// Has them as values.
-    fn check(&self);
-}
-
 /// A scheme as it was written is the type that it was read as.
 pub fn is_same<E>(_: PhantomData<E>) {}
 

@@ -21,7 +21,7 @@ pub(crate) mod internal;
 pub(crate) mod messages;
 mod spelling;
 
-pub(crate) use self::internal::Promised;
+pub(crate) use self::internal::promised;
 
 use std::collections::HashSet;
 use std::fmt::Display;

@@ -5,7 +5,7 @@ use std::fmt;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{ToTokens, quote};
 
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::symbolic::Rational;
 
 mod points;
@@ -73,9 +73,10 @@ impl Embedding {
             | Self::GjI
             | Self::Splitting(_) => single(Rational::HALF),
             Self::DeltaMinus => single(Rational::ONE),
-            &Self::Lambda(n, d) => single(
-                Rational::new(n.into(), d.into()).promised("quadrature points are fractions of 32 bits"),
-            ),
+            &Self::Lambda(n, d) => single(promised(
+                Rational::new(n.into(), d.into()),
+                "quadrature points are fractions of 32 bits",
+            )),
             Self::Declared(Declared { points, .. }) => [points.clone(), points.clone()],
             Self::Mixed(drift, noise) => {
                 let ([of_drift, _], [_, of_noise]) = (drift.points(), noise.points());

@@ -14,7 +14,7 @@ use proc_macro2::TokenStream;
 
 pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation};
 use self::symbols::Symbols;
-use crate::diagnostics::{Extent, Located, Promised};
+use crate::diagnostics::{Extent, Located, promised};
 use crate::embedding::Embedding;
 use crate::input::{Emission, Labels, Shape};
 use crate::symbolic::{Expr, Graph, Symbol};
@@ -280,9 +280,8 @@ impl System {
         let mut total = Index::default();
         for noise in &self.noise {
             let count = noise.family.as_ref().map_or(Index::integer(1), |family| family.count.clone());
-            total = total
-                .add(&count)
-                .promised("counts of noises beyond all integers are refused where they are lowered");
+            let all = total.add(&count);
+            total = promised(all, "counts of noises beyond all integers are refused where they are lowered");
             offsets.push(total.clone());
         }
         offsets

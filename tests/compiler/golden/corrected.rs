@@ -201,8 +201,8 @@ const _: () = {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
-    impl ::wzvi::__private::checks::Checked for Multiplicative {
-        fn check(&self) {
+    impl Multiplicative {
+        fn __closures(&self) {
             use ::wzvi::__private::checks as checks;
             checks::is_same::<
                 ::wzvi::embedding::Corrected<::wzvi::embedding::DeltaPlus>,

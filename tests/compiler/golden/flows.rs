@@ -232,8 +232,8 @@ const _: () = {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
-    impl ::wzvi::__private::checks::Checked for Perturbed {
-        fn check(&self) {
+    impl Perturbed {
+        fn __closures(&self) {
             use ::wzvi::__private::checks as checks;
             checks::is_same::<::wzvi::embedding::Verlet>(checks::PhantomData::<Verlet>);
             {

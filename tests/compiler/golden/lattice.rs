@@ -293,8 +293,8 @@ const _: () = {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
-    impl<const N: usize> ::wzvi::__private::checks::Checked for Lattice<{ N }> {
-        fn check(&self) {
+    impl<const N: usize> Lattice<{ N }> {
+        fn __closures(&self) {
             use ::wzvi::__private::checks as checks;
             checks::is_same::<
                 ::wzvi::embedding::DeltaPlus,

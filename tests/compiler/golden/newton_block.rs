@@ -230,8 +230,8 @@ const _: () = {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
-    impl ::wzvi::__private::checks::Checked for HenonHeiles {
-        fn check(&self) {
+    impl HenonHeiles {
+        fn __closures(&self) {
             use ::wzvi::__private::checks as checks;
             checks::is_same::<
                 ::wzvi::embedding::Midpoint,

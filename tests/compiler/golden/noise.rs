@@ -287,8 +287,8 @@ const _: () = {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
-    impl ::wzvi::__private::checks::Checked for Kubo {
-        fn check(&self) {
+    impl Kubo {
+        fn __closures(&self) {
             use ::wzvi::__private::checks as checks;
             checks::is_same::<
                 ::wzvi::embedding::Midpoint,

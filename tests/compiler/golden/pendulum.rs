@@ -191,8 +191,8 @@ const _: () = {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     #[automatically_derived]
-    impl ::wzvi::__private::checks::Checked for Pendulum {
-        fn check(&self) {
+    impl Pendulum {
+        fn __closures(&self) {
             use ::wzvi::__private::checks as checks;
             checks::is_same::<
                 ::wzvi::embedding::Midpoint,

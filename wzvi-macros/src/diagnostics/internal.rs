@@ -8,20 +8,13 @@ thread_local! {
     static BROKEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// A value that cannot be absent.
-pub(crate) trait Promised<T> {
-    /// The value, which exists because of `reason`. If it is absent: the default, and an error at the end of the expansion.
-    fn promised(self, reason: &str) -> T;
-}
-
-impl<T: Default> Promised<T> for Option<T> {
-    #[track_caller]
-    fn promised(self, reason: &str) -> T {
-        if self.is_none() {
-            broken(reason);
-        }
-        self.unwrap_or_default()
+/// A value that cannot be absent, because of `reason`. If it is: the default, and an error at the end of the expansion.
+#[track_caller]
+pub(crate) fn promised<T: Default>(value: Option<T>, reason: &str) -> T {
+    if value.is_none() {
+        broken(reason);
     }
+    value.unwrap_or_default()
 }
 
 /// Notes that `reason` does not hold.
@@ -53,9 +46,9 @@ mod tests {
     #[test]
     fn what_is_absent_is_an_error_once() {
         assert!(error().is_none());
-        assert_eq!(Some(Rational::HALF).promised("it is there"), Rational::HALF);
+        assert_eq!(promised(Some(Rational::HALF), "it is there"), Rational::HALF);
         assert!(error().is_none());
-        assert_eq!(None::<Rational>.promised("halves are small"), Rational::ZERO);
+        assert_eq!(promised(None::<Rational>, "halves are small"), Rational::ZERO);
         broken("loops are closed");
         let text = error().map(|error| error.to_string()).unwrap_or_default();
         for part in ["please report", "internal.rs:", "halves are small", "loops are closed"] {

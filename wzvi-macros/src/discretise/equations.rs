@@ -7,7 +7,7 @@
 //! p_{i+1} = D_2 L_d  :  p_{i+1} - p_i = v + (D_2 L_d - P)
 //! ```
 
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::discretise::DiscreteLagrangian;
 use crate::symbolic::{Expr, Graph, Rational};
 
@@ -66,7 +66,7 @@ fn momentum_update(
     }
     for stage in &lagrangian.symbols.stages {
         let Some(inverse) = stage.at.start().recip() else { continue };
-        let ratio = stage.at.end().multiply(inverse).promised("quadrature points are fractions of 32 bits");
+        let ratio = promised(stage.at.end().multiply(inverse), "quadrature points are fractions of 32 bits");
         let difference = graph.linear_combination(&[(rest, Rational::ONE), (phi_v, ratio.negate())]);
         if graph.is_zero(difference) {
             return MomentumUpdate::Multiple(inverse);

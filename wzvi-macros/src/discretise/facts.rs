@@ -7,7 +7,7 @@ use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
 use super::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted, weighted};
-use crate::diagnostics::{Extent, Promised};
+use crate::diagnostics::{Extent, promised};
 use crate::embedding::{Correction, Embedding};
 use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
 use crate::symbolic::{Graph, Knowledge, Rational, Symbol};
@@ -78,9 +78,10 @@ impl Hamiltonians {
     fn of(system: &System, of: impl Fn(&Term) -> &Vec<Element> + Copy) -> Self {
         let noise = system.noise.iter().zip(system.noise_offsets()).map(|(noise, offset)| {
             let number = match &noise.family {
-                Some(family) => offset
-                    .add(&Index::atom(Atom::Loop(family.variable)))
-                    .promised("numbers of noises are integers"),
+                Some(family) => {
+                    let own = Index::atom(Atom::Loop(family.variable));
+                    promised(offset.add(&own), "numbers of noises are integers")
+                }
                 None => offset,
             };
             weighted(of(&noise.term), &[number])
@@ -215,7 +216,7 @@ impl Facts {
 
     /// A defect as text: `1/2 - l` times one of these sums.
     pub(crate) fn defect(&self, graph: &mut Graph, half: &Judged, l: Rational) -> String {
-        let weight = Rational::HALF.add(l.negate()).promised("quadrature points are fractions of 32 bits");
+        let weight = promised(Rational::HALF.add(l.negate()), "quadrature points are fractions of 32 bits");
         match &half.sum {
             Some(half) if !weight.is_zero() => self.space.display(graph, half, weight),
             _ => "0".to_owned(),

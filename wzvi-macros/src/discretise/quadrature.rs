@@ -12,7 +12,7 @@
 //! of the noise.
 
 use super::facts::{Facts, NoiseClass};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::embedding::{Correction, Embedding};
 use crate::symbolic::Rational;
 
@@ -41,7 +41,7 @@ pub(crate) struct Stage {
 impl Stage {
     /// The weight of slopes in `D_1 L_d`: `1 - l`, exact, because `l` is a fraction of small integers.
     pub(crate) fn start(&self) -> Rational {
-        Rational::ONE.add(self.l.negate()).promised("quadrature points are fractions of 32 bits")
+        promised(Rational::ONE.add(self.l.negate()), "quadrature points are fractions of 32 bits")
     }
 
     /// The weight of slopes in `D_2 L_d`.
@@ -73,7 +73,7 @@ impl Quadrature {
             of_noise.push((Part::Noise, Rational::ONE));
         }
         if corrects {
-            of_noise.push((Part::CounterTerm, Rational::HALF.add(mean.negate()).promised(EXACT)));
+            of_noise.push((Part::CounterTerm, promised(Rational::HALF.add(mean.negate()), EXACT)));
         }
         let mut stages: Vec<Stage> = Vec::new();
         for (points, parts) in [(drift, of_drift), (noise, of_noise)] {
@@ -82,7 +82,7 @@ impl Quadrature {
             }
             for (l, share) in points.iter() {
                 let weighted =
-                    parts.iter().map(|&(part, weight)| (part, weight.multiply(share).promised(EXACT)));
+                    parts.iter().map(|&(part, weight)| (part, promised(weight.multiply(share), EXACT)));
                 match stages.iter_mut().find(|stage| stage.l == l) {
                     Some(stage) => stage.parts.extend(weighted),
                     None => stages.push(Stage { l, parts: weighted.collect() }),

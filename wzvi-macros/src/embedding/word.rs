@@ -5,7 +5,7 @@ use std::fmt;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{ToTokens, quote};
 
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::symbolic::Rational;
 
 /// The most letters that the run time takes.
@@ -57,7 +57,7 @@ impl Word {
         let share = |letter: &Letter| {
             let (n, d) =
                 letter.share.map_or((1, of_kind(letter.kind) as i128), |(n, d)| (n.into(), d.into()));
-            (letter.kind, Rational::new(n, d).promised("shares are fractions of 32 bits"))
+            (letter.kind, promised(Rational::new(n, d), "shares are fractions of 32 bits"))
         };
         self.0.iter().map(share).collect()
     }

@@ -56,8 +56,8 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
         #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
         const _: () = {
             #[automatically_derived]
-            impl #parameters #path::Checked for #name #arguments #condition {
-                fn check(&self) {
+            impl #parameters #name #arguments #condition {
+                fn __closures(&self) {
                     use #path as #checks;
                     #(#schemes)*
                     #(#closures)*

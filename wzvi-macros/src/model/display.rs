@@ -2,7 +2,7 @@
 
 use super::index::{Atom, Index, Operation};
 use super::{Element, Half, Slot, System, Table};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::symbolic::signed;
 
 /// Names of loop variables, by nesting; deeper ones repeat the last.
@@ -101,7 +101,7 @@ impl System {
     pub(crate) fn noise_numbers(&self) -> Vec<String> {
         let names = Names { tables: &self.tables, letter: &|_| "k" };
         let numbers = self.noise.iter().zip(self.noise_offsets()).map(|(noise, offset)| {
-            let first = offset.shifted(1).promised("numbers of noises are integers");
+            let first = promised(offset.shifted(1), "numbers of noises are integers");
             match (&noise.family, offset.as_integer()) {
                 (None, Some(_)) => names.index(&first),
                 (None, None) => format!("_({})", names.index(&first)),

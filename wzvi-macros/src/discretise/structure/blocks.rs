@@ -1,6 +1,6 @@
 //! The dependency graph of the unknowns: components and feedback vertices.
 
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::discretise::{Equations, StepSymbols, Unknown};
 use crate::symbolic::{Expr, Graph, Node};
 
@@ -47,9 +47,8 @@ impl Dependencies {
         let (forced, free): (Vec<usize>, Vec<usize>) =
             component.iter().partition(|&&vertex| self.reads[vertex].contains(&vertex));
         let feedback = self.smallest_feedback(component, &forced, &free);
-        let assigned = self
-            .order_without(component, &feedback)
-            .promised("without its feedback a component has an order");
+        let assigned = self.order_without(component, &feedback);
+        let assigned = promised(assigned, "without its feedback a component has an order");
         (feedback, assigned)
     }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::locality::is_condition;
 use super::{Space, Sum};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::model::display::{Names, letter_at};
 use crate::model::{Element, Index, Local, Loop, Slot};
 use crate::symbolic::{Expr, Graph, Rational, Symbol};
@@ -78,7 +78,7 @@ impl Space {
         if is_condition(known) {
             return format!("where {} > 0", self.index(loops, &known.end));
         }
-        let last = known.end.shifted(-1).promised("ends of loops are integers");
+        let last = promised(known.end.shifted(-1), "ends of loops are integers");
         let letter = self.index(loops, &super::variable(known.variable));
         format!("{letter}={}..{}", self.index(loops, &known.start), self.index(loops, &last))
     }

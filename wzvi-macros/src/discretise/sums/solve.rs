@@ -15,7 +15,7 @@
 //! runs once if it holds and not at all otherwise.
 
 use super::{Space, variable};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::model::{Atom, Index, Loop, Operation};
 use crate::symbolic::rational::gcd;
 
@@ -348,8 +348,10 @@ fn in_order(mut loops: Vec<Loop>) -> Vec<Loop> {
             !loops.iter().any(|other| read.contains(&other.variable))
         };
         let at = loops.iter().position(is_free);
-        let at = at
-            .promised("ranges of loops read outer ones only, and solutions never read what depends on them");
+        let at = promised(
+            at,
+            "ranges of loops read outer ones only, and solutions never read what depends on them",
+        );
         ordered.push(loops.remove(at));
     }
     ordered

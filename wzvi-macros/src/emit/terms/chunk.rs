@@ -27,7 +27,7 @@ pub(super) use rows::partners;
 use super::Wanted;
 use super::indices::{Indices, OpenList, variable};
 use super::kernel::{Arithmetic, Target, written};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::emit::count;
 use crate::model::{Element, Half, Index, Local, Slot};
 use crate::symbolic::Expr;
@@ -367,6 +367,6 @@ impl Chunk<'_> {
 fn slot_index(slot: &Slot) -> Index {
     match slot {
         Slot::State(_, index) | Slot::Number(index) => index.clone(),
-        Slot::Entry(_, indices) => indices.first().cloned().promised("entries of tables have an index"),
+        Slot::Entry(_, indices) => promised(indices.first().cloned(), "entries of tables have an index"),
     }
 }

@@ -9,7 +9,7 @@ use super::Wanted;
 use super::chunk::{Chunk, Emitted, Pass, gathers, lists, partners};
 use super::indices::{Indices, variable};
 use super::weighted::{Nests, Outputs, Weight};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::discretise::{Weighted, family_of};
 use crate::emit::{Level, Lowering, Names, Op, Printer, count, parameter_names};
 use crate::model::{Atom, Element, Half, Index, Loop, System};
@@ -216,7 +216,7 @@ impl Nests<'_> {
         let [start, end] = [indices.value(&known.start), indices.value(&known.end)];
         let number = weighted.increments.first().cloned().unwrap_or_default();
         let before = number.subtract(&Index::atom(Atom::Loop(known.variable)));
-        let before = before.promised("the number of a member is an offset and its own number");
+        let before = promised(before, "the number of a member is an offset and its own number");
         let own = |number: TokenStream| match before == Index::default() {
             true => quote!(#number as __wzvi::isize),
             false => {

@@ -18,7 +18,7 @@ pub(crate) use self::in_loops::{emit as step, in_windows, quadrature};
 pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
 use crate::describe::Texts;
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
 use crate::emit::compose::structure;
 use crate::emit::plan::degrees;
@@ -81,7 +81,7 @@ fn sizes(model: &System, degrees: &TokenStream) -> TokenStream {
 
 /// The number of noises.
 fn noise_count(model: &System) -> TokenStream {
-    let all = model.noise_offsets().pop().promised("the last offset is the number of noises");
+    let all = promised(model.noise_offsets().pop(), "the last offset is the number of noises");
     match all.as_integer().and_then(|index| usize::try_from(index).ok()) {
         Some(known) => count(known).into_token_stream(),
         None => {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::emit::count;
 use crate::model::{Atom, Bounds, Element, Index, Loop, Operation, Slot, System, Table, Term};
 
@@ -73,8 +73,10 @@ impl Places<'_> {
     fn nest(&mut self, element: &Element) -> TokenStream {
         let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
         let sizes = Sizes { system: self.system, loops: &element.loops };
-        let total =
-            self.system.size.multiply(&Index::integer(self.system.components)).promised("sizes are integers");
+        let total = promised(
+            self.system.size.multiply(&Index::integer(self.system.components)),
+            "sizes are integers",
+        );
         let is_proven = |slot: &Slot| match slot {
             Slot::State(_, index) => sizes.is_integer(index) && bounds.is_below(index, &total),
             Slot::Entry(table, indices) => (0..indices.len()).all(|level| {

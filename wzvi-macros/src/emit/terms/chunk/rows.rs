@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 
 use super::motion::{Motion, Pass};
 use super::{Arithmetic, Chunk, Emitted, slot_index, variable};
-use crate::diagnostics::Promised;
+use crate::diagnostics::promised;
 use crate::discretise::Weighted;
 use crate::emit::count;
 use crate::emit::terms::indices::Indices;
@@ -122,7 +122,7 @@ impl<'a> Interaction<'a> {
 impl Chunk<'_> {
     /// The innermost loop as a row of pairs.
     pub(in crate::emit::terms) fn row(&self, first: &Index) -> Emitted {
-        let [start, end] = self.range.clone().promised("pairs have an innermost loop");
+        let [start, end] = promised(self.range.clone(), "pairs have an innermost loop");
         let mut interaction = Interaction::new(self.arithmetic);
         let (before, lists) = self.open_pair(&mut interaction);
         interaction.own.extend(interaction.factor.take());
