@@ -8,6 +8,8 @@ use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 use wzvi::system::MemoryOf;
 
+type Memory<H> = MemoryOf<H, Midpoint, f64>;
+
 /// What linear equations took in each step.
 fn work<H: Discretized<Midpoint, Vector = DVector<f64>>>(
     system: &H,
@@ -153,7 +155,7 @@ fn same_bits<H: Discretized<Midpoint, Vector = DVector<f64>>>(
     start: State<DVector<f64>>,
 ) {
     let prepared = system.prepare(h).unwrap();
-    let run = |disturb: &mut dyn FnMut(usize, &mut MemoryOf<H, Midpoint, f64>)| {
+    let run = |disturb: &mut dyn FnMut(usize, &mut Memory<H>)| {
         let (mut state, mut memory) = (start.clone(), system.memory());
         for step in 0..24 {
             disturb(step, &mut memory);
