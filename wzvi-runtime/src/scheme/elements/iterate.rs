@@ -201,29 +201,43 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the fast iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        let (pinned, known) = (scratch.solver.iteration, scratch.known);
         scratch.solver.kept.begin();
-        let takes_one = self.takes_one_correction(scratch);
-        let attempt = |scratch: &mut Scratch<'_, S>| match takes_one {
+        let mut solved = self.attempt(scratch);
+        let mut is_apart = false;
+        if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
+            && solved.is_err()
+            && self.may_have_been_unusual(scratch)
+        {
+            (scratch.is_exact, is_apart) = (true, true);
+            solved = self.attempt_exactly(scratch.lend());
+        }
+        // The start may have been misleading: restart from zero, by Newton's method unless another is pinned.
+        if solved.is_err() && (scratch.known > 0 || scratch.solver.iteration == Iteration::Automatic) {
+            is_apart = true;
+            solved = self.iterate_again(scratch.lend());
+        }
+        if is_apart {
+            // Lists may have been exchanged in the lent scratch only.
+            scratch.leave_windows();
+            self.refresh(&mut scratch.lists);
+        }
+        solved
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn attempt(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        let (pinned, known) = (scratch.solver.iteration, scratch.known);
+        match self.takes_one_correction(scratch) {
             true => self.correct_once(scratch),
             false => self.iterate(scratch, known, pinned),
-        };
-        let mut first = attempt(scratch);
-        if first.is_err() && self.may_have_been_unusual(scratch) {
-            scratch.is_exact = true;
-            first = attempt(scratch);
         }
-        match first {
-            // The start may have been misleading: restart from zero, by Newton's method unless another is pinned.
-            Err(_) if known > 0 || pinned == Iteration::Automatic => {
-                let solved = self.iterate_again(scratch.lend());
-                // The lists of a stage may have been exchanged in the lent scratch only.
-                scratch.leave_windows();
-                self.refresh(&mut scratch.lists);
-                solved
-            }
-            first => first,
-        }
+    }
+
+    /// [`Step::attempt`] without vector instructions; separate, since a second call would keep the first from being inlined.
+    #[cold]
+    #[inline(never)]
+    fn attempt_exactly(self, mut scratch: Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        self.attempt(&mut scratch)
     }
 
     /// Whether the equations are linear and uncoupled, so that one correction solves them to rounding.

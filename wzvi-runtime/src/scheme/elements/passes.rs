@@ -30,15 +30,18 @@ pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S])
         size.take_finite(&[*x]);
         change.take(&[c]);
     }
-    relate(x, correction, size.by_kind(kind), change.by_kind(kind))
+    relate(kind, x, correction, [size.by_kind(kind), change.by_kind(kind)])
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn relate<S: Scalar>(x: &[S], correction: &[S], sizes: [f64; 2], changes: [f64; 2]) -> f64 {
+fn relate<S: Scalar>(kind: Unknowns, x: &[S], correction: &[S], [sizes, changes]: [[f64; 2]; 2]) -> f64 {
     if !changes.iter().all(|change| change.is_finite()) {
         return f64::NAN;
     }
-    let mut relative = changes[0].relative_to(sizes[0]).max(changes[1].relative_to(sizes[1]));
+    let mut relative = changes[0].relative_to(sizes[0]);
+    if kind == Unknowns::Both {
+        relative = relative.max(changes[1].relative_to(sizes[1]));
+    }
     if size_of::<S>() != size_of::<f64>() {
         // Numbers that carry derivatives or lanes must converge in every part.
         for (k, (&x, &c)) in x.iter().zip(correction).enumerate() {
@@ -150,8 +153,10 @@ impl<const L: usize> Largest<L> {
         if self.poison.iter().any(|&poison| poison != 0) {
             return [f64::NAN; 2];
         }
-        let of = |first: usize| self.most.into_iter().skip(first).step_by(2).fold(0.0, larger);
-        let [even, odd] = [of(0), of(1)];
+        let (mut even, mut odd) = (0.0, 0.0);
+        for pair in self.most.as_chunks::<2>().0 {
+            (even, odd) = (larger(even, pair[0]), larger(odd, pair[1]));
+        }
         if kind == Unknowns::Both { [even, odd] } else { [larger(even, odd); 2] }
     }
 }
