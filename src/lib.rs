@@ -222,11 +222,7 @@ pub mod prelude {
     #[cfg(feature = "report")]
     pub use wzvi_runtime::report::WorkPrecision;
     pub use wzvi_runtime::scheme::elements::Iteration;
-    pub use wzvi_runtime::scheme::embedding::{
-        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
-        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Splitting, Srkn6, Suzuki4,
-        SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
-    };
+    pub use wzvi_runtime::scheme::embedding::prelude::*;
     pub use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{Discretized, Hamiltonian, SystemState};
 }

@@ -42,7 +42,7 @@ pub(super) fn suggest(suggestion: Option<&str>) -> String {
 }
 
 /// Names as a list.
-pub(super) fn quoted(names: impl IntoIterator<Item = impl Display>) -> String {
+pub(crate) fn quoted(names: impl IntoIterator<Item = impl Display>) -> String {
     names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 

@@ -5,11 +5,54 @@ use std::fmt;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{ToTokens, quote};
 
-use crate::diagnostics::promised;
+use crate::diagnostics::{closest, promised, quoted};
 use crate::symbolic::Rational;
 
 mod points;
 mod word;
+
+/// The schemes that users know, with the names of their arguments.
+const SCHEMES: [(&str, &str); 9] = [
+    ("DeltaPlus", ""),
+    ("Midpoint", ""),
+    ("DeltaMinus", ""),
+    ("Lambda", "<N, D>"),
+    ("Mixed", "<Drift, Noise>"),
+    ("Verlet", ""),
+    ("Gauss", "<S>"),
+    ("Corrected", "<E>"),
+    ("Uncorrected", "<E>"),
+];
+/// Those for systems with friction.
+const THERMOSTATS: [(&str, &str); 5] =
+    [("Baoab", ""), ("Obabo", ""), ("Gjf", ""), ("GjI", ""), ("Thermostat", "<E>")];
+
+/// The schemes as a list in a message.
+pub(crate) fn listed() -> String {
+    let listed = |schemes: &[(&str, &str)]| quoted(schemes.iter().map(|(name, of)| format!("{name}{of}")));
+    let [thermostats @ .., last] = THERMOSTATS;
+    let (schemes, thermostats) = (listed(&SCHEMES), listed(&thermostats));
+    format!("{schemes}, and, with friction, {thermostats} and {}", listed(&[last]))
+}
+
+/// The names of schemes, which are no types of the program.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    SCHEMES.into_iter().chain(THERMOSTATS).map(|(name, _)| name).chain(["Splitting"])
+}
+
+/// The scheme that a user means by an unknown word: what other texts call it, or what is spelled like it.
+pub(crate) fn meant(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" => "Midpoint",
+        "SymplecticEuler" | "SymplecticEulerA" | "SemiImplicitEuler" | "EulerA" => "DeltaPlus",
+        "SymplecticEulerB" | "EulerB" => "DeltaMinus",
+        "Langevin" | "BAOAB" => "Baoab",
+        "OBABO" => "Obabo",
+        "GJF" => "Gjf",
+        "GJI" => "GjI",
+        _ => return closest(word, names()),
+    })
+}
 
 pub(crate) use points::{Declared, Points};
 pub(crate) use word::{Kind, Letter, MOST_LETTERS, Word};

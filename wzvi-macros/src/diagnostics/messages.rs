@@ -22,21 +22,6 @@ const KEYS: &[&str] = &[
     "invariant",
     "crate",
 ];
-/// The schemes that users know, with the names of their arguments.
-const SCHEMES: [(&str, &str); 9] = [
-    ("DeltaPlus", ""),
-    ("Midpoint", ""),
-    ("DeltaMinus", ""),
-    ("Lambda", "<N, D>"),
-    ("Mixed", "<Drift, Noise>"),
-    ("Verlet", ""),
-    ("Gauss", "<S>"),
-    ("Corrected", "<E>"),
-    ("Uncorrected", "<E>"),
-];
-/// Those for systems with friction.
-const THERMOSTATS: [(&str, &str); 5] =
-    [("Baoab", ""), ("Obabo", ""), ("Gjf", ""), ("GjI", ""), ("Thermostat", "<E>")];
 const PATTERNS: &str = "the supported patterns are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -77,7 +62,7 @@ messages! {
         ...]`";
     name_of_other(name) = "first integrals have names, `invariant = [energy = |q, p| ...]`; other \
         Hamiltonians have none: leave it out";
-    not_a_scheme(found) { schemes = schemes(); } = "expected an embedding; there are {schemes}";
+    not_a_scheme(found, schemes: &str) = "expected an embedding; there are {schemes}";
     /// More stages than the tables of coefficients have.
     gauss_stages(found) = "`Gauss<S>` has 1 to 16 stages; `Gauss<1>` is `Midpoint`";
     duplicate_embedding(found, embedding: &impl Display) = "`{embedding}` is listed twice; once is enough";
@@ -118,22 +103,16 @@ messages! {
         time; write a number here";
     time_is_real(pattern) = "the third parameter is time: a name, of type `f64` if it is given";
     return_type(ty) = "the value of a Hamiltonian is an `f64`";
-    empty_list(list, key: &syn::Ident) {
-        remedy = match key.to_string().as_str() {
-            "embedding" => format!("list at least one scheme of {}", schemes()),
-            key => format!("leave `{key}` out if there is none"),
-        };
-    } = "this list is empty; {remedy}";
+    empty_list(list, key: &syn::Ident) = "this list is empty; leave `{key}` out if there is none";
+    no_scheme(list, schemes: &str) = "this list is empty; list at least one scheme of {schemes}";
     unknown_key(key) {
         word = key.to_string();
         meant = suggest(intended_key(&word));
         keys = keys();
     } = "unknown key `{word}`; the keys are {keys}{meant}";
-    unknown_embedding(name) {
-        word = name.to_string();
-        meant = suggest(scheme_synonym(&word).or_else(|| closest(&word, scheme_names())));
-        schemes = schemes();
-    } = "unknown embedding `{word}`; there are {schemes}{meant}";
+    unknown_embedding(name, meant: Option<&str>, schemes: &str) {
+        meant = suggest(meant);
+    } = "unknown embedding `{name}`; there are {schemes}{meant}";
     /// A name that requests another sense of the stochastic integral.
     key_of_ito(key) = "{STRATONOVICH}";
     embedding_of_ito(name) = "there is no embedding `{name}`: {STRATONOVICH}";
@@ -214,33 +193,6 @@ fn keys() -> String {
     format!("{} and {}", quoted(others), quoted(last))
 }
 
-/// The schemes as a list.
-fn schemes() -> String {
-    let listed = |schemes: &[(&str, &str)]| quoted(schemes.iter().map(|(name, of)| format!("{name}{of}")));
-    let [thermostats @ .., last] = THERMOSTATS;
-    let (schemes, thermostats) = (listed(&SCHEMES), listed(&thermostats));
-    format!("{schemes}, and, with friction, {thermostats} and {}", listed(&[last]))
-}
-
-/// The names of schemes, which are no types of the program.
-pub(crate) fn scheme_names() -> impl Iterator<Item = &'static str> {
-    SCHEMES.into_iter().chain(THERMOSTATS).map(|(name, _)| name).chain(["Splitting"])
-}
-
 pub(crate) fn is_key(name: &str) -> bool {
     KEYS.contains(&name)
-}
-
-/// What other texts call the same scheme.
-fn scheme_synonym(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "ImplicitMidpoint" | "MidPoint" | "ImplicitMidpointRule" => "Midpoint",
-        "SymplecticEuler" | "SymplecticEulerA" | "SemiImplicitEuler" | "EulerA" => "DeltaPlus",
-        "SymplecticEulerB" | "EulerB" => "DeltaMinus",
-        "Langevin" | "BAOAB" => "Baoab",
-        "OBABO" => "Obabo",
-        "GJF" => "Gjf",
-        "GJI" => "GjI",
-        _ => return None,
-    })
 }

@@ -9,7 +9,7 @@ use syn::{ExprClosure, Path, Token, token};
 
 use super::{Library, embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, Located, messages};
-use crate::embedding::Embedding;
+use crate::embedding::{Embedding, listed};
 
 /// Forces a form of the emitted steps: for tests that compare both forms.
 const STRATEGY: &str = "__strategy";
@@ -248,7 +248,7 @@ impl Entry {
     fn embeddings(&self, diagnostics: &mut Diagnostics) -> Vec<(Located<Embedding>, syn::Type)> {
         let Some(schemes) = diagnostics.accept(self.parse(scheme_list)) else { return Vec::new() };
         if schemes.is_empty() {
-            diagnostics.report(messages::empty_list(&self.value, &self.key));
+            diagnostics.report(messages::no_scheme(&self.value, &listed()));
         }
         embeddings::read_embeddings(schemes, diagnostics)
     }

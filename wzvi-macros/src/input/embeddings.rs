@@ -6,7 +6,7 @@ use syn::{Expr, GenericArgument, Path, PathArguments, Token, Type, TypeTuple};
 use super::points::read_points;
 use super::system::literal;
 use crate::diagnostics::{Diagnostics, Extent, Located, messages};
-use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word};
+use crate::embedding::{Declared, Embedding, Kind, Letter, MOST_LETTERS, Word, listed, meant, names};
 
 /// `Midpoint`, or `Trapezoidal = [(0, 1/2), (1, 1/2)]`.
 pub(super) struct Scheme {
@@ -73,9 +73,7 @@ fn of_program(ty: &Type) -> syn::Result<Path> {
         ("Corrected" | "Uncorrected" | "Thermostat", Some([GenericArgument::Type(inner)]), _) => {
             of_program(inner)
         }
-        (name, None, Type::Path(path)) if messages::scheme_names().all(|known| known != name) => {
-            Ok(path.path.clone())
-        }
+        (name, None, Type::Path(path)) if names().all(|known| known != name) => Ok(path.path.clone()),
         _ => Err(messages::points_of_other(ty)),
     }
 }
@@ -146,7 +144,7 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
             return Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>"));
         }
         _ if messages::is_of_ito(name) => return Err(messages::embedding_of_ito(name)),
-        _ => return Err(messages::unknown_embedding(name)),
+        _ => return Err(messages::unknown_embedding(name, meant(&text), &listed())),
     })
 }
 
@@ -186,7 +184,7 @@ fn letter(ty: &Type) -> syn::Result<Letter> {
 fn scheme(argument: &GenericArgument, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {
     match argument {
         GenericArgument::Type(ty) => embedding(ty, inside, declared),
-        _ => Err(messages::not_a_scheme(argument)),
+        _ => Err(messages::not_a_scheme(argument, &listed())),
     }
 }
 
@@ -202,12 +200,12 @@ fn parts(ty: &Type) -> syn::Result<(&syn::Ident, Option<Vec<&GenericArgument>>)>
         Type::Group(group) => return parts(&group.elem),
         _ => None,
     };
-    let segment = segment.ok_or_else(|| messages::not_a_scheme(ty))?;
+    let segment = segment.ok_or_else(|| messages::not_a_scheme(ty, &listed()))?;
     match &segment.arguments {
         PathArguments::None => Ok((&segment.ident, None)),
         PathArguments::AngleBracketed(arguments) => {
             Ok((&segment.ident, Some(arguments.args.iter().collect())))
         }
-        PathArguments::Parenthesized(_) => Err(messages::not_a_scheme(ty)),
+        PathArguments::Parenthesized(_) => Err(messages::not_a_scheme(ty, &listed())),
     }
 }

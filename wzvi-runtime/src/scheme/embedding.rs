@@ -48,3 +48,12 @@ pub struct Corrected<E>(PhantomData<E>);
 /// `E` without a counter-term, although its limit may not be the Stratonovich system: the paper's experiment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Uncorrected<E>(PhantomData<E>);
+
+/// What a program that imports the prelude can name.
+pub mod prelude {
+    pub use super::{
+        Aba864, Aba1064, Baoab, BlanesMoan4, BlanesMoan6, Chin4, Composed, Corrected, DeltaMinus, DeltaPlus,
+        Gauss, GjI, Gjf, KahanLi6, KahanLi8, Lambda, Midpoint, Mixed, Obabo, Own, Splitting, Srkn6, Suzuki4,
+        SuzukiUmeno8, TakahashiImada4, Thermostat, Uncorrected, Verlet, Yoshida4, Yoshida6,
+    };
+}
