@@ -98,6 +98,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             self.sweep(are_settled, lists, scratch, modal, Some(&mut relative));
             // Stored by stage, so that the maximum is vectorised.
             lists.changes = relative.changes;
+            if S::IS_BESIDE {
+                // Opaque, since the compiler else cuts the lanes of the sweep as the decisions below would have them, down to two numbers.
+                lists.changes = std::hint::black_box(lists.changes);
+            }
             let change = unbounded(S::Stages::largest(lists.changes));
             if sweeps == 1 {
                 let is_far = going & !change.less(S::from_f64(f64::INFINITY));
