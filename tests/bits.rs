@@ -32,6 +32,17 @@ struct Metric;
 )]
 struct Pair;
 
+/// Wells on stiff springs, whose linear force the stages of Gauss split off.
+#[hamiltonian(
+    drift = |q: [f64; 6], p: [f64; 6]| {
+        (0..6).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>() + (1..6).map(|i| 0.5 * k * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    embedding = [Gauss<2>, Gauss<4>],
+)]
+struct Springs {
+    k: f64,
+}
+
 /// A chain between walls, each site kicked by a noise of its own where `s` is not zero.
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -253,6 +264,7 @@ fn small_steps(table: &mut Table) {
     );
     with!(table.steps, "bath", BATH, [1], 0.1:
         Baoab, Obabo, Thermostat<Verlet>, Thermostat<Midpoint>, Thermostat<Gauss<2>>, Thermostat<Gauss<3>>);
+    with!(table.steps, "springs", Springs { k: 400.0 }, [6], 0.1: Gauss<2>, Gauss<4>);
     let damping = [[0.6, 0.1], [0.1, 0.4]];
     with!(table.steps, "damping", bath::Coupled { m: 0.8, n: 1.3, k: 1.0, damping, kt: 0.7 }, [2], 0.1: Baoab, Obabo, Thermostat<Midpoint>);
     with!(table.steps, "driven bath", bath::Driven { sigma: 0.3, gamma: 0.6, kt: 0.7 }, [1], 0.1: Baoab, Obabo, Thermostat<Midpoint>);
