@@ -146,7 +146,7 @@ mod tests {
 
     /// How often a run that says that it met its target is farther than 1.96 targets from the truth, where a fraction of 0.05 is the law of
     /// a normal mean with that very error: that is promised, and three binomial deviations are allowed beyond. The
-    /// sample variance alone is farther in 0.11 to 0.39 of the runs of the rare event and of the heavy tail. `tests/laws` has many more runs.
+    /// sample variance alone is farther in 0.11 to 0.39 of the runs of the rare event and of the heavy tail. `tests/laws` has many more runs, and tails that are heavier.
     #[test]
     fn targets_that_are_met_cover() {
         let rare = |draws: &mut Draws, to: &mut Vec<f64>| {
@@ -158,18 +158,16 @@ mod tests {
         let normal = |draws: &mut Draws, to: &mut Vec<f64>| to.extend(normals(&draws.words()));
         type Sampler<'s> = &'s dyn Fn(&mut Draws, &mut Vec<f64>);
         let e2 = 2f64.exp();
-        let cases: [(&str, Sampler<'_>, f64, f64); 6] = [
+        let cases: [(&str, Sampler<'_>, f64, f64); 4] = [
             ("rare", &rare, 1e-3, 1e-3),
             ("rare", &rare, 1e-3, 3e-4),
-            ("rare", &rare, 1e-3, 1e-4),
             ("heavy", &heavy, e2, 0.1 * e2),
-            ("heavy", &heavy, e2, 0.05 * e2),
             ("normal", &normal, 0.0, 0.02),
         ];
         for (number, (name, sample, mean, target)) in (0..).zip(cases) {
             let mut draws = Draws { key: [5, 0, 0, number, 0, 0, 7, 0], block: 0 };
             let (mut runs, mut drawn, mut met, mut far, mut paths) = (0, 0, 0, 0, 0);
-            while runs < 1000 && drawn < 2_000_000 {
+            while runs < 1000 && drawn < 400_000 {
                 runs += 1;
                 let (found, n, status) = run(target, 1 << 18, |to| sample(&mut draws, to));
                 drawn += n;
@@ -187,28 +185,5 @@ mod tests {
             let deviation = (0.05 * 0.95 / f64::from(met)).sqrt();
             assert!(fraction < 0.05 + 3.0 * deviation, "{name} {target}: {fraction} of {met}");
         }
-    }
-
-    /// The mean of `exp(3 W)` rests on samples beyond three deviations: runs whose error is small enough by its estimate are farther than 1.96 targets in a
-    /// quarter of the cases. With no share above a tenth they are not: of 60 runs, those that are met within 2^17 paths.
-    #[test]
-    fn targets_of_heavier_tails_cover_where_they_are_met() {
-        let mut draws = Draws { key: [5, 0, 0, 6, 0, 0, 7, 0], block: 0 };
-        let mean = 4.5f64.exp();
-        let runs = 60;
-        let (target, mut met, mut dominated, mut far) = (0.2 * mean, 0, 0, 0);
-        for _ in 0..runs {
-            let heavy = |to: &mut Vec<f64>| to.extend(normals(&draws.words()).map(|x| (3.0 * x).exp()));
-            let (found, _, status) = run(target, 1 << 17, heavy);
-            dominated += i32::from(status == TargetStatus::Dominated);
-            if status == TargetStatus::Met {
-                met += 1;
-                far += i32::from((found - mean).abs() > 1.96 * target);
-            }
-        }
-        println!("met {met}, dominated {dominated}, beyond 1.96 targets {far}");
-        // 5 % and three binomial deviations.
-        let most = 0.05 * f64::from(met) + 3.0 * (0.05 * 0.95 * f64::from(met)).sqrt();
-        assert!(met > 0 && dominated > met && f64::from(far) <= most, "{met} {dominated} {far}");
     }
 }

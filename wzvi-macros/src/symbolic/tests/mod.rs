@@ -215,9 +215,9 @@ fn unknown_identities_stay_unknown() {
     assert_eq!(g.test_zero(difference), ZeroTest::Zero);
 }
 
-const LINKS: usize = 30_000;
+const LINKS: usize = 10_000;
 /// The most nodes that an operation below visits per link of the chain: 88 for the derivative of a sum. A quadratic algorithm
-/// would visit 30 000.
+/// would visit 10 000.
 const NODES_OF_LINK: u64 = 100;
 
 fn check_linear(what: &str, nodes: u64) {

@@ -174,7 +174,7 @@ fn agree(a: Bounded, b: Bounded) -> bool {
 #[test]
 fn constructors_keep_values_and_invariants() {
     let mut compared = 0;
-    for seed in 0..150 {
+    for seed in 0..60 {
         let mut generator = Generator::new(seed);
         (0..40).for_each(|_| generator.step());
         let points: Vec<_> = (0..3).map(|_| generator.point()).collect();
@@ -194,7 +194,7 @@ fn constructors_keep_values_and_invariants() {
             }
         }
     }
-    assert!(compared > 5_000, "only {compared} comparisons");
+    assert!(compared > 2_000, "only {compared} comparisons");
 }
 
 #[derive(Clone, Copy)]
