@@ -5,6 +5,7 @@
 //! code that shares nothing with the library; a part in which the determinant changes its sign, or that is not solved, is halved up to sixteen times before the
 //! branch is said to end. [`Reference`] is that; random states of wells and fields, with steps from 0.05 to 2, are its input.
 
+use fixtures::Uniform;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 
@@ -275,16 +276,6 @@ fn eliminate(matrix: &mut [Vec<f64>], b: &mut [f64]) -> Option<bool> {
     Some(is_reversed)
 }
 
-/// Numbers between -1 and 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 const WELLS: [Well; 6] = [
     Well { a: -6.0, b: 0.0, c: 2.0, d: 0.0, k: 1.0 },
     Well { a: 0.0, b: 0.0, c: 0.0, d: -1.0, k: 1.0 },
@@ -361,12 +352,12 @@ where
     H: Derivatives + Discretized<E> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
 {
     const RUN: u32 = 4;
-    let (reference, mut random) = (Reference::new(stages), Random(seed));
+    let (reference, mut random) = (Reference::new(stages), Uniform(seed));
     let (mut counts, dw) = (Counts::default(), vec![0.0; system.increments(D)]);
     while counts.steps < steps {
-        let h = 1.025 + 0.975 * random.next();
-        let q: [f64; D] = std::array::from_fn(|_| 2.0 * random.next());
-        let p: [f64; D] = std::array::from_fn(|_| 3.0 * random.next());
+        let h = 1.025 + 0.975 * random.draw();
+        let q: [f64; D] = std::array::from_fn(|_| 2.0 * random.draw());
+        let p: [f64; D] = std::array::from_fn(|_| 3.0 * random.draw());
         let mut state: State<wzvi::nalgebra::SVector<f64, D>> = State::new(q, p);
         let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap();
         for n in 0..RUN {

@@ -4,30 +4,33 @@ use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
-const STEP: f64 = 0.01;
+pub(crate) const H: f64 = 0.01;
 
 /// Numbers of which no two are equal.
 pub(crate) fn numbers(n: usize, seed: f64) -> Vec<f64> {
     (0..n).map(|i| (1.3 * i as f64 + seed).sin() + 0.01 * i as f64).collect()
 }
 
-/// Steps in vector instructions, and number by number.
+/// Steps of `h` in vector instructions, and number by number.
 pub(crate) fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(
     system: &H,
     start: &[Vec<f64>; 2],
+    h: f64,
     what: &str,
 ) {
     let alone = |list: &[f64]| -> Vec<Lanes<1>> { list.iter().map(|&x| Lanes::new([x])).collect() };
     let [mut q, mut p] = start.clone();
     let (mut own_q, mut own_p) = (alone(&q), alone(&p));
-    let prepared = system.prepare(STEP).unwrap();
+    let prepared = system.prepare(h).unwrap();
     let (mut memory, mut own_memory) = (system.memory(), Default::default());
     for step in 0..3 {
-        let t = STEP * f64::from(step);
+        let t = h * f64::from(step);
         let dw: Vec<f64> =
             numbers(system.increments(q.len()), 0.7 * f64::from(step)).iter().map(|x| 0.1 * x).collect();
-        system.advance(&prepared, t, STEP, &mut q, &mut p, &dw, &mut memory).unwrap();
-        system.advance(&prepared, t, STEP, &mut own_q, &mut own_p, &alone(&dw), &mut own_memory).unwrap();
+        let work = system.advance(&prepared, t, h, &mut q, &mut p, &dw, &mut memory).unwrap();
+        let dw = alone(&dw);
+        let own = system.advance(&prepared, t, h, &mut own_q, &mut own_p, &dw, &mut own_memory).unwrap();
+        assert_eq!(work.iterations, own.iterations, "{what}: {} numbers, step {step}", q.len());
         for (i, (a, b)) in q.iter().chain(&p).zip(own_q.iter().chain(&own_p)).enumerate() {
             assert_eq!(a.to_bits(), b[0].to_bits(), "{what}: number {i} of {} after step {step}", q.len());
         }
@@ -40,8 +43,8 @@ where
     H: Hamiltonian<Vector = DVector<f64>> + Discretized<DeltaPlus> + Discretized<Verlet>,
 {
     let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
-    check_scheme::<DeltaPlus, H>(system, &start, &format!("{what}, DeltaPlus"));
-    check_scheme::<Verlet, H>(system, &start, &format!("{what}, Verlet"));
+    check_scheme::<DeltaPlus, H>(system, &start, H, &format!("{what}, DeltaPlus"));
+    check_scheme::<Verlet, H>(system, &start, H, &format!("{what}, Verlet"));
 }
 
 /// By the other explicit schemes.
@@ -50,6 +53,6 @@ where
     H: Hamiltonian<Vector = DVector<f64>> + Discretized<DeltaMinus> + Discretized<Composed<Verlet, Yoshida4>>,
 {
     let start = [numbers(degrees, 0.2), numbers(degrees, 1.1)];
-    check_scheme::<DeltaMinus, H>(system, &start, &format!("{what}, DeltaMinus"));
-    check_scheme::<Composed<Verlet, Yoshida4>, H>(system, &start, &format!("{what}, Yoshida4"));
+    check_scheme::<DeltaMinus, H>(system, &start, H, &format!("{what}, DeltaMinus"));
+    check_scheme::<Composed<Verlet, Yoshida4>, H>(system, &start, H, &format!("{what}, Yoshida4"));
 }

@@ -7,7 +7,7 @@ use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
-use crate::one_by_one::{check, check_others, check_scheme, numbers};
+use crate::one_by_one::{H, check, check_others, check_scheme, numbers};
 
 /// Gravity of bodies in space, each pair once, with masses and a field that holds them.
 #[hamiltonian(
@@ -71,15 +71,13 @@ struct Vortices {
     sigma: f64,
 }
 
-const H: f64 = 0.01;
-
 fn cluster(n: usize) -> Cluster {
     Cluster { k: 0.3, softening: 0.01, mass: (0..n).map(|i| 1.0 / (1.0 + i as f64)).collect() }
 }
 
 /// Below and above the numbers of lanes, of blocks, and of bodies from which there are columns.
 fn sizes() -> impl Iterator<Item = usize> {
-    (2..52).chain([63, 64, 65, 79, 80, 81, 127, 128, 129])
+    (2..20).chain([31, 32, 33, 63, 64, 65, 79, 80, 81, 129])
 }
 
 #[test]
@@ -90,7 +88,7 @@ fn pairs_have_the_bits_of_one_number_after_the_other() {
         check(&rotors, n, "rotors");
         check_others(&rotors, n, "rotors");
         let start = [numbers(2 * n, 0.2), numbers(2 * n, 1.1)];
-        check_scheme::<Uncorrected<DeltaPlus>, _>(&Vortices { sigma: 0.001 }, &start, "vortices");
+        check_scheme::<Uncorrected<DeltaPlus>, _>(&Vortices { sigma: 0.001 }, &start, H, "vortices");
     }
 }
 
@@ -100,7 +98,7 @@ fn rare_arguments_of_functions_have_the_bits_of_one_number_after_the_other() {
         let mut start = [numbers(71, 0.2), numbers(71, 1.1)];
         // Beyond what the reduction by π/2 in lanes takes.
         start[0][place.min(70)] = 1e9;
-        check_scheme::<DeltaPlus, _>(&Rotors { k: 0.01 }, &start, "far away");
+        check_scheme::<DeltaPlus, _>(&Rotors { k: 0.01 }, &start, H, "far away");
     }
 }
 

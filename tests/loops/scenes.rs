@@ -4,29 +4,17 @@
 use std::f64::consts::{PI, TAU};
 
 use fixtures::steps::asymmetry;
+use fixtures::stiff::Fput;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
+
+use crate::lattice::Torus;
 
 type Field = State<DVector<f64>>;
 
 /// A few dozen roundings of numbers of order one in each of some ten steps, 1e-14 or so, with room for what the
 /// condition of the equations makes of it.
 const ROUNDING: f64 = 1e-12;
-
-#[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| {
-        let v = |d: f64| 0.5 * d * d + 0.25 * beta * d * d * d * d;
-        let n = q.len();
-        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-            + v(q[0])
-            + (1..n).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
-            + v(-q[n - 1])
-    },
-    embedding = [DeltaPlus, Midpoint],
-)]
-struct Chain {
-    beta: f64,
-}
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -64,29 +52,6 @@ struct Ring {
 )]
 struct Bodies {
     mass: [f64; 4],
-}
-
-#[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| {
-        let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
-        let potential: f64 = (0..side)
-            .map(|i| {
-                (0..side)
-                    .map(|j| {
-                        let own = q[i * side + j];
-                        let (right, down) = (q[i * side + (j + 1) % side], q[(i + 1) % side * side + j]);
-                        let well = own * own - 1.0;
-                        0.5 * (right - own).powi(2) + 0.5 * (down - own).powi(2) + 0.25 * well * well
-                    })
-                    .sum::<f64>()
-            })
-            .sum();
-        kinetic + potential
-    },
-    embedding = [DeltaPlus, Midpoint],
-)]
-struct Torus {
-    side: usize,
 }
 
 #[hamiltonian(
@@ -147,7 +112,7 @@ fn modes_of_a_linear_chain_rotate() {
             let omega = 2.0 * (0.5 * PI * k as f64 / (N + 1) as f64).sin();
             let shape = |i: usize| (PI * (k * (i + 1)) as f64 / (N + 1) as f64).sin();
             let start = Field::new((0..N).map(shape).collect::<Vec<_>>(), vec![0.0; N]);
-            let end = after::<_, Midpoint>(&Chain { beta: 0.0 }, &start, h, STEPS);
+            let end = after::<_, Midpoint>(&Fput { alpha: 0.0, beta: 0.0 }, &start, h, STEPS);
             let angle = STEPS as f64 * 2.0 * (0.5 * omega * h).atan();
             for i in 0..N {
                 assert!((end.q[i] - shape(i) * angle.cos()).abs() < ROUNDING, "h = {h}, mode {k}");
@@ -164,8 +129,8 @@ fn even_modes_stay_empty() {
     let start =
         Field::new((0..N).map(|i| (PI * (i + 1) as f64 / 16.0).sin()).collect::<Vec<_>>(), vec![0.0; N]);
     for end in [
-        after::<_, Midpoint>(&Chain { beta: 8.0 }, &start, 0.1, 100),
-        after::<_, DeltaPlus>(&Chain { beta: 8.0 }, &start, 0.1, 100),
+        after::<_, Midpoint>(&Fput { alpha: 0.0, beta: 8.0 }, &start, 0.1, 100),
+        after::<_, DeltaPlus>(&Fput { alpha: 0.0, beta: 8.0 }, &start, 0.1, 100),
     ] {
         let mode =
             |k: usize| -> f64 { (0..N).map(|i| end.q[i] * (PI * (k * (i + 1)) as f64 / 16.0).sin()).sum() };
@@ -229,7 +194,7 @@ fn bodies_keep_momentum_and_angular_momentum() {
 /// A torus has no beginning: shifted fields take shifted steps.
 #[test]
 fn a_torus_looks_the_same_from_every_site() {
-    let torus = Torus { side: 5 };
+    let torus = Torus::square(5, 1.0);
     let shifted =
         |x: &[f64]| -> Vec<f64> { (0..25).map(|n| x[(n / 5 + 2) % 5 * 5 + (n % 5 + 3) % 5]).collect() };
     let start = Field::new(wave(25, 0.9, 0.1), wave(25, 0.4, 2.0));
@@ -274,8 +239,8 @@ fn steps_back_undo_steps() {
         let back = after::<_, Midpoint>(system, &there, -h, 8);
         assert!(apart(&back, start) < ROUNDING, "{}", apart(&back, start));
     }
-    undone(&Chain { beta: 2.0 }, &Field::new(wave(8, 0.7, 0.0), wave(8, 0.5, 1.0)), 0.1);
-    undone(&Torus { side: 4 }, &Field::new(wave(16, 0.7, 0.0), wave(16, 0.5, 1.0)), 0.1);
+    undone(&Fput { alpha: 0.0, beta: 2.0 }, &Field::new(wave(8, 0.7, 0.0), wave(8, 0.5, 1.0)), 0.1);
+    undone(&Torus::square(4, 1.0), &Field::new(wave(16, 0.7, 0.0), wave(16, 0.5, 1.0)), 0.1);
     undone(&network(), &Field::new(wave(6, 0.7, 0.0), wave(6, 0.5, 1.0)), 0.1);
     let (system, start) = bodies();
     undone(&system, &start, 0.02);
@@ -290,7 +255,7 @@ fn steps_of_points_lattices_and_networks_are_symplectic() {
     let (system, start) = bodies();
     check(&system, [start.q.as_slice(), start.p.as_slice()], 0.05);
     for h in [0.1, 1.0] {
-        check(&Torus { side: 3 }, [&wave(9, 0.9, 0.2), &wave(9, 0.5, 1.0)], h);
+        check(&Torus::square(3, 1.0), [&wave(9, 0.9, 0.2), &wave(9, 0.5, 1.0)], h);
     }
     for h in [0.1, 1.5] {
         check(&network(), [&wave(6, 1.1, 0.2), &wave(6, 0.5, 1.0)], h);

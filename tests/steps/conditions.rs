@@ -221,7 +221,7 @@ fn edges_of_two_coordinates() {
 fn sides_of_neighbours() {
     const SITES: usize = 8;
     let (mut number, mut taken) = (numbers(), 0);
-    for n in 0..1000 {
+    for n in 0..400 {
         let [q, p] = [0, 1].map(|_| (0..SITES).map(|_| 0.2 * number()).collect::<Vec<f64>>());
         let mut state = State::new(q.clone(), p.clone());
         if Pushes.stepper::<Midpoint>(H).unwrap().step(&mut state, &[]).is_err() {
@@ -239,7 +239,7 @@ fn sides_of_neighbours() {
         }
     }
     // Where the ring pushes itself back and forth there is no solution: 1553 of 4000 starts, or none is found.
-    assert!(taken >= 600, "{taken}");
+    assert!(taken >= 240, "{taken}");
 }
 
 #[test]

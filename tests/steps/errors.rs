@@ -275,7 +275,7 @@ fn what_cannot_be_prepared_is_a_mistake_of_the_configuration() {
 /// A part of what `tests/laws` runs.
 #[test]
 fn a_step_is_finite_or_an_error_and_then_leaves_every_bit() {
-    fixtures::extremes::steps_are_finite_or_errors(150);
+    fixtures::extremes::steps_are_finite_or_errors(60);
 }
 
 #[test]

@@ -209,7 +209,7 @@ fn steps_are_symplectic_and_symmetric() {
     let dw = [0.2, -0.3];
     check_symplectic::<Verlet, _>(&Noisy, &dw, "Verlet");
     check_symplectic::<Composed<Midpoint, Suzuki4>, _>(&Noisy, &dw, "Suzuki4");
-    check_symplectic::<Composed<Verlet, BlanesMoan6>, _>(&Noisy, &dw, "BlanesMoan6");
+    check_symplectic::<Composed<Verlet, BlanesMoan4>, _>(&Noisy, &dw, "BlanesMoan4");
     check_symplectic::<Gauss<5>, _>(&Noisy, &dw, "Gauss<5>");
 }
 
@@ -233,8 +233,7 @@ fn all_schemes_approach_the_flow_of_the_step_hamiltonian() {
     check::<Midpoint>();
     check::<Verlet>();
     check::<Gauss<2>>();
-    check::<Composed<Midpoint, Yoshida4>>();
-    check::<Composed<Verlet, Suzuki4>>();
+    check::<Composed<Midpoint, Suzuki4>>();
     check::<Composed<Verlet, BlanesMoan4>>();
 }
 
@@ -349,5 +348,5 @@ fn ensembles_run_gauss_methods_and_compositions() {
             assert!(lanes_apart::<$scheme, _>(&Noisy, [&[0.4], &[0.3]], 0.05) < 1e-14, stringify!($scheme));
         )*};
     }
-    check!(Gauss<2>, Verlet, Composed<Midpoint, Yoshida4>);
+    check!(Gauss<2>, Verlet, Composed<Midpoint, Suzuki4>);
 }

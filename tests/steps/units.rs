@@ -4,6 +4,7 @@
 //! `2^a_i q_i` and the momenta `2^(e - a_i) p_i`. Powers of two round nothing, so that a step has to have exactly the same bits, and is refused exactly where
 //! that in units of one is.
 
+use fixtures::Uniform;
 use wzvi::nalgebra::{DVector, SVector};
 use wzvi::prelude::*;
 
@@ -64,18 +65,8 @@ fn power(exponent: i32) -> f64 {
     2.0_f64.powi(exponent)
 }
 
-/// Numbers between -1 and 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn exponent(&mut self, most: f64) -> i32 {
-        (most * self.next()) as i32
-    }
+fn exponent(random: &mut Uniform) -> i32 {
+    (100.0 * random.draw()) as i32
 }
 
 /// Four steps of one scheme in units of one and in those of these exponents: the bits of both, in units of one.
@@ -109,11 +100,11 @@ where
 
 #[test]
 fn small_steps_have_the_same_bits_in_all_units() {
-    let mut random = Random(11);
+    let mut random = Uniform(11);
     for _ in 0..40 {
-        let exponents = std::array::from_fn(|_| random.exponent(100.0));
-        let h = 0.5 + 0.49 * random.next();
-        let [q, p] = std::array::from_fn(|_| [2.0 * random.next(), 2.0 * random.next()]);
+        let exponents = std::array::from_fn(|_| exponent(&mut random));
+        let h = 0.5 + 0.49 * random.draw();
+        let [q, p] = std::array::from_fn(|_| [2.0 * random.draw(), 2.0 * random.draw()]);
         in_both_units::<Midpoint>(exponents, h, q, p);
         in_both_units::<Lambda<1, 3>>(exponents, h, q, p);
         in_both_units::<Gauss<2>>(exponents, h, q, p);
@@ -158,10 +149,10 @@ fn a_mass_has_no_smallest_value() {
 
 #[test]
 fn a_chain_has_the_same_bits_in_all_units() {
-    let mut random = Random(5);
+    let mut random = Uniform(5);
     for _ in 0..20 {
-        let [a, e, tau]: [i32; 3] = std::array::from_fn(|_| random.exponent(100.0));
-        let start: Vec<f64> = (0..24).map(|_| random.next()).collect();
+        let [a, e, tau]: [i32; 3] = std::array::from_fn(|_| exponent(&mut random));
+        let start: Vec<f64> = (0..24).map(|_| random.draw()).collect();
         let run = |a: i32, e: i32, tau: i32| {
             let system = Chain { place: power(-a), momentum: power(a - e), energy: power(e - tau) };
             let q: Vec<f64> = start[..12].iter().map(|x| x * power(a)).collect();
@@ -223,12 +214,12 @@ fn lanes_have_the_same_bits_in_all_units() {
         }
         ends.into_inner().unwrap()
     }
-    let mut random = Random(29);
+    let mut random = Uniform(29);
     for _ in 0..8 {
-        let units: Vec<[i32; 3]> = (0..8).map(|_| std::array::from_fn(|_| random.exponent(100.0))).collect();
-        let tau = random.exponent(100.0);
-        let starts: Vec<[f64; 4]> = (0..8).map(|_| std::array::from_fn(|_| 2.0 * random.next())).collect();
-        let h = 0.5 + 0.49 * random.next();
+        let units: Vec<[i32; 3]> = (0..8).map(|_| std::array::from_fn(|_| exponent(&mut random))).collect();
+        let tau = exponent(&mut random);
+        let starts: Vec<[f64; 4]> = (0..8).map(|_| std::array::from_fn(|_| 2.0 * random.draw())).collect();
+        let h = 0.5 + 0.49 * random.draw();
         let ones = [[0; 3]; 8];
         assert_eq!(
             run::<Midpoint>(&ones, 0, h, &starts),

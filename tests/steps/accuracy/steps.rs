@@ -6,7 +6,7 @@ use super::reference::{Case, Errors, Point, Random, Terms, compare, percentile};
 use super::systems::{DoubleWell, Kepler, Kubo, Masses, Oscillator, Pendulum};
 
 /// Random steps of one system.
-const TRIES: usize = 200;
+const TRIES: usize = 100;
 
 /// Prints the errors and checks the largest of them.
 ///

@@ -27,33 +27,20 @@ fn compositions_have_the_stages_of_their_parts() {
 }
 
 /// Where a step turns by nearly half a turn the motion is next to nothing, and rounding larger.
-#[test]
-fn rounding_is_no_alarm_of_compositions() {
-    let (start, steps) = (State::new([1.0], [0.0]), 5000);
+fn check_rounding<E>()
+where
+    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+{
     for exponent in [2, 4, 6] {
         let oscillator = Oscillator { omega: 10.0_f64.powi(exponent) };
-        for outcome in [
-            oscillator
-                .simulate::<Composed<Midpoint, Yoshida4>>(1.0)
-                .start(start)
-                .steps(steps)
-                .run()
-                .map(drop),
-            oscillator.simulate::<Composed<Midpoint, Suzuki4>>(1.0).start(start).steps(steps).run().map(drop),
-            oscillator
-                .simulate::<Composed<Midpoint, KahanLi8>>(1.0)
-                .start(start)
-                .steps(steps)
-                .run()
-                .map(drop),
-            oscillator
-                .simulate::<Composed<Gauss<2>, Yoshida6>>(1.0)
-                .start(start)
-                .steps(steps)
-                .run()
-                .map(drop),
-        ] {
-            outcome.unwrap_or_else(|error| panic!("ωh = 1e{exponent}: {error}"));
-        }
+        let run = oscillator.simulate::<E>(1.0).start(State::new([1.0], [0.0])).steps(5000).run();
+        assert!(run.is_ok(), "ωh = 1e{exponent}, {}: {:?}", std::any::type_name::<E>(), run.err());
     }
+}
+
+#[test]
+fn rounding_is_no_alarm_of_compositions() {
+    check_rounding::<Composed<Midpoint, Yoshida4>>();
+    check_rounding::<Composed<Midpoint, KahanLi8>>();
+    check_rounding::<Composed<Gauss<2>, Yoshida6>>();
 }
