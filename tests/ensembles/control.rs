@@ -2,6 +2,7 @@
 
 use fixtures::edge::Edge;
 use fixtures::small::Kubo;
+use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -260,19 +261,21 @@ fn command(order: &str) -> Command {
     command
 }
 
-/// A real Ctrl-C after a real second: the statistics are those of the paths that were done, and nothing was written to a standard
-/// error that is a pipe.
+/// A real Ctrl-C: the statistics are those of the paths that were done, and nothing was written to a standard error that is a pipe.
 #[cfg(all(unix, feature = "interrupt"))]
 #[test]
 fn control_c_gives_the_statistics_so_far() {
-    let child = command("long").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    sleep(Duration::from_millis(2500));
+    let mut child = command("long").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("begun")));
+    // Time for some paths.
+    sleep(Duration::from_millis(500));
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
+    let last: Vec<String> = lines.collect();
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
-    let text = String::from_utf8(output.stdout).unwrap();
-    let line = text.lines().find(|line| line.contains("partial")).unwrap();
+    let line = last.iter().find(|line| line.contains("partial")).unwrap();
     let words: Vec<&str> = line[line.find("partial").unwrap()..].split_whitespace().collect();
     let paths: u64 = words[3].parse().unwrap();
     assert_eq!(words[1], "true");
@@ -290,7 +293,7 @@ fn a_terminal_shows_progress() {
         let exe = std::env::current_exe().unwrap();
         // Its shell becomes the test, so that the signal of `timeout` gets there.
         let inner = format!(
-            "exec env --default-signal=INT timeout --foreground -s INT 3 '{}' control::child --exact --ignored --nocapture",
+            "exec env --default-signal=INT timeout --foreground -s INT 2 '{}' control::child --exact --ignored --nocapture",
             exe.display()
         );
         let mut terminal = Command::new("script")

@@ -11,3 +11,4 @@ mod rare;
 mod runs;
 mod starts;
 mod statistics;
+mod stepped;

@@ -12,6 +12,8 @@ use wzvi::increments::{Interval, NoiseError};
 use wzvi::nalgebra;
 use wzvi::prelude::*;
 
+use crate::stepped::stepped;
+
 /// Two coupled degrees of freedom, functions, two noises: a Newton block of several unknowns.
 #[hamiltonian(
     drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - x.cos() - (y - x).cos() + (0.1 * x * v).exp(),
@@ -171,15 +173,9 @@ fn every_noise_drives_an_ensemble() {
         let one = run().threads(1).run_in::<1>().unwrap();
         assert!(run().threads(3).run().unwrap() == one && run().run_in::<8>().unwrap() == one);
         for path in [0, 1, 36] {
-            let mut noise = noise.clone();
+            let (mut noise, mut state) = (noise.clone(), State::new([0.0], [1.0]));
             noise.set_path(path);
-            let mut stepper = kubo.stepper::<Midpoint>(0.1).unwrap().plain();
-            noise.prepare(&<Kubo as Discretized<Midpoint>>::PLAN, 0.1, 1, 0.0).unwrap();
-            let (mut state, mut dw) = (State::new([0.0], [1.0]), [0.0]);
-            for step in 0..20 {
-                noise.increments(&Interval { start: 0.0, h: 0.1, step }, &mut dw).unwrap();
-                stepper.step(&mut state, &dw).unwrap();
-            }
+            assert_eq!(stepped::<Midpoint, _>(&kubo, 0.1, &mut state, noise, 20).1, None);
             let end = one.paths().unwrap().at(path as usize, 1).unwrap();
             assert_eq!(end[..2], [state.q[0], state.p[0]]);
         }
@@ -233,12 +229,12 @@ fn a_path_is_replayed() {
 #[test]
 fn failing_steps_are_halved() {
     let well = DoubleWell { sigma: 1.5 };
-    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(60).seed(4).steps(60);
+    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(30).seed(4).steps(60);
     let whole = run().allow_losses(1.0).keep_paths(1 << 20).run().unwrap();
     assert!(whole.failed() > 1, "{}", whole.failed());
     let halved = every_split!(run().retry(Retry::halving(12)).keep_paths(1 << 20));
     assert_eq!(halved.failed(), 0);
-    for path in 0..60 {
+    for path in 0..30 {
         let kept = whole.paths().unwrap().at(path, 1).unwrap();
         if !kept[0].is_nan() {
             assert_eq!(kept, halved.paths().unwrap().at(path, 1).unwrap());

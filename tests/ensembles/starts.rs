@@ -6,12 +6,16 @@ use std::sync::Mutex;
 use allocation_counter::measure;
 use wzvi::ensemble::Draw;
 use wzvi::error::{ConfigError, Error, StepFailure};
+use wzvi::increments::NoNoise;
 use wzvi::memory::Iteration;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
 
-use fixtures::lanes::{numbers, steps_in_part, steps_together};
+use fixtures::Uniform;
+use fixtures::lanes::{steps_in_part, steps_together};
+
+use crate::stepped::stepped;
 
 /// Stiff enough that some steps in the middle of a path are hard.
 #[hamiltonian(drift = |q, p| 0.5 * p * p + k * (q * q - 1.0).powi(2), embedding = [Midpoint, Gauss<2>])]
@@ -37,8 +41,8 @@ type Plane = SVector<f64, 2>;
 /// In a composition, too, and what its parts remember is that of the steps that were taken.
 #[test]
 fn a_hard_step_leaves_those_beside_it_in_lanes() {
-    let mut number = numbers();
-    let mut start = || [1.2 * number(), 2.0 * number()];
+    let mut random = Uniform(7);
+    let mut start = || [1.2 * random.draw(), 2.0 * random.draw()];
     let simple = steps_in_part::<Midpoint, _>(&Well { k: 2.0 }, 0.6, &mut start, || 0.0);
     let composed = steps_in_part::<Composed<Midpoint, Yoshida4>, _>(&Well { k: 2.0 }, 0.4, start, || 0.0);
     assert!(simple > 10 && composed > 5, "{simple} and {composed} steps in part: too few to test anything");
@@ -47,8 +51,9 @@ fn a_hard_step_leaves_those_beside_it_in_lanes() {
 /// Unless the lanes are asked to go in part.
 #[test]
 fn lanes_that_advance_all_move_or_none() {
-    let mut number = numbers();
-    let hard = steps_together::<Midpoint, _>(&Well { k: 2.0 }, 1.0, || [1.2 * number(), 2.0 * number()]);
+    let mut random = Uniform(7);
+    let hard =
+        steps_together::<Midpoint, _>(&Well { k: 2.0 }, 1.0, || [1.2 * random.draw(), 2.0 * random.draw()]);
     assert!(hard.iter().all(|&steps| steps > 10), "{hard:?}: too few to test anything");
 }
 
@@ -80,30 +85,26 @@ fn paths_are_those_of_steppers<E>()
 where
     HenonHeiles: Discretized<E, Vector = Plane>,
 {
-    const PATHS: usize = 75;
+    const PATHS: usize = 45;
     let run = || HenonHeiles.ensemble::<E>(0.2).starts(cloud).seed(11);
-    let (ends, reference) = ends!(run(), PATHS, 60);
+    let (ends, reference) = ends!(run(), PATHS, 20);
     for (path, end) in ends.iter().enumerate() {
-        let (replayed, error) = run().paths(PATHS as u64).steps(60).replay(path as u64).unwrap();
+        let (replayed, error) = run().paths(PATHS as u64).steps(20).replay(path as u64).unwrap();
         assert_eq!(error, None);
         let mut state = replayed.states()[0];
-        let mut stepper = HenonHeiles.stepper::<E>(0.2).unwrap().plain();
-        for _ in 0..60 {
-            stepper.step(&mut state, &[]).unwrap();
-        }
+        assert_eq!(stepped::<E, _>(&HenonHeiles, 0.2, &mut state, NoNoise, 20).1, None);
         assert_eq!((state.q, state.p), (end.q, end.p), "path {path}");
         assert_eq!(replayed.last(), end);
     }
     for threads in [1, 2] {
-        let run = run().paths(PATHS as u64).steps(60).threads(threads);
+        let run = run().paths(PATHS as u64).steps(20).threads(threads);
         assert!(run.run().unwrap() == reference, "{threads} threads");
     }
-    assert!(run().paths(PATHS as u64).steps(60).run_in::<1>().unwrap() == reference, "one lane");
+    assert!(run().paths(PATHS as u64).steps(20).run_in::<1>().unwrap() == reference, "one lane");
 }
 
 #[test]
 fn paths_of_a_cloud_are_those_of_steppers() {
-    paths_are_those_of_steppers::<Midpoint>();
     paths_are_those_of_steppers::<Verlet>();
     paths_are_those_of_steppers::<Gauss<2>>();
     paths_are_those_of_steppers::<Composed<Midpoint, Yoshida4>>();
@@ -160,7 +161,7 @@ where
     Well: Discretized<E, Vector = SVector<f64, 1>>,
 {
     const PATHS: u64 = 20;
-    const STEPS: u64 = 80;
+    const STEPS: u64 = 50;
     let start = |draw: &mut Draw| State::new([0.1 * draw.path() as f64 - 1.0], [0.3 * draw.normal()]);
     // Steppers do not look at the energy.
     let run = || well.ensemble::<E>(h).unwatched().starts(start).seed(3).paths(PATHS).allow_losses(1.0);
@@ -170,18 +171,12 @@ where
     let ends = ends.into_inner().unwrap();
     let (mut hard, mut slow) = (0, 0);
     for path in 0..PATHS {
-        let mut stepper = well.stepper::<E>(h).unwrap().plain();
         let mut state = *run().steps(0).replay(path).unwrap().0.last();
         let mut swept = well.stepper::<E>(h).unwrap().plain().iteration(Iteration::FixedPoint);
         let mut same = state;
         slow += u64::from((0..STEPS).any(|_| swept.step(&mut same, &[]).is_err()));
-        let error = (0..STEPS).find_map(|step| match stepper.step(&mut state, &[]) {
-            Ok(info) => {
-                hard += u64::from(info.is_hard && step > 0);
-                None
-            }
-            Err(error) => Some(error),
-        });
+        let (infos, error) = stepped::<E, _>(&well, h, &mut state, NoNoise, STEPS);
+        hard += infos.iter().skip(1).filter(|info| info.is_hard).count() as u64;
         let failure = reference.failures().iter().find(|failure| failure.path == path);
         assert_eq!(failure.map(|failure| failure.error), error, "path {path}");
         if error.is_none() {
@@ -209,18 +204,18 @@ fn a_path_that_fails_ends_alone() {
 }
 
 /// Variance of the end of a harmonic oscillator after a quarter of a turn: that of the momentum at the start, and what the noise adds.
-/// 40 000 paths: 4 standard errors of the variance, `√(2/n)` of it.
+/// 15 000 paths: 4 standard errors of the variance, `√(2/n)` of it.
 #[test]
 fn starts_and_noise_are_independent() {
     let driven = Driven { sigma: 0.5 };
     let (h, steps) = (std::f64::consts::FRAC_PI_2 / 200.0, 200);
     let start = |draw: &mut Draw| State::new([0.0], [0.7 * draw.normal()]);
-    let run = || driven.ensemble::<DeltaPlus>(h).starts(start).paths(40_000).seed(5).steps(steps);
+    let run = || driven.ensemble::<DeltaPlus>(h).starts(start).paths(15_000).seed(5).steps(steps);
     let end = run().run().unwrap();
     // q(T) = p_0 sin T - σ ∫ sin(T - s) dW, of variance 0.49 + σ² π/4; the scheme adds O(h).
     let exact = 0.49 + 0.25 * std::f64::consts::FRAC_PI_4;
     let variance = end.last().unwrap().variance(0);
-    let allowed = 4.0 * exact * (2.0 / 40_000_f64).sqrt() + h * exact;
+    let allowed = 4.0 * exact * (2.0 / 15_000_f64).sqrt() + h * exact;
     assert!((variance - exact).abs() < allowed, "{variance} against {exact} within {allowed}");
 }
 

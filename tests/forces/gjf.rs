@@ -1,27 +1,11 @@
 //! `Gjf` and `GjI`: steps of the reference, at every size and in lanes; the law of positions and the diffusion of linear systems, exactly.
 
+use fixtures::bath::Oscillator;
 use serde_json::Value;
-use wzvi::ensemble::InstructionSet;
 use wzvi::error::{BathError, ConfigError};
 use wzvi::prelude::*;
 
-/// `p²/2m + k q²/2 + b q⁴/4`
-#[hamiltonian(
-    drift = |q, p| 0.5 * p * p / m + 0.5 * k * q * q + 0.25 * b * q.powi(4),
-    friction = gamma,
-    temperature = kt,
-    embedding = [Baoab, Gjf, GjI],
-)]
-#[derive(Clone, Debug)]
-pub struct Oscillator {
-    pub m: f64,
-    pub k: f64,
-    pub b: f64,
-    pub gamma: f64,
-    pub kt: f64,
-}
-
-/// So many of them beside each other.
+/// Quartic oscillators beside each other.
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| (0..q.len())
         .map(|i| 0.5 * p[i] * p[i] / m + 0.5 * q[i] * q[i] + 0.25 * q[i].powi(4))
@@ -203,7 +187,7 @@ fn friction_matrices_are_taken_by_cayley_s_map() {
 macro_rules! check_lanes {
     ($run:expr) => {{
         let run = || $run.paths(21).seed(5).observe("q", |state| state.q[0]).threads(1);
-        let lanes = run().instructions(InstructionSet::Baseline).run_in::<4>().expect("a run");
+        let lanes = run().run_in::<4>().expect("a run");
         assert!(lanes.variance("q").expect("a variance") > 0.0);
         assert!(run().run().expect("a run") == lanes && run().run_in::<1>().expect("a run") == lanes);
     }};

@@ -1,4 +1,4 @@
-//! What every scheme of high order promises, scheme by scheme: what is kept, what is at rest, steps in halves, paths of ensembles, runs
+//! What schemes of high order promise, for one of each kind of step: what is kept, what is at rest, steps in halves, paths of ensembles, runs
 //! that go on from a checkpoint.
 
 use std::path::Path;
@@ -11,7 +11,7 @@ use wzvi::prelude::*;
 #[hamiltonian(
     drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 0.5 * (x * x + y * y + core).ln(),
     invariant = [|[x, y], [px, py]| x * py - y * px],
-    embedding = [Midpoint, Verlet, Gauss<1>, Gauss<2>, Gauss<4>, Gauss<8>],
+    embedding = [Midpoint, Verlet, Gauss<8>],
 )]
 struct Galaxy {
     core: f64,
@@ -20,7 +20,7 @@ struct Galaxy {
 /// A particle in a well before a wall: beyond it there is no force.
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p + 0.5 * q * q + 0.1 / (1.0 - q).sqrt(),
-    embedding = [Midpoint, Verlet, Gauss<2>, Gauss<8>],
+    embedding = [Midpoint, Verlet, Gauss<8>],
 )]
 struct Walled;
 
@@ -28,7 +28,7 @@ struct Walled;
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p + 0.25 * q.powi(4) - 0.5 * q * q,
     noise = [|q, _| 0.5 * sigma * q * q / (1.0 + q * q), |q, _| 0.1 * q],
-    embedding = [Midpoint, Verlet, Gauss<2>, Gauss<8>],
+    embedding = [Midpoint, Verlet, Gauss<8>],
 )]
 struct Shaken {
     sigma: f64,
@@ -42,28 +42,6 @@ macro_rules! every_kind {
         $check::<Composed<Verlet, KahanLi8>>("Composed<Verlet, KahanLi8>");
         $check::<Composed<Verlet, Aba864>>("Composed<Verlet, Aba864>");
         $check::<Composed<Verlet, Chin4>>("Composed<Verlet, Chin4>");
-    };
-}
-
-/// The same for each of the schemes of order above two, and those that they consist of.
-macro_rules! every_scheme {
-    ($check:ident) => {
-        $check::<Verlet>("Verlet");
-        $check::<Gauss<2>>("Gauss<2>");
-        $check::<Gauss<8>>("Gauss<8>");
-        $check::<Composed<Midpoint, Yoshida4>>("Composed<Midpoint, Yoshida4>");
-        $check::<Composed<Midpoint, KahanLi6>>("Composed<Midpoint, KahanLi6>");
-        $check::<Composed<Gauss<2>, Suzuki4>>("Composed<Gauss<2>, Suzuki4>");
-        $check::<Composed<Verlet, Yoshida6>>("Composed<Verlet, Yoshida6>");
-        $check::<Composed<Verlet, SuzukiUmeno8>>("Composed<Verlet, SuzukiUmeno8>");
-        $check::<Composed<Verlet, KahanLi8>>("Composed<Verlet, KahanLi8>");
-        $check::<Composed<Verlet, BlanesMoan4>>("Composed<Verlet, BlanesMoan4>");
-        $check::<Composed<Verlet, BlanesMoan6>>("Composed<Verlet, BlanesMoan6>");
-        $check::<Composed<Verlet, Srkn6>>("Composed<Verlet, Srkn6>");
-        $check::<Composed<Verlet, Aba864>>("Composed<Verlet, Aba864>");
-        $check::<Composed<Verlet, Aba1064>>("Composed<Verlet, Aba1064>");
-        $check::<Composed<Verlet, Chin4>>("Composed<Verlet, Chin4>");
-        $check::<Composed<Verlet, TakahashiImada4>>("Composed<Verlet, TakahashiImada4>");
     };
 }
 
@@ -88,7 +66,7 @@ fn angular_momentum_is_kept_to_rounding() {
         let walk = 2.0 * f64::EPSILON * (40.0 * f64::from(steps)).sqrt();
         assert!(worst < walk, "{scheme}: {worst:.1e}, {walk:.1e}");
     }
-    every_scheme!(check);
+    every_kind!(check);
 }
 
 /// Where force and momentum are zero, no scheme moves a bit.
@@ -106,7 +84,7 @@ fn what_is_at_rest_stays_there() {
         }
         assert_eq!((state.q, state.p), (rest.q, rest.p), "{scheme}");
     }
-    every_scheme!(check);
+    every_kind!(check);
 }
 
 /// A step that ends behind the wall is halved until none does and the halves agree, and those parts are steps of that size.
@@ -144,7 +122,7 @@ fn steps_are_halved_where_they_fail() {
         );
         assert_eq!(whole.iterations().halved, 1, "{scheme}");
     }
-    every_scheme!(check);
+    every_kind!(check);
 }
 
 /// Paths of an ensemble, from many starts, are those of a stepper, one by one.
@@ -226,5 +204,5 @@ fn one_seed_has_one_meaning() {
     }
     check::<Gauss<8>>("Gauss<8>");
     check::<Composed<Midpoint, Yoshida4>>("Composed<Midpoint, Yoshida4>");
-    check::<Composed<Verlet, BlanesMoan6>>("Composed<Verlet, BlanesMoan6>");
+    check::<Composed<Verlet, KahanLi8>>("Composed<Verlet, KahanLi8>");
 }

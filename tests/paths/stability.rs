@@ -32,7 +32,7 @@ struct Wall {
 /// which a watched run refuses.
 #[test]
 fn a_stiff_spring_is_bounded_while_its_envelope_is_fast() {
-    for exponent in [2, 4, 6, 8, 9] {
+    for exponent in [2, 6, 9] {
         let k = 10.0_f64.powi(exponent);
         for radial in [0.0, 0.1] {
             let (length, energy, _) = spring_errors(k, radial, Retry::never(), false).unwrap();
@@ -98,9 +98,9 @@ fn whoever_does_not_want_the_watch_switches_it_off() {
 #[test]
 fn the_solution_of_a_step_is_the_connected_one_or_none() {
     let (mut solved, mut refused) = (0, 0);
-    for i in 0..60 {
-        for j in 0..60 {
-            let (q, p, h) = (0.1 * f64::from(i) - 3.0, 0.2 * f64::from(j) - 6.0, 0.9);
+    for i in 0..30 {
+        for j in 0..30 {
+            let (q, p, h) = (0.2 * f64::from(i) - 3.0, 0.4 * f64::from(j) - 6.0, 0.9);
             let mut state = State::new([q], [p]);
             let outcome = Cubic.stepper::<Midpoint>(h).unwrap().step(&mut state, &[]);
             let discriminant = |part: f64| 1.0 - (part * h).powi(2) * (q + 0.5 * part * h * p);
@@ -130,7 +130,7 @@ fn the_solution_of_a_step_is_the_connected_one_or_none() {
         }
     }
     println!("{solved} solved, {refused} refused");
-    assert!(solved > 1500 && refused > 500, "{solved} {refused}");
+    assert!(solved > 375 && refused > 125, "{solved} {refused}");
 }
 
 /// A step into the wall: half of it free, the mid-point inside. Piecewise linear, so that the solution is known.

@@ -173,7 +173,7 @@ fn a_checkpoint_that_is_lost_does_not_end_the_run() {
     let edge = Edge { a: 1.0, sigma: 0.1 };
     let run = |lose: &(dyn Fn(u64) + Sync), file: Option<&Path>| {
         let calls = AtomicU64::new(0);
-        let ensemble = edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.5])).paths(20 * 512);
+        let ensemble = edge.ensemble::<DeltaPlus>(0.05).start(State::new([1.0], [0.5])).paths(8 * 512);
         let ensemble = ensemble.seed(7).steps(2).threads(1).observe("q", |state| {
             // Two nodes for each of 512 paths are a block.
             lose(calls.fetch_add(1, Ordering::Relaxed));
@@ -199,7 +199,7 @@ fn a_checkpoint_that_is_lost_does_not_end_the_run() {
         fs::create_dir_all(file.parent().unwrap()).unwrap();
         let statistics = run(
             &|call| {
-                if call == 10_000 {
+                if call == 5000 {
                     lose(&file)
                 }
             },

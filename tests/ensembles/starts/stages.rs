@@ -3,9 +3,9 @@
 use std::sync::Mutex;
 
 use wzvi::ensemble::Draw;
-use wzvi::increments::{Interval, Noise as _};
 use wzvi::prelude::*;
-use wzvi::system::Discretized;
+
+use crate::stepped::stepped;
 
 /// Not separable, with a function that lanes compute by themselves, the time, and noise that multiplies.
 #[hamiltonian(
@@ -30,15 +30,12 @@ fn stages_of_paths_beside_each_other_are_those_of_steppers() {
     let mut sweeps = [u32::MAX, 0];
     for (path, end) in ends.iter().enumerate() {
         let mut state = *run().paths(PATHS as u64).steps(0).replay(path as u64).unwrap().0.last();
-        let (mut stepper, mut dw) = (swing.stepper::<Gauss<3>>(h).unwrap().plain(), [0.0]);
-        let mut noise = StepNormals::seed(8).path(path as u64);
-        noise.prepare(&<Swing as Discretized<Gauss<3>>>::PLAN, h, 1, 0.0).unwrap();
-        for step in 0..steps {
-            noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
-            let taken = stepper.step(&mut state, &dw).unwrap().iterations;
-            sweeps = [sweeps[0].min(taken), sweeps[1].max(taken)];
+        let noise = StepNormals::seed(8).path(path as u64);
+        let (infos, error) = stepped::<Gauss<3>, _>(&swing, h, &mut state, noise, steps);
+        assert_eq!((state.q, state.p, error), (end.q, end.p, None), "path {path}");
+        for info in infos {
+            sweeps = [sweeps[0].min(info.iterations), sweeps[1].max(info.iterations)];
         }
-        assert_eq!((state.q, state.p), (end.q, end.p), "path {path}");
     }
     assert!(sweeps[0] + 3 < sweeps[1], "{sweeps:?} sweeps: no path waits for another");
     assert!(run().paths(PATHS as u64).steps(steps).threads(2).run().unwrap() == reference);

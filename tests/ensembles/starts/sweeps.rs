@@ -1,13 +1,14 @@
 //! Systems by path in lanes: each path is the one that a stepper of its system takes.
 
 use wzvi::error::Error;
-use wzvi::increments::{Interval, Noise as _};
+use wzvi::increments::NoNoise;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
 use wzvi::system::{Scheme, SchemeOf};
 
 use super::Well;
+use crate::stepped::stepped;
 
 /// Four parameters, of which one chooses between two potentials; arithmetic only.
 #[hamiltonian(
@@ -67,15 +68,8 @@ macro_rules! sweep_is_that_of_steppers {
         let reference = run().run().unwrap();
         let kept = reference.paths().unwrap();
         for (path, system) in list.iter().enumerate() {
-            let mut noise = StepNormals::seed(5).path(path as u64);
-            let mut dw = vec![0.0; system.noises()];
-            noise.prepare(&<$system as Discretized<$scheme>>::PLAN, h, dw.len(), 0.0).unwrap();
-            let mut stepper = system.stepper::<$scheme>(h).unwrap().plain();
-            let mut state = $start;
-            for step in 0..steps {
-                noise.increments(&Interval { start: 0.0, h, step }, &mut dw).unwrap();
-                stepper.step(&mut state, &dw).unwrap();
-            }
+            let (mut state, noise) = ($start, StepNormals::seed(5).path(path as u64));
+            assert_eq!(stepped::<$scheme, _>(system, h, &mut state, noise, steps).1, None);
             let end = kept.at(path, 1).unwrap();
             let alone = state.q.iter().chain(state.p.iter()).copied().chain([system.energy(&state)]);
             assert_eq!(end, alone.collect::<Vec<f64>>(), "{} path {path}", stringify!($scheme));
@@ -133,28 +127,23 @@ fn hard_steps_of_a_sweep_are_those_of_steppers() {
     hard_sweep::<Composed<Midpoint, Yoshida4>>(0.6);
 }
 
-fn hard_sweep<E>(h: f64) -> u32
+fn hard_sweep<E>(h: f64) -> usize
 where
     Well: Discretized<E, Vector = SVector<f64, 1>>,
 {
-    const PATHS: u64 = 20;
+    const PATHS: u64 = 12;
     const STEPS: u64 = 40;
     let start = State::new([-0.7], [0.2]);
-    let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.2 * path as f64 }).collect();
+    let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.35 * path as f64 }).collect();
     // Steppers do not look at the energy.
-    let run = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.2 * draw.path() as f64 });
+    let run = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.35 * draw.path() as f64 });
     let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(STEPS);
     let reference = run().run().unwrap();
     let mut hard = 0;
     for (path, well) in list.iter().enumerate() {
-        let (mut stepper, mut state) = (well.stepper::<E>(h).unwrap().plain(), start);
-        let error = (0..STEPS).find_map(|step| match stepper.step(&mut state, &[]) {
-            Ok(info) => {
-                hard += u32::from(info.is_hard && step > 0);
-                None
-            }
-            Err(error) => Some(error),
-        });
+        let mut state = start;
+        let (infos, error) = stepped::<E, _>(well, h, &mut state, NoNoise, STEPS);
+        hard += infos.iter().skip(1).filter(|info| info.is_hard).count();
         let failure = reference.failures().iter().find(|failure| failure.path == path as u64);
         assert_eq!(failure.map(|failure| failure.error), error, "path {path}");
         if error.is_none() {

@@ -1,7 +1,7 @@
 //! Paths of large systems, which go one after the other and window by window: the same as beside each other in lanes, to the last bit.
 
 use wzvi::bath::{A, B, O};
-use wzvi::ensemble::{InstructionSet, Statistics};
+use wzvi::ensemble::Statistics;
 use wzvi::nalgebra::DVector;
 use wzvi::noise::Truncation;
 use wzvi::prelude::*;
@@ -10,7 +10,7 @@ use fixtures::bath::{FreeChain, Kicked};
 
 /// More than a window, no multiple of a block, and enough for paths to go by themselves.
 const SITES: usize = 523;
-const PATHS: u64 = 21;
+const PATHS: u64 = 13;
 
 fn start(scale: f64) -> State<DVector<f64>> {
     let wave = |phase: f64| (0..SITES).map(|i| scale * (0.7 * i as f64 + phase).sin()).collect::<Vec<_>>();
@@ -26,15 +26,10 @@ macro_rules! check {
                 .observe("q", |state| state.q[3])
                 .observe("p²", |state| state.p.norm_squared())
         };
-        let lanes: Statistics =
-            run().threads(1).instructions(InstructionSet::Baseline).run_in::<4>().expect("a run");
+        let lanes: Statistics = run().threads(1).run_in::<4>().expect("a run");
         assert!(lanes.variance("q").expect("a variance") > 0.0);
         assert!(run().threads(1).run().expect("a run") == lanes, "one after the other");
         assert!(run().threads(2).run().expect("a run") == lanes, "two threads");
-        assert!(
-            run().threads(1).instructions(InstructionSet::Baseline).run().expect("a run") == lanes,
-            "baseline"
-        );
         assert!(run().run_in::<1>().expect("a run") == lanes, "one lane");
         lanes
     }};
@@ -43,7 +38,7 @@ macro_rules! check {
 #[test]
 fn paths_by_themselves_are_those_in_lanes() {
     let bath = Kicked { sites: SITES, gamma: 0.7, kt: 0.4 };
-    check!(bath.ensemble::<Baoab>(0.1).start(start(1.0)).steps(23).record_every(4));
+    check!(bath.ensemble::<Baoab>(0.1).start(start(1.0)).steps(11).record_every(4));
     // A last step that is shorter, from a start of each path, with a truncation.
     check!(
         bath.ensemble::<Baoab>(0.1)
@@ -59,7 +54,7 @@ fn paths_by_themselves_are_those_in_lanes() {
         FreeChain
             .ensemble::<Verlet>(0.1)
             .starts_from((0..PATHS).map(|path| start(0.1 * path as f64)))
-            .steps(23)
+            .steps(11)
     );
     // Systems of the paths.
     let systems = |path: u64| Kicked { gamma: 0.1 * path as f64, ..bath.clone() };

@@ -11,7 +11,7 @@ use fixtures::files::{contents, killed_until_done};
 use fixtures::folder;
 
 /// So many that there is something to kill.
-const STEPS: u64 = 100_000;
+const STEPS: u64 = 40_000;
 /// What the child is to run, and where.
 const ORDERS: &str = "WZVI_TEST_CHECKPOINT";
 

@@ -61,7 +61,7 @@ fn kubo_has_its_moments_and_its_strong_error() {
     let (a, s) = (KUBO.a, KUBO.sigma);
     let damping = (-0.5 * s * s).exp();
     let report = kubo()
-        .paths(500)
+        .paths(150)
         .repetitions(0)
         .expectation("q", |state| state.q[0], damping * a.sin())
         .expectation("p", |state| state.p[0], damping * a.cos())
@@ -80,7 +80,7 @@ fn kubo_has_its_moments_and_its_strong_error() {
         let off = (cell.strong.value - expected).abs();
         assert!(off < 0.05 * expected + 4.0 * cell.strong.standard_error, "{:?} {expected}", cell.strong);
         assert!(cell.energy_trend.value < 1e-13 && cell.energy_oscillation.value < 1e-13);
-        assert_eq!((cell.paths, cell.failures, cell.time), (500, 0, None));
+        assert_eq!((cell.paths, cell.failures, cell.time), (150, 0, None));
     }
     for scheme in ["Midpoint", "Corrected<DeltaPlus>"] {
         let (order, _) = report.slope(scheme).order().unwrap();
@@ -92,8 +92,8 @@ fn kubo_has_its_moments_and_its_strong_error() {
 
 #[test]
 fn a_finer_run_serves_as_reference() {
-    let finer = kubo().paths(20).reference::<Midpoint>(2f64.powi(-12)).run().unwrap();
-    let exact = kubo().paths(20).run().unwrap();
+    let finer = kubo().paths(6).reference::<Midpoint>(2f64.powi(-12)).run().unwrap();
+    let exact = kubo().paths(6).run().unwrap();
     assert_eq!(
         finer.reference,
         "Midpoint with h = 2.44e-4 on the same Wiener path".replace("2.44e-4", "0.000244")
@@ -175,7 +175,7 @@ fn an_interruption_keeps_what_was_measured() {
 #[test]
 fn threads_do_not_show_in_the_numbers() {
     let cells = |threads: usize| {
-        let report = kubo().paths(1200).step_sizes([0.25, 0.125]).observe("q", |state| state.q[0]);
+        let report = kubo().paths(1100).step_sizes([0.25]).observe("q", |state| state.q[0]);
         let report = report.repetitions(0).threads(threads).run().unwrap();
         let csv = String::from_utf8(report.csv()).unwrap();
         let commas = |line: &str| line.matches(',').count();
@@ -184,7 +184,7 @@ fn threads_do_not_show_in_the_numbers() {
         report.cells
     };
     let one = cells(1);
-    assert!(one.iter().all(|cell| cell.path_numbers == (0..1200).collect::<Vec<_>>()));
+    assert!(one.iter().all(|cell| cell.path_numbers == (0..1100).collect::<Vec<_>>()));
     for threads in [2, 5] {
         assert_eq!(format!("{:?}", cells(threads)), format!("{one:?}"));
     }

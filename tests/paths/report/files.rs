@@ -1,30 +1,12 @@
-//! Files: complete or not at all, and errors that name the path.
+//! What the files hold, and errors that name the path.
 
 use fixtures::folder;
 use std::fs;
 
 use wzvi::error::Error;
-use wzvi::report::{ReportError, write_file};
+use wzvi::report::write_file;
 
 use super::estimators::kubo;
-
-#[test]
-fn a_file_is_replaced_as_a_whole_and_nothing_is_left_behind() {
-    let folder = folder!("replaced");
-    let path = folder.join("a.txt");
-    write_file(&path, b"one").unwrap();
-    write_file(&path, b"two").unwrap();
-    assert_eq!(fs::read(&path).unwrap(), b"two");
-    // A target that cannot be replaced: the name of a folder.
-    let taken = folder.join("taken");
-    fs::create_dir_all(taken.join("inside")).unwrap();
-    let error = write_file(&taken, b"three").unwrap_err();
-    assert!(matches!(&error, ReportError::File(error) if error.path() == taken), "{error:?}");
-    assert!(error.to_string().contains(&*taken.to_string_lossy()), "{error}");
-    let mut names: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    names.sort();
-    assert_eq!(names, ["a.txt", "taken"]);
-}
 
 #[test]
 fn a_target_that_is_no_folder_is_named() {

@@ -121,7 +121,7 @@ fn a_browser_shows_it() {
     assert!(!log.contains("CONSOLE"), "{log}");
 
     let [light, dark] = [("light", [255, 255, 255]), ("dark", [22, 24, 27])];
-    for (width, columns, scheme) in [(390, 1, dark), (768, 1, light), (1280, 2, light), (1280, 2, dark)] {
+    for (width, columns, scheme) in [(390, 1, dark), (768, 1, light), (1280, 2, dark)] {
         shows_all_of_it(&browser, &folder, (width, columns), scheme);
     }
 }
@@ -149,11 +149,10 @@ fn shows_all_of_it(
     let number = if scheme == "dark" { 0 } else { 1 };
     let colours = format!("--blink-settings=preferredColorScheme={number}");
     let size = format!("--window-size={width},1600");
-    let (dom, log) = open(browser, &asked, &["--dump-dom", &size, &colours]);
+    let screenshot = format!("--screenshot={}", shot.display());
+    let (dom, log) = open(browser, &asked, &["--dump-dom", &screenshot, &size, &colours]);
     let found = dom.split("data-fits=\"").nth(1).and_then(|rest| rest.split('"').next());
     assert_eq!(found, Some(format!("true true {columns}").as_str()), "{width} px: {log}");
-    let screenshot = format!("--screenshot={}", shot.display());
-    let (_, log) = open(browser, &folder.join("index.html"), &[&screenshot, &size, &colours]);
     assert!(!log.contains("CONSOLE"), "{log}");
     let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(&shot).unwrap()));
     let mut reader = decoder.read_info().unwrap();

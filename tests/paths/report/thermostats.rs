@@ -22,7 +22,7 @@ fn thermostats_of_any_size_converge_to_one_path() {
         .start(State::new(vec![0.5, 0.1, -0.3], vec![0.5, 0.0, 0.2]))
         .until(1.0)
         .step_sizes((3..=5).map(|k| 2f64.powi(-k)))
-        .paths(40)
+        .paths(16)
         .seed(5)
         .repetitions(1)
         .reference::<Thermostat<Midpoint>>(2f64.powi(-9))
