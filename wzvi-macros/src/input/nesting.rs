@@ -62,16 +62,19 @@ struct Runs {
     in_type: bool,
     previous: Option<char>,
     after_else: bool,
+    after_dot: bool,
 }
 
 impl Runs {
     fn read(&mut self, token: &TokenTree) {
         let previous = self.previous.take();
         let after_else = std::mem::take(&mut self.after_else);
+        let after_dot = std::mem::take(&mut self.after_dot);
         match token {
             TokenTree::Punct(punct) => {
                 self.punct(punct.as_char(), previous);
                 self.previous = Some(punct.as_char()).filter(|_| punct.spacing() == Spacing::Joint);
+                self.after_dot = punct.as_char() == '.';
             }
             TokenTree::Ident(ident) => {
                 let name = ident.to_string();
@@ -89,7 +92,11 @@ impl Runs {
                 self.nested += 1;
                 self.prefixes = 0;
             }
-            TokenTree::Literal(_) => self.prefixes = 0,
+            TokenTree::Literal(literal) => {
+                self.prefixes = 0;
+                // `q.0.0` is one number after the first dot, and two fields.
+                self.nested += usize::from(after_dot && literal.to_string().contains('.'));
+            }
         }
     }
 

@@ -406,7 +406,7 @@ fn integers_are_bounded() {
 #[test]
 fn deep_inputs_do_not_overflow_the_stack() {
     let mut cases: Vec<String> = Vec::new();
-    for depth in [60, 100, 150, 2100, 8000] {
+    for depth in [60, 100, 150, 2100, 4000, 8000] {
         let wrap = |open: &str, close: &str| format!("{}q{}", open.repeat(depth), close.repeat(depth));
         cases.push(wrap("- - - - (", ")"));
         cases.push(wrap("(- - |x| - ", ")"));
