@@ -45,8 +45,8 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Carry, ConfigError, Constant, Discretized, Effort, Err, Facts,
         Knowledge, Lift, NoiseClass, Number, Of, Ok, Option, Over, PhantomData, Plain,
-        Plan, Reals, Result, SVector, Scalar, Sized, Solution, Solver, StepFailure,
-        Straight, StraightLine, bool, f64, str, usize, compose::General,
+        Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
+        StepFailure, Straight, StraightLine, bool, f64, str, usize, compose::General,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
@@ -190,6 +190,7 @@ const _: () = {
     #[automatically_derived]
     impl Discretized<Corrected<DeltaPlus>> for Multiplicative {
         type Scheme = Straight<Corrected<DeltaPlus>, 1, 1>;
+        type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "Corrected<DeltaPlus>\n\nHamiltonians\n  H0 = q²/2 + p²/2\n  H1 = q p sigma\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (q_i²/2 + P²/2) - sigma q_i P ΔW - sigma² q_i P ΔW²/2\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = sigma q_i ΔW + P h + sigma² q_i ΔW²/2\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -sigma P ΔW - q_i h - sigma² P ΔW²/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  solve for δp: linear\n  assign Δq\n\nFacts\n  converges to the Stratonovich system; D = q p sigma²/2\n  h → 0, then ε → 0: X_{ε,n} → X_ε → X\n  ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving\n  {H1, H0} = q² sigma - p² sigma\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {

@@ -68,7 +68,7 @@ pub struct Perturbed {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Constant, Discretized, Facts, Kind, Knowledge, Lift, Number, Of,
-        Option, Over, Reals, SVector, Scalar, Sized, bool, f64, str, usize,
+        Option, Over, Reals, SVector, Scalar, Scheme, Sized, bool, f64, str, usize,
         compose::{Form, Nystrom, Parted, Parts, WholeOf},
         elements::{Alone, Elements, Given, Point, Run, Slopes, Sums, Usual},
         embedding::Verlet, gauss::{Field, Fixed},
@@ -222,6 +222,7 @@ const _: () = {
     #[automatically_derived]
     impl Discretized<Verlet> for Perturbed {
         type Scheme = WholeOf<Self, Verlet>;
+        type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "Verlet\n\nHamiltonians\n  H0 = q² omega²/2 + p²/2 + q³ epsilon cos(t)\n  H_A = q² omega²/2 + p²/2, a part of H0\n  H_B = q³ epsilon cos(t), a part of H0\n\nA step of size h is two of size h/2, with half of the increments each:\n\nDeltaPlus\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_i²/2 + P²/2 + epsilon q_i³ cos(t_i))\n  Δq = q_{i+1} - q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -h (omega² q_i + 3 epsilon q_i² cos(t_i))\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp\n\nStep\n  assign δp\n  assign Δq\n\nDeltaMinus\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (omega² q_{i+1}²/2 + P²/2 + epsilon q_{i+1}³ cos(t_{i+1}))\n  Δq = q_{i+1} - q_i\n  q_{i+1} = Δq + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = 0\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp - h (omega² q_{i+1} + 3 epsilon q_{i+1}² cos(t_{i+1}))\n\nStep\n  assign δp\n  assign Δq\n\nStep, by the flows of H = T(p) + V(q), which are exact\n  kick of h/2 at t:      p <- p - h/2 ∂V/∂q\n  drift of h:            q <- q + h ∂T/∂p\n  kick of h/2 at t + h:  p <- p - h/2 ∂V/∂q, whose force is that of the first kick of the next step\n  (in compositions drifts and kicks that meet are one)\n\nFacts\n  H0 is not a first integral\n";
     }
     wzvi::bindings! {

@@ -46,8 +46,8 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Discretized,
         Extrapolation, Facts, Inputs, Labels, Lift, Number, Of, Ok, Over, Plain, Plan,
-        Reals, Result, SVector, Scalar, Sized, Solution, Solver, StepFailure, Straight,
-        StraightLine, Variables, bool, f64, str, usize, compose::General,
+        Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver, StepFailure,
+        Straight, StraightLine, Variables, bool, f64, str, usize, compose::General,
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
@@ -216,6 +216,7 @@ const _: () = {
     #[automatically_derived]
     impl Discretized<Midpoint> for HenonHeiles {
         type Scheme = Straight<Midpoint, 2, 0>;
+        type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = (py² + px² + x² + y²)/2 + x² y - y³/3\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P_{px} Δx - h ((P_{py}² + P_{px}² + x_{i+1/2}² + y_{i+1/2}²)/2 + x_{i+1/2}² y_{i+1/2} - y_{i+1/2}³/3) + P_{py} Δy\n  Δx = x_{i+1} - x_i\n  Δy = y_{i+1} - y_i\n  x_{i+1/2} = Δx/2 + x_i\n  y_{i+1/2} = Δy/2 + y_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P_{px} = 0:  Δx = P_{px} h\n  px_i = -D1 L_d:  P_{px} = px_i + δpx,  δpx = -h (x_{i+1/2} + 2 x_{i+1/2} y_{i+1/2})/2\n  px_{i+1} = D2 L_d:  px_{i+1} - px_i = 2 δpx\n  ∂L_d/∂P_{py} = 0:  Δy = P_{py} h\n  py_i = -D1 L_d:  P_{py} = py_i + δpy,  δpy = -h (y_{i+1/2} + x_{i+1/2}² - y_{i+1/2}²)/2\n  py_{i+1} = D2 L_d:  py_{i+1} - py_i = 2 δpy\n\nStep\n  solve for δpx, δpy: Newton, symmetric Jacobian (then Δx, Δy)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = (x + 2 x y)² + (y + x² - y²)²\n    H_qq(H_p,H_p) = px (px (1 + 2 y) + 2 x py) + py (2 x px + py (1 - 2 y))\n";
     }
     #[automatically_derived]

@@ -43,8 +43,8 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Block, Carry, ConfigError, Conservative, Constant, Discretized,
         Err, Extrapolation, Facts, Inputs, Lift, Number, Of, Ok, Option, Over, Plain,
-        Plan, Reals, Result, SVector, Scalar, Sized, Solution, Solver, StepFailure,
-        Straight, StraightLine, bool, f64, str, usize, compose::General,
+        Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
+        StepFailure, Straight, StraightLine, bool, f64, str, usize, compose::General,
         elements::{
             Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes,
             Stage, Sums, Usual,
@@ -178,6 +178,7 @@ const _: () = {
     #[automatically_derived]
     impl Discretized<Midpoint> for Pendulum {
         type Scheme = Straight<Midpoint, 1, 0>;
+        type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "Midpoint\n\nHamiltonians\n  H0 = p²/2 - omega² cos(q)\n\nDiscrete Lagrangian of the step from t_i to t_i + h\n  L_d = P Δq - h (P²/2 - omega² cos(q_{i+1/2}))\n  Δq = q_{i+1} - q_i\n  q_{i+1/2} = Δq/2 + q_i\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = P h\n  p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_{i+1/2})/2\n  p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp\n\nStep\n  solve for δp: Newton (then Δq)\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²)\n  modified energy, kept within O(h⁴): H0 + h² (-H_pp(H_q,H_q)/24 - H_qq(H_p,H_p)/24)\n    H_pp(H_q,H_q) = omega^4 sin(q)²\n    H_qq(H_p,H_p) = p² omega² cos(q)\n";
     }
     #[automatically_derived]

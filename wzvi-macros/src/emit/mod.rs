@@ -103,6 +103,7 @@ pub(crate) fn listed(
 ) -> TokenStream {
     let body = quote! {
         type Scheme = #scheme;
+        type Prepared = <Self::Scheme as __wzvi::Scheme<Self>>::Prepared<__wzvi::f64>;
         const EQUATIONS: &'static __wzvi::str = #text;
     };
     implementation(item, &quote!(__wzvi::Discretized<#listed>), &body)

@@ -71,6 +71,7 @@ impl Stubs {
                     #[allow(warnings)]
                     impl #with_scheme #wzvi::system::Discretized<#schemes> for #system {
                         type Scheme = #wzvi::__private::checks::NoSteps;
+                        type Prepared = ();
                         const EQUATIONS: &'static ::core::primitive::str = "";
                     }
                 )*

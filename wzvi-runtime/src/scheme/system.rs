@@ -7,6 +7,7 @@ mod scheme;
 mod solution;
 mod straight;
 
+use std::fmt::Debug;
 use std::ops::AddAssign;
 
 use crate::algebra::scalar::Scalar;
@@ -313,7 +314,10 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
 )]
 pub trait Discretized<E>: Hamiltonian + Sized {
     /// The scheme of the steps.
-    type Scheme: Scheme<Self>;
+    type Scheme: Scheme<Self, Prepared<f64> = Self::Prepared>;
+
+    /// The data that depend on the system and the step size only.
+    type Prepared: Clone + Debug + Send + Sync;
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
     const EQUATIONS: &'static str;
@@ -339,7 +343,7 @@ pub trait Discretized<E>: Hamiltonian + Sized {
     ///
     /// # Errors
     /// If a parameter is invalid, or a matrix that is factored here is singular.
-    fn prepare(&self, h: f64) -> Result<PreparedOf<Self, E>, ConfigError> {
+    fn prepare(&self, h: f64) -> Result<Self::Prepared, ConfigError> {
         Self::Scheme::prepare(self, &as_they_are, h)
     }
 
@@ -352,7 +356,7 @@ pub trait Discretized<E>: Hamiltonian + Sized {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<S: Scalar>(
         &self,
-        prepared: &PreparedOf<Self, E>,
+        prepared: &Self::Prepared,
         t: f64,
         h: f64,
         q: &mut [S],

@@ -45,6 +45,7 @@ where
     W: Composes<E, E::Structure<H>, Steps: Scheme<H>>,
 {
     type Scheme = W::Steps;
+    type Prepared = <W::Steps as Scheme<H>>::Prepared<f64>;
     const EQUATIONS: &'static str = Equations::<H, E, W>::ALL;
 }
 

@@ -157,6 +157,7 @@ impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
 
 impl<H: Elements, T: OneStep> Discretized<Own<T>> for H {
     type Scheme = Own<T>;
+    type Prepared = ();
     const EQUATIONS: &'static str = T::TEXT;
 }
 
