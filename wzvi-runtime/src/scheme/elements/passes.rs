@@ -153,8 +153,10 @@ impl<const L: usize> Largest<L> {
         if self.poison.iter().any(|&poison| poison != 0) {
             return [f64::NAN; 2];
         }
+        // Opaque, since the compiler else cuts the lanes of the pass as the pairs below would have them, down to two numbers.
+        let most = std::hint::black_box(self.most);
         let (mut even, mut odd) = (0.0, 0.0);
-        for pair in self.most.as_chunks::<2>().0 {
+        for pair in most.as_chunks::<2>().0 {
             (even, odd) = (larger(even, pair[0]), larger(odd, pair[1]));
         }
         if kind == Unknowns::Both { [even, odd] } else { [larger(even, odd); 2] }
