@@ -47,7 +47,8 @@ pub(crate) struct Scheme {
 
 /// Multiplications of a dense elimination up to which a step is written in straight lines, if there is no noise: seven sites. For chains, rings and pairs with
 /// the mid-point a path in straight lines takes 0.6 to 0.95 of the time of loops at five sites, about as long at six, and 1.2 to 2.0 at eight; in
-/// ensembles, whose paths run in lanes only in straight lines, 0.3 to 0.4, 0.4 to 0.55 and 0.65 to 0.7. The largest loss is then 1.6 for either.
+/// ensembles, whose paths run in lanes only in straight lines, 0.3 to 0.4, 0.4 to 0.55 and 0.65 to 0.7. The largest loss is then about 1.6 for either.
+/// (`cargo bench --bench seam` has literal sizes beside const generics, which are always loops.)
 const SWEPT: usize = 114;
 
 /// The same with noise: straight-line code runs paths in lanes, loops do not.
