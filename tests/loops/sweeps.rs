@@ -51,6 +51,32 @@ struct Bonds {
     spring: Vec<f64>,
 }
 
+/// Sites with no springs between them, kicked by a noise each: linear equations with a diagonal Jacobian.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..p.len()).map(|i| p[i] * p[i] / (2.0 * self.mass[i]) + 0.5 * self.spring[i] * q[i] * q[i]).sum::<f64>()
+    },
+    noise = [|q, p, k| 0.3 * q[k]; self.mass.len()],
+    embedding = [Midpoint, Lambda<1, 4>],
+)]
+struct Apart {
+    mass: Vec<f64>,
+    spring: Vec<f64>,
+}
+
+/// The same with forces that pairs of neighbours exert, each with its own strength.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        (0..p.len()).map(|i| p[i] * p[i] / (2.0 * self.mass[i]) + 0.5 * self.spring[i] * q[i] * q[i]).sum::<f64>()
+            + (1..q.len()).map(|i| self.spring[i] * (q[i] - q[i - 1])).sum::<f64>()
+    },
+    embedding = Midpoint,
+)]
+struct Tilted {
+    mass: Vec<f64>,
+    spring: Vec<f64>,
+}
+
 const H: f64 = 0.05;
 
 /// Steps both ways.
@@ -71,6 +97,39 @@ fn implicit_steps_of_chains_have_the_bits_of_one_pass() {
         check::<Midpoint, _>(&SineGordon { k: 0.7 }, n, "ring");
         let (mass, spring) = ((0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0));
         check::<Midpoint, _>(&Kicked { mass, spring }, n, "kicked");
+    }
+}
+
+fn masses_and_springs(n: usize) -> [Vec<f64>; 2] {
+    [(0..n).map(|i| 1.0 + 0.1 * i as f64).collect(), numbers(n, 2.0)]
+}
+
+/// Each step is one correction, and each window takes all of it at once, unless it adds to the forces of others.
+#[test]
+fn linear_steps_of_single_sites_have_the_bits_of_one_pass() {
+    for n in sizes() {
+        let [mass, spring] = masses_and_springs(n);
+        let apart = Apart { mass, spring };
+        check::<Midpoint, _>(&apart, n, "apart");
+        check::<Lambda<1, 4>, _>(&apart, n, "apart, asymmetric");
+        let [mass, spring] = masses_and_springs(n);
+        check::<Midpoint, _>(&Tilted { mass, spring }, n, "tilted");
+    }
+    let [mass, spring] = masses_and_springs(1025);
+    let apart = Apart { mass, spring };
+    let start = [numbers(1025, 0.2), numbers(1025, 1.1)];
+    let (_, iterations, _) = on_threads(&apart, 1, start.clone());
+    assert_eq!(iterations, [1; 5]);
+    check_threads(&apart, &start, "apart");
+    let [mass, spring] = masses_and_springs(1025);
+    check_threads(&Tilted { mass, spring }, &start, "tilted");
+    for (place, bad) in [(0, f64::NEG_INFINITY), (1024, f64::NAN), (600, f64::INFINITY)] {
+        let [q, mut p] = start.clone();
+        p[place] = bad;
+        check_threads(&apart, &[q.clone(), p.clone()], "not finite");
+        let (bits, taken, failed) = on_threads(&apart, 1, [q.clone(), p.clone()]);
+        assert!(taken.is_empty() && failed.is_some(), "{bad} at {place}");
+        assert!(q.iter().chain(&p).map(|number| number.to_bits()).eq(bits));
     }
 }
 

@@ -67,6 +67,7 @@ const _: () = {
             conserves_energy: Knowledge::Refuted,
             has_windows: true,
             has_one_velocity: true,
+            has_constant_curvature: true,
             ..Facts::autonomous(usize::MAX)
         };
         type Structure = General;

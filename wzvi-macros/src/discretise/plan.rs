@@ -70,7 +70,7 @@ impl Strategy {
 }
 
 /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
-fn has_constant_curvature(system: &mut System) -> bool {
+pub(crate) fn has_constant_curvature(system: &mut System) -> bool {
     let System { graph, drift, noise, force, t, .. } = system;
     let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
         let state = element.state();

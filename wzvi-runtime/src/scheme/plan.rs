@@ -87,6 +87,8 @@ pub struct Facts {
     pub gathers: Slopes,
     /// Whether all velocities are the slopes of one element in one loop over all places.
     pub has_one_velocity: bool,
+    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
+    pub has_constant_curvature: bool,
 }
 
 impl Facts {
@@ -105,6 +107,7 @@ impl Facts {
             has_pairs: false,
             gathers: Slopes { by_q: false, by_p: false },
             has_one_velocity: false,
+            has_constant_curvature: false,
         }
     }
 

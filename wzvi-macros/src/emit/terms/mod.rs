@@ -19,7 +19,9 @@ pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
 use crate::describe::Texts;
 use crate::diagnostics::promised;
-use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
+use crate::discretise::{
+    Facts, PartElements, Quadrature, Step, Unknowns, has_constant_curvature, parts_of, scale_momenta,
+};
 use crate::emit::compose::structure;
 use crate::emit::plan::degrees;
 use crate::emit::{Names, count, f64_type, implementation, parameter_names};
@@ -153,6 +155,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, structure: &
         ("has_pairs", is_true(windows::have_pairs(model, &parts))),
         ("gathers", windows::gathered(model, &parts)),
         ("has_one_velocity", is_true(windows::have_one_velocity(model, &parts))),
+        ("has_constant_curvature", is_true(has_constant_curvature(model))),
     ];
     let known = crate::emit::plan::facts(model, facts, others);
     let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));

@@ -315,7 +315,7 @@ mod tests {
                 step.start(&mut scratch, 0);
                 let mut sweeps = 0;
                 loop {
-                    step.sweep(&mut scratch, false);
+                    step.sweep(&mut scratch);
                     sweeps += 1;
                     if step.changes_nothing(&scratch.lists) {
                         break;

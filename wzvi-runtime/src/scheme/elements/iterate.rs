@@ -97,16 +97,21 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
         (effort, Solution::Newton { may_contract: false })
     } else {
         let mut scratch = memory.scratch(scheme, degrees);
+        // One correction starts from zero.
+        let remembers = scheme.remembers && !step.takes_one_correction(&scratch);
         let solved = step.solve(&mut scratch)?;
-        if !C::CARRIES && step.is_in_windows(&mut scratch) {
-            scratch.store_windows(scheme, q, p);
-            memory.known = if scheme.remembers { (memory.known + 1).min(3) } else { 0 };
+        let is_recorded = if !C::CARRIES && step.is_in_windows(&mut scratch) {
+            scratch.store_windows(scheme, remembers, q, p);
+            true
         } else {
             step.finish(&mut scratch.lists);
             scratch.lists.store(q, p, carry)?;
-            if scheme.remembers {
-                memory.record(scheme, degrees);
-            }
+            false
+        };
+        match (remembers, is_recorded) {
+            (true, true) => memory.count_past(),
+            (true, false) => memory.record(scheme, degrees),
+            (false, _) => memory.known = 0,
         }
         (Effort::fast(solved.iterations), solved.solution)
     };
@@ -154,6 +159,11 @@ impl<S: Scalar> Memory<S> {
         }
         self.solver.past.rotate_right(1);
         self.solver.past[0].copy_from_slice(x);
+        self.count_past();
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count_past(&mut self) {
         self.known = (self.known + 1).min(3);
     }
 }
@@ -250,8 +260,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves linear uncoupled equations by one correction from zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn correct_once(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        self.start(scratch, 0);
         if !self.starts_with_factors(scratch.lend(), Iteration::Automatic) {
+            // The Jacobian does not depend on the unknowns.
             let Scratch { lists, solver: Solver { diagonal, linear: Some(linear), kept, .. }, .. } =
                 scratch.lend()
             else {
@@ -259,10 +269,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             };
             self.renew(&lists, diagonal, linear, kept, Iteration::Automatic)?;
         }
-        match self.sweep(scratch, true).relative {
-            relative if relative.is_nan() => Err(StepFailure::NonFinite),
-            _ => Ok(Solved { iterations: 1, solution: Solution::Newton { may_contract: false } }),
+        if !self.solve_diagonal(scratch) {
+            return Err(StepFailure::NonFinite);
         }
+        Ok(Solved { iterations: 1, solution: Solution::Newton { may_contract: false } })
     }
 
     /// Solves from zero, by Newton's method unless another iteration is pinned.
@@ -361,7 +371,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             self.refresh(&mut scratch.lists);
             relative
         } else {
-            let swept = self.sweep(scratch, false);
+            let swept = self.sweep(scratch);
             change = swept.change;
             swept.relative
         };

@@ -288,6 +288,11 @@ impl Windows {
         &self.neighbours
     }
 
+    /// Whether the slopes of each window read only its own coordinates.
+    pub(super) fn are_independent(&self) -> bool {
+        self.neighbours.iter().all(|neighbours| neighbours.len() == 1)
+    }
+
     /// All windows in `number` contiguous portions, or in fewer if there are fewer windows.
     pub(super) fn portions(&self, number: usize) -> impl Iterator<Item = Range<usize>> {
         let all = self.neighbours.len();

@@ -7,13 +7,12 @@
 //! v' = v - (v + start Σ ∂V/∂q (Q)),   P' = p + v',   u' = Σ ∂T/∂p (P'),   Q' = q + c u'
 //! ```
 //!
-//! If the Jacobian `I - φ'` is diagonal, a Newton iteration is the same with each correction divided by its diagonal entry.
-//!
 //! Every loop runs over adjacent entries without branches, so that it is vectorised. Each number is computed as in one pass over all
 //! placements ([`Step::residual`]), no operation is fused and no sum is split, so that the bits depend neither on windows nor on
 //! instructions.
 
 mod blocks;
+mod diagonal;
 mod parts;
 
 use std::any::TypeId;
@@ -28,8 +27,7 @@ use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Number, Scalar};
 use crate::algebra::threads::Threads;
 use crate::scheme::elements::change::{Change, Seen};
-use crate::scheme::elements::linear::Linear;
-use crate::scheme::elements::memory::{Lists, Scratch, Solver};
+use crate::scheme::elements::memory::{Lists, Scratch};
 use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
 use crate::scheme::elements::step::Step;
 use crate::scheme::elements::sums::Given;
@@ -57,7 +55,7 @@ pub(in crate::scheme::elements) struct Sweeps {
     windows: Windows,
     portions: Vec<Portion>,
     instructions: InstructionSet,
-    /// Whether the coordinates at the current unknowns are stored for the next iteration.
+    /// Whether the last iteration used windows, so that the coordinates at its unknowns are stored for the next one.
     is_ready: bool,
     /// Whether the state after the step is known to be finite.
     is_finite: bool,
@@ -93,20 +91,17 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         self.refresh(&mut scratch.lists);
     }
 
-    /// `x ← φ(x)`, or a Newton iteration with the factors of a diagonal Jacobian; updates `u` and `P`, which must be those at `x`.
+    /// `x ← φ(x)`; updates `u` and `P`, which must be those at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::scheme::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Swept {
+    pub(in crate::scheme::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>) -> Swept {
         if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
-            && let Some(swept) = self.sweep_in_vectors(scratch, is_newton)
+            && let Some(swept) = self.sweep_in_vectors(scratch)
         {
             return swept;
         }
-        let Scratch { lists, solver: Solver { linear, .. }, .. } = scratch;
+        let lists = &mut scratch.lists;
         self.residual_as::<S::OfElements<H::Exact>>(lists);
-        if is_newton && let Some(Linear::Band(band)) = linear {
-            band.solve(lists.correction);
-        }
         let relative = subtract(self.scheme.unknowns, lists.x, lists.correction);
         if self.scheme.unknowns == Unknowns::Momenta {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
@@ -159,23 +154,19 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     /// [`Step::sweep`] in vector instructions; `None` if that is not possible.
     #[inline(never)]
-    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>, is_newton: bool) -> Option<Swept> {
+    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>) -> Option<Swept> {
         let (step, sweeps) = (self.plain()?, scratch.solver.sweeps.as_deref_mut()?);
         if !std::mem::replace(&mut sweeps.is_ready, false) {
             return None;
         }
-        let Scratch { lists, solver: Solver { linear, .. }, .. } = scratch;
-        let inverses = match linear {
-            Some(Linear::Band(band)) if is_newton => S::plain(band.inverses()?)?,
-            _ => &[],
-        };
+        let lists = &mut scratch.lists;
         lists.stages.turn();
         std::mem::swap(&mut lists.u, &mut lists.by_p);
         let mut lists = lists.plain()?;
         let Sweeps { windows, portions, instructions, .. } = &mut *sweeps;
         let (part, now, before) = lists.parted();
         let found = on_threads(portions, part, |portion, part| {
-            Sweep { step, windows, portion, part, now, before, inverses }.run_in(*instructions)
+            Sweep { step, windows, portion, part, now, before }.run_in(*instructions)
         });
         (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
         let relative = match found.change {
@@ -205,6 +196,15 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn weights(&self) -> [f64; 2] {
         self.scheme.stages.first().map_or([0.0; 2], |stage| [stage.point, stage.start])
+    }
+
+    /// The ratio of the change of the momenta to `v`; zero if there is none, so that a finite `p + factor v` only says that `v` is.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn multiple(&self) -> f64 {
+        match self.scheme.update {
+            MomentumUpdate::Multiple(factor) => factor,
+            MomentumUpdate::Slopes => 0.0,
+        }
     }
 }
 
@@ -241,11 +241,12 @@ impl<S: Scalar> Scratch<'_, S> {
         }
     }
 
-    /// Adds the increments of a step to the state, and keeps its unknowns if later steps start from them.
+    /// Adds the increments of a step to the state, and keeps its unknowns if later steps start from them (`remembers`).
     #[inline(never)]
     pub(in crate::scheme::elements) fn store_windows(
         &mut self,
         scheme: &Quadrature,
+        remembers: bool,
         q: &mut [S],
         p: &mut [S],
     ) {
@@ -257,8 +258,12 @@ impl<S: Scalar> Scratch<'_, S> {
         let (Some(q), Some(p), Some(lists)) = (S::plain_mut(q), S::plain_mut(p), self.lists.plain()) else {
             return;
         };
-        self.solver.past.rotate_right(usize::from(scheme.remembers));
-        let past = S::plain_mut(&mut self.solver.past[0]).unwrap_or_default();
+        let past = if remembers {
+            self.solver.past.rotate_right(1);
+            S::plain_mut(&mut self.solver.past[0]).unwrap_or_default()
+        } else {
+            &mut []
+        };
         let Sweeps { portions, instructions, .. } = sweeps;
         on_threads(portions, [q, p, lists.u, lists.x, past], |_, part| {
             let [q, p, u, x, past] = part.lists;
@@ -320,8 +325,6 @@ struct Sweep<'a, 's, H> {
     now: &'a [f64],
     /// `u` of the previous iteration.
     before: &'a [f64],
-    /// The inverse of a diagonal Jacobian, for all places; empty for the fixed point.
-    inverses: &'a [f64],
 }
 
 impl<H: Elements + Sync> Sweep<'_, '_, H> {
@@ -336,13 +339,9 @@ impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> Found {
-        let Self { step, windows, portion, part: Part { first, lists }, now, before, inverses } = self;
+        let Self { step, windows, portion, part: Part { first, lists }, now, before } = self;
         let [all_x, corrections, momenta, all_u, all_next] = lists;
-        let ([point, weight], mut zeros) = (step.weights(), [0.0; HALF]);
-        let factor = match step.scheme.update {
-            MomentumUpdate::Multiple(factor) => factor,
-            MomentumUpdate::Slopes => f64::NAN,
-        };
+        let ([point, weight], factor, mut zeros) = (step.weights(), step.multiple(), [0.0; HALF]);
         let (mut size, mut corrected, mut seen) =
             (Largest::<HALF>::default(), Largest::<HALF>::default(), Seen::<HALF>::new());
         for number in portion.windows.clone() {
@@ -352,8 +351,7 @@ impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
             let forces = step.window::<H::Usual, _>(strip, now, Slopes::BY_COORDINATES, &mut portion.sums);
             let (x, correction) = (&mut all_x[own.clone()], &mut corrections[own.clone()]);
             let momentum = &mut momenta[own.clone()];
-            let inverses = inverses.get(places.clone()).unwrap_or_default();
-            let mut kick = Kick { forces, weight, inverses, p, x, correction, momentum, size, corrected };
+            let mut kick = Kick { forces, weight, p, x, correction, momentum, size, corrected };
             in_blocks::<HALF>(places.len(), &mut kick);
             (size, corrected) = (kick.size, kick.corrected);
             let momenta = Stretch { numbers: momenta, first, degrees: step.degrees() };

@@ -22,8 +22,13 @@ impl Kernel for Store<'_> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<const L: usize, const HALF: usize>(mut self) {
-        in_blocks::<HALF>(self.x.len(), &mut self);
+    fn run<const L: usize, const HALF: usize>(self) {
+        let Self { q, p, u, x, past, factor } = self;
+        // Equal lengths need no further checks.
+        let length = x.len();
+        let (q, p, u) = (&mut q[..length], &mut p[..length], &u[..length]);
+        let past = past.get_mut(..length).unwrap_or_default();
+        in_blocks::<HALF>(length, &mut Self { q, p, u, x, past, factor });
     }
 }
 
@@ -50,6 +55,26 @@ fn move_on<const N: usize>([q, p]: [&mut [f64; N]; 2], u: &[f64; N], v: &[f64; N
     for i in 0..N {
         p[i] += v[i] * factor;
     }
+}
+
+/// Adds zero for each part of the state after a step that is finite.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn add_zeros<const L: usize, const N: usize>(
+    zeros: &mut [f64; L],
+    [mut q, mut p]: [[f64; N]; 2],
+    u: &[f64; N],
+    v: &[f64; N],
+    factor: f64,
+) {
+    move_on([&mut q, &mut p], u, v, factor);
+    for i in 0..N {
+        q[i] = q[i] * 0.0 + p[i] * 0.0;
+    }
+    let (terms, mut sums): ([f64; L], _) = (widened(q), *zeros);
+    for i in 0..L {
+        sums[i] += terms[i];
+    }
+    *zeros = sums;
 }
 
 /// The start extrapolated from past steps, and `P` there.
@@ -91,11 +116,10 @@ impl Block for Guess<'_> {
     }
 }
 
-/// `v ← v - J⁻¹ (v + start F)` and `P`, with a diagonal `J`, or without `J`.
+/// `v ← v - (v + start F)` and `P`
 pub(super) struct Kick<'a, const L: usize> {
     pub(super) forces: &'a [f64],
     pub(super) weight: f64,
-    pub(super) inverses: &'a [f64],
     pub(super) p: &'a [f64],
     pub(super) x: &'a mut [f64],
     pub(super) correction: &'a mut [f64],
@@ -112,12 +136,6 @@ impl<const L: usize> Block for Kick<'_, L> {
         let mut correction = [0.0; N];
         for i in 0..N {
             correction[i] = x[i] + forces[i] * self.weight;
-        }
-        if !self.inverses.is_empty() {
-            let inverses = load::<_, N>(self.inverses, first);
-            for i in 0..N {
-                correction[i] *= inverses[i];
-            }
         }
         for i in 0..N {
             x[i] -= correction[i];
@@ -185,17 +203,9 @@ impl<const L: usize> Block for Compared<'_, L> {
     fn take<const N: usize>(&mut self, first: usize) {
         let Follow { velocities: u, q, point, .. } = self.follow;
         Moved { q, u, before: self.before, point, seen: self.seen }.take::<N>(first);
-        let (mut q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
-        let (mut p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
-        move_on([&mut q, &mut p], &u, &x, self.factor);
-        for i in 0..N {
-            q[i] = q[i] * 0.0 + p[i] * 0.0;
-        }
-        let (terms, mut zeros): ([f64; L], _) = (widened(q), self.zeros);
-        for i in 0..L {
-            zeros[i] += terms[i];
-        }
-        self.zeros = zeros;
+        let (q, u) = (load::<_, N>(q, first), load::<_, N>(u, first));
+        let (p, x) = (load::<_, N>(self.p, first), load::<_, N>(self.x, first));
+        add_zeros(&mut self.zeros, [q, p], &u, &x, self.factor);
         self.follow.take::<N>(first);
     }
 }
