@@ -1,6 +1,7 @@
 //! What the attribute says of friction and temperature is what thermostats are given.
 
-use wzvi::bath::Damped;
+use wzvi::elements::Elements;
+use wzvi::plan::Facts;
 use wzvi::prelude::*;
 
 /// Three masses in a row, whose friction and temperature are fields.
@@ -79,11 +80,12 @@ fn loops_have_the_friction_of_straight_lines() {
 }
 
 /// What a thermostat reads of a system.
-fn read<D: Damped>(system: &D, numbers: usize) -> (Vec<f64>, Vec<f64>, Option<f64>) {
+fn read<H: Elements>(system: &H, numbers: usize) -> (Vec<f64>, Vec<f64>, Option<f64>) {
     let (mut damping, mut inverse) = (vec![0.0; numbers], vec![0.0; 3]);
-    system.damping(&[0.5, 0.0, 2.0], &mut damping);
-    system.inverse_mass(&mut inverse);
-    (damping, inverse, system.temperature())
+    let bath = H::FACTS.bath;
+    bath.damping(system, &[0.5, 0.0, 2.0], &mut damping);
+    bath.inverse_mass(system, &mut inverse);
+    (damping, inverse, bath.temperature(system))
 }
 
 #[test]
@@ -103,10 +105,22 @@ fn thermostats_read_what_was_declared() {
     let matrix = [0.8 + 0.25, 0.0, 0.0, 0.0, 0.5, -0.2, 0.0, -0.2, 0.7];
     assert_eq!(read(&MatrixPlaceInline { mass, gamma, kt }, 9), expected(&matrix));
     assert_eq!(read(&MatrixPlaceLoops { mass, gamma, kt }, 9), expected(&matrix));
-    const { assert!(MatrixPlaceInline::PER_STATE && MatrixPlaceLoops::PER_STATE) };
-    const { assert!(PlaceInline::PER_STATE && PlaceLoops::PER_STATE && !ListLoops::PER_STATE) };
-    const { assert!(MatrixInline::IS_MATRIX && MatrixLoops::IS_MATRIX && !UniformLoops::IS_MATRIX) };
-    const { assert!(MatrixInline::HAS_DIAGONAL_MASSES && MatrixLoops::HAS_DIAGONAL_MASSES) };
+    let facts = [
+        (UniformLoops::FACTS, [false, false]),
+        (ListLoops::FACTS, [false, false]),
+        (PlaceInline::FACTS, [false, true]),
+        (PlaceLoops::FACTS, [false, true]),
+        (MatrixInline::FACTS, [true, false]),
+        (MatrixLoops::FACTS, [true, false]),
+        (MatrixPlaceInline::FACTS, [true, true]),
+        (MatrixPlaceLoops::FACTS, [true, true]),
+    ];
+    for (Facts { bath, .. }, expected) in facts {
+        assert_eq!(
+            [bath.is_matrix, bath.is_per_state, bath.has_diagonal_masses],
+            [expected[0], expected[1], true]
+        );
+    }
 }
 
 row!(ForcedInline, inline, friction = self.gamma, force = |_q: [f64; 3], _p: [f64; 3]| [1.0, 0.0, 0.0]);

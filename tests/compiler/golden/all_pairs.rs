@@ -50,7 +50,7 @@ pub struct Bodies {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Conservative, DVector, Discretized, Facts, Labels, Number, Option,
-        Range, Scalar, Scheme, Sized, Variables, bool, f64, isize, str, u32, usize,
+        Range, Scalar, Scheme, Sized, Variables, f64, isize, str, usize,
         compose::General,
         elements::{
             Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Point, Quadrature,
@@ -59,7 +59,7 @@ const _: () = {
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
         },
-        embedding::DeltaPlus,
+        embedding::DeltaPlus, gauss::Dynamic,
     };
     #[automatically_derived]
     impl Elements for Bodies {
@@ -68,6 +68,7 @@ const _: () = {
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
+        type Shape = Dynamic;
         type Structure = General;
         type Vector = DVector<f64>;
         fn variables(&self) -> Variables {
@@ -314,22 +315,21 @@ const _: () = {
         }
     }
     #[automatically_derived]
-    impl InLoops<DeltaPlus> for Bodies {
-        const ORDER: u32 = 1;
-        const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Quadrature = Quadrature {
-            unknowns: Unknowns::None,
-            ..Quadrature::new(
-                &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
-                MomentumUpdate::Multiple(1.0),
-            )
-        };
-    }
-    #[automatically_derived]
     impl Discretized<DeltaPlus> for Bodies {
         type Scheme = Loops<DeltaPlus>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [(p[2 i + 1]² + p[2 i]²)/(2 mass[i])] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) [-g mass[i] mass[j]/√((q[2 i + 1] - q[2 j + 1])² + (q[2 i] - q[2 j])²)]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i][0] += p[i][0]/mass[i]   for i=0..n - 1\n    ∂H0/∂p[i][1] += p[i][1]/mass[i]   for i=0..n - 1\n    ∂H0/∂q[i][0] += g mass[i] mass[j] (q[i][0] - q[j][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)   for i=0..n - 1, j=0..i - 1\n    ∂H0/∂q[j][0] += g mass[i] mass[j] (q[j][0] - q[i][0])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)   for i=0..n - 1, j=0..i - 1\n    ∂H0/∂q[i][1] += g mass[i] mass[j] (q[i][1] - q[j][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)   for i=0..n - 1, j=0..i - 1\n    ∂H0/∂q[j][1] += g mass[i] mass[j] (q[j][1] - q[i][1])/((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)   for i=0..n - 1, j=0..i - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) + g mass[i] mass[j] p[j][1] (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2))]\n    H_pp(H_q,H_q) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..i - 1) [g² mass[i]² mass[j] mass[k] (q[i][0] - q[j][0]) (q[i][0] - q[k][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2)) + g² mass[i]² mass[j] mass[k] (q[i][1] - q[j][1]) (q[i][1] - q[k][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[i][1] - q[k][1])² + (q[i][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=0..j - 1) [2 g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2)) + 2 g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[j][1] - q[k][1])² + (q[j][0] - q[k][0])²)^(3/2))] + Σ_(i=0..n - 1) Σ_(j=0..i - 1) Σ_(k=j + 1..n - 1) [g² mass[i] mass[j]² mass[k] (q[j][0] - q[i][0]) (q[j][0] - q[k][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2)) + g² mass[i] mass[j]² mass[k] (q[j][1] - q[i][1]) (q[j][1] - q[k][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2) ((q[k][1] - q[j][1])² + (q[k][0] - q[j][0])²)^(3/2))]\n    H_qq(H_p,H_p) = Σ_(i=0..n - 1) Σ_(j=0..i - 1) [p[i][0] (g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[i][0] - q[j][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[i] + p[j][0] (g mass[i] mass[j] p[j][0]/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - g p[i][0] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[j][0] - q[i][0])²/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][1] (q[j][0] - q[i][0]) (q[j][1] - q[i][1])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)))/mass[j] + p[i][1] (g p[i][1] mass[i] mass[j]/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(3/2)) - 3 g p[i][0] mass[i] mass[j] (q[i][0] - q[j][0]) (q[i][1] - q[j][1])/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g mass[i] mass[j] p[j][0] (q[i][1] - q[j][1]) (q[j][0] - q[i][0])/(mass[j] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g p[i][1] mass[i] mass[j] (q[i][1] - q[j][1])²/(mass[i] ((q[i][1] - q[j][1])² + (q[i][0] - q[j][0])²)^(5/2)) - 3 g + …)/mass[i] + …]\n";
+        const IN_LOOPS: InLoops = InLoops {
+            order: 1,
+            is_consistent: true,
+            quadrature: Quadrature {
+                unknowns: Unknowns::None,
+                ..Quadrature::new(
+                    &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    MomentumUpdate::Multiple(1.0),
+                )
+            },
+        };
     }
     #[automatically_derived]
     impl Conservative for Bodies {}

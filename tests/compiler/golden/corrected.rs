@@ -51,6 +51,7 @@ const _: () = {
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
         embedding::{Corrected, DeltaPlus},
+        gauss::Fixed,
     };
     #[automatically_derived]
     impl Elements for Multiplicative {
@@ -59,6 +60,7 @@ const _: () = {
             conserves_energy: Knowledge::Refuted,
             ..Facts::autonomous(1)
         };
+        type Shape = Fixed<1>;
         type Structure = General;
         type Vector = SVector<f64, 1>;
         fn noises(&self) -> usize {

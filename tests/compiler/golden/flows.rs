@@ -69,7 +69,7 @@ const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Constant, Discretized, Facts, Kind, Knowledge, Lift, Number, Of,
         Option, Over, Reals, SVector, Scalar, Scheme, Sized, bool, f64, str, usize,
-        compose::{Form, Nystrom, Parted, Parts, WholeOf},
+        compose::{Form, Nystrom, Parted, WholeOf},
         elements::{Alone, Elements, Given, Point, Run, Slopes, Sums, Usual},
         embedding::Verlet, gauss::{Field, Fixed},
     };
@@ -81,8 +81,10 @@ const _: () = {
                 reads_time: true,
                 ..Kind::AUTONOMOUS
             },
+            parts: (3, [Form::Quadratic, Form::Coordinates]),
             ..Facts::autonomous(1)
         };
+        type Shape = Fixed<1>;
         type Structure = Parted<Nystrom>;
         type Vector = SVector<f64, 1>;
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
@@ -172,17 +174,10 @@ const _: () = {
         }
     }
     #[automatically_derived]
-    impl Parts for Perturbed {
-        const FORMS: [Form; 2] = [Form::Quadratic, Form::Coordinates];
-        const FIRST: usize = 3;
-        type Shape = Fixed<1>;
-    }
-    #[automatically_derived]
     impl Field for Perturbed {
         const IS_NYSTROM: bool = true;
         const IN_LANES: bool = true;
         const FORCE_READS_TIME: bool = true;
-        type Shape = Fixed<1>;
         type Noises = Fixed<0>;
         type Parameters = Reals<2>;
         fn parameters<K: Constant>(&self, lift: Lift<'_, K>) -> Of<Self::Parameters, K> {

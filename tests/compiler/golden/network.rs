@@ -47,7 +47,7 @@ pub struct Network {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Conservative, DVector, Discretized, Facts, None, Number, Ord,
-        Range, Scalar, Scheme, Sized, Some, bool, f64, i128, isize, str, u32, usize,
+        Range, Scalar, Scheme, Sized, Some, f64, i128, isize, str, usize,
         compose::General,
         elements::{
             Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
@@ -56,7 +56,7 @@ const _: () = {
         elements::places::{
             Atom, Entries, Index, Loop, Name, Nest, Places, Position, Slot,
         },
-        embedding::DeltaPlus,
+        embedding::DeltaPlus, gauss::Dynamic,
     };
     #[automatically_derived]
     impl Elements for Network {
@@ -65,6 +65,7 @@ const _: () = {
             has_one_velocity: true,
             ..Facts::autonomous(usize::MAX)
         };
+        type Shape = Dynamic;
         type Structure = General;
         type Vector = DVector<f64>;
         const PLACES: Places = Places {
@@ -245,7 +246,6 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
-                        use Placements as _;
                         struct Interaction;
                         impl Pair<1, 0, 0, 3, 2> for Interaction {
                             #[cfg_attr(not(debug_assertions), inline(always))]
@@ -264,7 +264,13 @@ const _: () = {
                                 ([product, -product], [])
                             }
                         }
-                        let mut block = by_q.beside::<T, 3, 2>();
+                        let mut block = Placements::<
+                            S,
+                            T,
+                            S::OfElements<Self::Usual>,
+                            3,
+                            2,
+                        >::new();
                         let factor = T::from_f64(at.h);
                         if by_q
                             .gathers(
@@ -341,22 +347,21 @@ const _: () = {
         }
     }
     #[automatically_derived]
-    impl InLoops<DeltaPlus> for Network {
-        const ORDER: u32 = 1;
-        const IS_CONSISTENT: bool = true;
-        const QUADRATURE: Quadrature = Quadrature {
-            unknowns: Unknowns::None,
-            ..Quadrature::new(
-                &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
-                MomentumUpdate::Multiple(1.0),
-            )
-        };
-    }
-    #[automatically_derived]
     impl Discretized<DeltaPlus> for Network {
         type Scheme = Loops<DeltaPlus>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] (1 - cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[bonds[i][0]] += strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]])   for i=0..min(bonds.len(), strength.len()) - 1\n    ∂H0/∂q[bonds[i][1]] += -strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]])   for i=0..min(bonds.len(), strength.len()) - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
+        const IN_LOOPS: InLoops = InLoops {
+            order: 1,
+            is_consistent: true,
+            quadrature: Quadrature {
+                unknowns: Unknowns::None,
+                ..Quadrature::new(
+                    &[Stage::new([0.0, 1.0, 0.0], &[(0, 1.0)])],
+                    MomentumUpdate::Multiple(1.0),
+                )
+            },
+        };
     }
     #[automatically_derived]
     impl Conservative for Network {}

@@ -51,11 +51,12 @@ const _: () = {
         elements::{
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
-        embedding::Midpoint,
+        embedding::Midpoint, gauss::Fixed,
     };
     #[automatically_derived]
     impl Elements for HenonHeiles {
         const FACTS: Facts = Facts::autonomous(2);
+        type Shape = Fixed<2>;
         type Structure = General;
         type Vector = SVector<f64, 2>;
         fn variables(&self) -> Variables {

@@ -85,6 +85,7 @@ const _: () = {
             Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
         },
         embedding::{DeltaPlus, Midpoint, Uncorrected},
+        gauss::Fixed,
     };
     #[automatically_derived]
     impl Elements for Kubo {
@@ -93,6 +94,7 @@ const _: () = {
             integrals: 3,
             ..Facts::autonomous(1)
         };
+        type Shape = Fixed<1>;
         type Structure = General;
         type Vector = SVector<f64, 1>;
         fn noises(&self) -> usize {

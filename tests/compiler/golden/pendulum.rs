@@ -49,11 +49,12 @@ const _: () = {
             Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes,
             Stage, Sums, Usual,
         },
-        embedding::Midpoint,
+        embedding::Midpoint, gauss::Fixed,
     };
     #[automatically_derived]
     impl Elements for Pendulum {
         const FACTS: Facts = Facts::autonomous(1);
+        type Shape = Fixed<1>;
         type Structure = General;
         type Vector = SVector<f64, 1>;
         fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {

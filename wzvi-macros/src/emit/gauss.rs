@@ -31,7 +31,7 @@ pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenSt
 }
 
 /// A number that is known, or not.
-pub(super) fn shape(number: Option<usize>) -> TokenStream {
+pub(crate) fn shape(number: Option<usize>) -> TokenStream {
     match number.map(count) {
         Some(number) => quote!(__wzvi::gauss::Fixed<#number>),
         None => quote!(__wzvi::gauss::Dynamic),
@@ -46,7 +46,6 @@ fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenSt
     let reads_time = |element: &Element| system.graph.depends_on(element.value, &[system.t]);
     let in_lanes = line.is_some() || !system.acting().any(reads_time);
     let noises = shape(line.map(StraightLine::noises));
-    let shape = shape(line.map(|line| line.phase.q.len()));
     let reads_time = flows.is_some_and(|flows| flows.force_reads_time);
     let reads_time = reads_time.then(|| {
         quote!(
@@ -61,7 +60,6 @@ fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenSt
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = #in_lanes;
             #reads_time
-            type Shape = #shape;
             type Noises = #noises;
             type Parameters = __wzvi::Reals<#number>;
 

@@ -101,10 +101,22 @@ pub(crate) fn listed(
     scheme: &TokenStream,
     text: &str,
 ) -> TokenStream {
+    discretized(item, listed, scheme, text, None)
+}
+
+/// The same, with the data of steps in loops.
+pub(crate) fn discretized(
+    item: &syn::ItemStruct,
+    listed: &TokenStream,
+    scheme: &TokenStream,
+    text: &str,
+    in_loops: Option<TokenStream>,
+) -> TokenStream {
     let body = quote! {
         type Scheme = #scheme;
         type Prepared = <Self::Scheme as __wzvi::Scheme<Self>>::Prepared<__wzvi::f64>;
         const EQUATIONS: &'static __wzvi::str = #text;
+        #in_loops
     };
     implementation(item, &quote!(__wzvi::Discretized<#listed>), &body)
 }

@@ -154,7 +154,8 @@ fn observed<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Vec<f64>, Error
         first: job.grid.first(),
     };
     let taken = (0..steps.min(COMPARED_STEPS)).try_for_each(|step| {
-        path.advance(step)?;
+        let (stepper, step) = path.step(step);
+        stepper.take_step(step)?;
         see(path.state);
         Ok(())
     });

@@ -43,7 +43,7 @@ mod tests;
 
 use std::fmt;
 
-pub use function::{Function, Quadrature, Value};
+pub use function::Function;
 pub use lambda::Lambda;
 pub use scale::{Interior, Midpoints, Minus, Nodes, Plus, Point, Scale, TimeScale, Whole};
 

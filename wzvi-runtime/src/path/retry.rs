@@ -20,7 +20,7 @@ use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Divisible, Interval, Noise};
 use crate::path::Error;
 use crate::path::step::{StepInfo, Stepper};
-use crate::path::steps::{Single, Step, TakeStep};
+use crate::path::steps::{Single, Step};
 use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{CarryOf, Discretized};
@@ -170,7 +170,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let step = Step { state: &mut state, interval, noise, dw: &mut dw };
         let mut path = in_parts(&mut stepper, step, halvings);
         for part in numbers_of_parts(interval.step, halvings)? {
-            path.advance(part)?;
+            let (stepper, step) = path.step(part);
+            stepper.take_step(step)?;
             see(path.stepper, [&before, path.state], path.dw);
             before.clone_from(path.state);
         }
@@ -194,11 +195,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
             let is_own = self.way == Way::Halved(level);
             let outcome = if is_own {
                 let Self { stepper, watch, part, .. } = self;
-                take_parts(&mut Watched { stepper, watch }, step, level, part)
+                take_parts(stepper, step, level, part, |stepper, step| watched(stepper, watch, step))
             } else {
                 let mut finer = self.stepper(part_of(self.h, level))?;
                 finer.set_exchanged(before);
-                let outcome = take_parts(&mut finer, step, level, &mut self.part);
+                let outcome = take_parts(&mut finer, step, level, &mut self.part, Stepper::take_step);
                 self.stepper.set_exchanged(finer.exchanged());
                 outcome
             };
@@ -281,11 +282,13 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         self.watch.end::<H, E>(room, self.system, self.h, state, interval.step)?;
         Ok(info)
     }
-}
 
-impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_, H, E, C> {
+    /// Takes a step, in parts where it has to be.
+    ///
+    /// # Errors
+    /// [`Error::Noise`] or [`Error::Step`]; the state is then what it was.
     #[inline]
-    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+    pub(crate) fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
         match self.way {
             Way::Whole if self.watch.looks_at(step.interval.step) => self.watched(step),
             Way::Whole => self.whole(step),
@@ -295,26 +298,21 @@ impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Subdivision<'_
     }
 }
 
-/// The steps of a stepper, of which some are looked at.
-struct Watched<'w, 'a, H: Discretized<E>, E, C> {
-    stepper: &'w mut Stepper<'a, H, E, C>,
-    watch: &'w mut Watch<H::Vector>,
-}
-
-impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Watched<'_, '_, H, E, C> {
-    #[inline]
-    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
-        let Self { stepper, watch } = self;
-        if !watch.looks_at(step.interval.step) {
-            return stepper.take_step(step);
-        }
-        let (system, h) = (stepper.system(), stepper.step_size());
-        let Step { state, interval, noise, dw } = step;
-        let room = watch.begin::<H, E>(system, h, state);
-        let info = stepper.take_step(Step { state, interval, noise, dw })?;
-        watch.end::<H, E>(room, system, h, state, interval.step)?;
-        Ok(info)
+/// A step of a stepper, which may be looked at.
+fn watched<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
+    stepper: &mut Stepper<'_, H, E, C>,
+    watch: &mut Watch<H::Vector>,
+    step: Step<'_, H::Vector, N>,
+) -> Result<StepInfo, Error> {
+    if !watch.looks_at(step.interval.step) {
+        return stepper.take_step(step);
     }
+    let (system, h) = (stepper.system(), stepper.step_size());
+    let Step { state, interval, noise, dw } = step;
+    let room = watch.begin::<H, E>(system, h, state);
+    let info = stepper.take_step(Step { state, interval, noise, dw })?;
+    watch.end::<H, E>(room, system, h, state, interval.step)?;
+    Ok(info)
 }
 
 /// The `2^level` parts of a step.
@@ -337,11 +335,12 @@ fn numbers_of_parts(step: u64, level: u32) -> Result<Range<u64>, ConfigError> {
 }
 
 /// Takes the `2^level` parts of a step, and counts them as one. The increments of the step become the sums of theirs, for which there is room.
-fn take_parts<V, T: TakeStep<V>, N: Noise>(
+fn take_parts<V, T, N: Noise>(
     stepper: &mut T,
     step: Step<'_, V, N>,
     level: u32,
     room: &mut Vec<f64>,
+    mut take: impl FnMut(&mut T, Step<'_, V, N>) -> Result<StepInfo, Error>,
 ) -> Result<StepInfo, Error> {
     let Step { state, interval, noise, dw } = step;
     dw.fill(0.0);
@@ -350,7 +349,8 @@ fn take_parts<V, T: TakeStep<V>, N: Noise>(
     // Hard and doubtful where one of the parts is.
     let mut taken = StepInfo { halvings: level, ..StepInfo::default() };
     for part in numbers_of_parts(interval.step, level)? {
-        let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = path.advance(part)?;
+        let (stepper, step) = path.step(part);
+        let StepInfo { iterations, halvings: _, is_hard, is_doubtful } = take(stepper, step)?;
         dw.iter_mut().zip(&*path.dw).for_each(|(sum, dw)| *sum += dw);
         taken.iterations = taken.iterations.saturating_add(iterations);
         taken.is_hard |= is_hard;

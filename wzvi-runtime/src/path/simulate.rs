@@ -277,7 +277,7 @@ where
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let recording = recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());
-        let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
+        let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
         let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
@@ -363,25 +363,6 @@ where
         }
         _ => Ok(()),
     }
-}
-
-/// The noise of a run, ready for it; none for a deterministic system, which asks for nothing.
-fn prepared<H: Discretized<E>, E, N: Noise>(
-    noise: Option<N>,
-    grid: &Grid,
-    processes: usize,
-) -> Result<Option<N>, Error> {
-    if processes == 0 {
-        return Ok(None);
-    }
-    let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
-    noise.prepare(&H::PLAN, grid.h, processes, grid.start)?;
-    if let Some(shorter) = grid.shorter {
-        // What has no increments for the last step says so before the run.
-        let last = Interval { step: grid.whole(), ..grid.first() };
-        noise.increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
-    }
-    Ok(Some(noise))
 }
 
 /// What a run writes down of its steps.
@@ -517,7 +498,8 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         let (path, nodes) = self;
-        let info = path.advance(step)?;
+        let (stepper, step) = path.step(step);
+        let info = stepper.take_step(step)?;
         nodes.account.count(path.dw, &info);
         Ok(())
     }
@@ -568,6 +550,3 @@ where
 
 /// The path of a run.
 type OnePath<'r, 's, H, E, N> = Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N>;
-
-const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
-                     `Increments::from(...)`";

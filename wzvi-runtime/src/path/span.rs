@@ -3,7 +3,9 @@
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::digits::Brief;
-use crate::increments::Interval;
+use crate::increments::{Interval, Noise};
+use crate::path::Error;
+use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian, fits};
 
 /// Step numbers are exact as `f64` up to here; time is `t_0 + n h`.
@@ -55,6 +57,9 @@ pub(crate) enum Place {
     Inside(u64),
 }
 
+const NOISE: &str = "increments for the noises of the system: add `.noise(...)` with a seeded source or \
+                     `Increments::from(...)`";
+
 impl Grid {
     /// Steps of size `h` without more.
     pub(crate) fn of(start: f64, h: f64, steps: u64) -> Self {
@@ -71,6 +76,26 @@ impl Grid {
     /// The first step.
     pub(crate) fn first(&self) -> Interval {
         Interval { start: self.start, h: self.h, step: 0 }
+    }
+
+    /// A noise, ready for these steps; none for a deterministic system, which asks for nothing.
+    pub(crate) fn prepared<N: Noise>(
+        &self,
+        noise: Option<N>,
+        plan: &Plan,
+        processes: usize,
+    ) -> Result<Option<N>, Error> {
+        if processes == 0 {
+            return Ok(None);
+        }
+        let mut noise = noise.ok_or(ConfigError::Missing(NOISE))?;
+        noise.prepare(plan, self.h, processes, self.start)?;
+        if let Some(shorter) = self.shorter {
+            // What has no increments for the last step says so before the run.
+            let last = Interval { step: self.whole(), ..self.first() };
+            noise.increments_of_part(&last, shorter, &mut vec![0.0; processes])?;
+        }
+        Ok(Some(noise))
     }
 
     /// The time of a node.

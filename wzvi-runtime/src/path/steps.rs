@@ -66,26 +66,6 @@ pub(crate) struct Step<'s, V, N> {
     pub(crate) dw: &'s mut [f64],
 }
 
-/// Takes one step of one path: a [`Stepper`], or one that may subdivide it.
-pub(crate) trait TakeStep<V> {
-    /// Fills in the increments of a step, and takes it.
-    ///
-    /// # Errors
-    /// [`Error::Noise`] or [`Error::Step`]; the state is then what it was.
-    fn take_step<N: Noise>(&mut self, step: Step<'_, V, N>) -> Result<StepInfo, Error>;
-}
-
-impl<H: Discretized<E>, E, C: Carry<f64>> TakeStep<H::Vector> for Stepper<'_, H, E, C> {
-    #[inline]
-    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
-        let Step { state, interval, noise, dw } = step;
-        if let Some(noise) = noise {
-            noise.increments(&interval, dw)?;
-        }
-        Ok(self.step(state, dw)?)
-    }
-}
-
 /// One path.
 pub(crate) struct Single<'r, T, V, N> {
     pub(crate) stepper: &'r mut T,
@@ -98,15 +78,27 @@ pub(crate) struct Single<'r, T, V, N> {
     pub(crate) first: Interval,
 }
 
-impl<T: TakeStep<V>, V, N: Noise> Single<'_, T, V, N> {
-    /// Draws the increments of the step with this number, and takes it.
+impl<T, V, N> Single<'_, T, V, N> {
+    /// What takes the step with this number, and the step.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn step(&mut self, step: u64) -> (&mut T, Step<'_, V, N>) {
+        let Self { stepper, state, noise, dw, first } = self;
+        (stepper, Step { state, interval: Interval { step, ..*first }, noise, dw })
+    }
+}
+
+impl<H: Discretized<E>, E, C: Carry<f64>> Stepper<'_, H, E, C> {
+    /// Fills in the increments of a step, and takes it.
     ///
     /// # Errors
-    /// Those of [`TakeStep::take_step`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn advance(&mut self, step: u64) -> Result<StepInfo, Error> {
-        let Self { stepper, state, noise, dw, first } = self;
-        stepper.take_step(Step { state, interval: Interval { step, ..*first }, noise, dw })
+    /// [`Error::Noise`] or [`Error::Step`]; the state is then what it was.
+    #[inline]
+    pub(crate) fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+        let Step { state, interval, noise, dw } = step;
+        if let Some(noise) = noise {
+            noise.increments(&interval, dw)?;
+        }
+        Ok(self.step(state, dw)?)
     }
 }
 

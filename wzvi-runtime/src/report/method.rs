@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use super::noise::Shifted;
+use crate::algebra::carry::Carry;
 use crate::algebra::state::{State, Vector};
 use crate::ensemble::Ensemble;
 use crate::error::{ConfigError, NoiseError};
@@ -12,7 +13,7 @@ use crate::increments::{Interval, Noise};
 use crate::path::Error;
 use crate::path::simulate::{Node, Simulation};
 use crate::path::step::{StepInfo, Stepper};
-use crate::path::steps::{Single, TakeStep};
+use crate::path::steps::Single;
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -154,10 +155,10 @@ fn time<H: Discretized<E>, E>(
 }
 
 /// How long paths of so many processes take, so many times over.
-fn timed<V: Vector, T: TakeStep<V>>(
-    paths: &[Given<'_, V>],
+fn timed<'a, H: Discretized<E> + 'a, E, C: Carry<f64>>(
+    paths: &[Given<'_, H::Vector>],
     (processes, passes): (usize, u32),
-    stepper: impl Fn(f64) -> Result<T, ConfigError>,
+    stepper: impl Fn(f64) -> Result<Stepper<'a, H, E, C>, ConfigError>,
 ) -> Result<(Duration, Iterations), Error> {
     let mut steppers = paths.iter().map(|path| stepper(path.h)).collect::<Result<Vec<_>, _>>()?;
     let mut counts = Iterations::default();
@@ -178,7 +179,8 @@ fn timed<V: Vector, T: TakeStep<V>>(
             };
             // Only paths that were seen to reach the end are timed.
             for step in 0..path.steps as u64 {
-                counts.count(&single.advance(step)?);
+                let (stepper, step) = single.step(step);
+                counts.count(&stepper.take_step(step)?);
             }
             black_box(&state);
         }

@@ -114,7 +114,7 @@ pub struct Isolated<E>(PhantomData<E>);
 /// # Errors
 /// [`ConfigError::Bath`]
 #[doc(hidden)]
-pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
+pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
     let degrees = system.degrees();
     if T::FACTS.kind.is_conformal {
         let rate = system.friction_rate();
@@ -128,61 +128,68 @@ pub fn validate<T: Damped>(system: &T) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// A system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with the quadratic kinetic energy `p · M⁻¹ p / 2`, which the compiler has
-/// proven; generated.
+/// Friction and temperature of a system `dp = -∂H/∂q dt - Γ M⁻¹ p dt + noise of covariance 2 kT Γ dt` with the quadratic kinetic energy
+/// `p · M⁻¹ p / 2`, which the compiler has proven.
 #[doc(hidden)]
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` has no friction",
-    note = "add `friction = ...` (1/time) or `damping = [[...]]` (mass/time), and `temperature = ...` (energy), to `#[hamiltonian(...)]`"
-)]
-pub trait Damped: Elements {
-    /// Whether [`Damped::damping`] is the matrix `Γ` (mass/time), and not rates (1/time).
-    const IS_MATRIX: bool;
-    /// Whether it depends on the coordinates.
-    const PER_STATE: bool;
-    /// Whether `M` is diagonal. If it is not, all rates are equal.
-    const HAS_DIAGONAL_MASSES: bool;
-
-    /// The index of the part of the elements that is the friction.
-    const FRICTION: usize;
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Friction {
+    /// The index of the part of the elements that is the friction; `usize::MAX` without friction.
+    pub part: usize,
     /// The index of the part that is the temperature.
-    const TEMPERATURE: Option<usize> = None;
+    pub temperature: Option<usize>,
+    /// Whether the friction is the matrix `Γ` (mass/time), and not rates (1/time).
+    pub is_matrix: bool,
+    /// Whether it depends on the coordinates.
+    pub is_per_state: bool,
+    /// Whether `M` is diagonal. If it is not, all rates are equal.
+    pub has_diagonal_masses: bool,
+}
+
+impl Friction {
+    /// Rates that do not depend on the coordinates, and diagonal masses.
+    pub const fn new(part: usize, temperature: Option<usize>) -> Self {
+        Self { part, temperature, is_matrix: false, is_per_state: false, has_diagonal_masses: true }
+    }
 
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
-    fn damping<S: Scalar>(&self, q: &[S], into: &mut [S]) {
-        match Self::IS_MATRIX {
-            true => elements::damping(self, Self::FRICTION, q, into),
-            false => elements::rates(self, Self::FRICTION, q, into),
+    pub fn damping<H: Elements, S: Scalar>(&self, system: &H, q: &[S], into: &mut [S]) {
+        match self.is_matrix {
+            true => elements::damping(system, self.part, q, into),
+            false => elements::rates(system, self.part, q, into),
         }
     }
 
     /// `kT`, or `None` if the system has no temperature.
-    fn temperature(&self) -> Option<f64> {
-        Self::TEMPERATURE.map(|part| value_of_part(self, part, 0.0, &[], &[]))
+    pub fn temperature<H: Elements>(&self, system: &H) -> Option<f64> {
+        self.temperature.map(|part| value_of_part(system, part, 0.0, &[], &[]))
     }
 
     /// `M⁻¹`: its diagonal, one number per degree of freedom, or its rows.
-    fn inverse_mass(&self, into: &mut [f64]) {
-        let degrees = if Self::HAS_DIAGONAL_MASSES { into.len() } else { into.len().isqrt() };
+    pub fn inverse_mass<H: Elements>(&self, system: &H, into: &mut [f64]) {
+        let degrees = if self.has_diagonal_masses { into.len() } else { into.len().isqrt() };
         let zeros = vec![0.0; degrees];
         let (mut p, mut by_q, mut velocity) = (zeros.clone(), zeros.clone(), zeros.clone());
         // The velocities are linear in the momenta and read nothing else.
-        if Self::HAS_DIAGONAL_MASSES {
+        if self.has_diagonal_masses {
             p.fill(1.0);
-            self.differentiate(0, &zeros, &p, 0.0, &mut by_q, into);
+            system.differentiate(0, &zeros, &p, 0.0, &mut by_q, into);
             return;
         }
-        for (column, start) in (0..degrees).enumerate() {
+        for column in 0..degrees {
             p.fill(0.0);
-            p[start] = 1.0;
-            self.differentiate(0, &zeros, &p, 0.0, &mut by_q, &mut velocity);
+            p[column] = 1.0;
+            system.differentiate(0, &zeros, &p, 0.0, &mut by_q, &mut velocity);
             velocity.iter().enumerate().for_each(|(row, v)| into[row * degrees + column] = *v);
         }
     }
 }
 
 /// The plan of the same steps between O parts: symmetric, and so of order two at most.
-const fn with_bath(plan: Plan) -> Plan {
+const fn with_bath<H: Elements>(plan: Plan) -> Plan {
+    assert!(
+        H::FACTS.bath.part != usize::MAX,
+        "a bath acts through friction: add `friction = ...` or `damping = [[...]]`"
+    );
     let order = if plan.order < 2 { plan.order } else { 2 };
     let noise = if matches!(plan.noise, NoiseClass::None) { NoiseClass::Thermal } else { plan.noise };
     Plan { order, noise, conserves_energy: Knowledge::Refuted, ..plan }

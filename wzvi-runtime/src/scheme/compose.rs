@@ -10,7 +10,7 @@
 //! McLachlan, "On the numerical integration of ordinary differential equations by symmetric composition methods", SIAM J. Sci. Comput. 16,
 //! 1995).
 //!
-//! The parts of a step depend on the [`Structure`] of the system, which the compiler has proven:
+//! The parts of a step depend on the structure of the system, which the compiler has proven:
 //!
 //! * [`Pair`]: steps of the scheme and its adjoint, for any Hamiltonian.
 //! * [`KickDrift`]: kicks and drifts, for `T(p) + V(q, t)`.
@@ -33,9 +33,6 @@ pub(crate) mod windowed;
 
 use std::marker::PhantomData;
 
-use crate::scheme::elements::Elements;
-use crate::scheme::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
-use crate::scheme::gauss::Gauss;
 use text::{DRIFT_KICK, turns};
 
 pub use checks::{check_table, check_weights};
@@ -44,9 +41,9 @@ pub use flows::KickDrift;
 #[doc(hidden)]
 pub use pair::Pair;
 #[doc(hidden)]
-pub use parts::{Form, PartFlows, Parts};
+pub use parts::{Form, PartFlows};
 #[doc(hidden)]
-pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, Structure, TwoFlows, WholeOf};
+pub use structure::{General, Nystrom, Parted, QuadraticKinetic, Separable, TwoFlows, WholeOf};
 #[doc(hidden)]
 pub use substeps::{By, Half, Once, Substep};
 pub use tables::{
@@ -100,50 +97,30 @@ pub trait Partitioned {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Table<W>(PhantomData<W>);
 
-/// Symmetric schemes, whose step backwards undoes the step forwards. [`Weights`] compose these.
+/// Symmetric schemes, whose step backwards undoes the step forwards, and how they take the steps of a system with the structure `K`. [`Weights`]
+/// compose these.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not symmetric, and its compositions have no higher order",
     note = "`Midpoint`, `Verlet` and `Gauss<S>` are"
 )]
-pub trait Symmetric: Sized {
-    /// The structure of a system that steps of the scheme exploit.
-    type Structure<H: Elements>: Structure<Self>;
+pub trait Symmetric<K = General>: Sized {
     /// The scheme itself, or the first half of it.
     type First;
     /// The scheme itself, or the second half of it.
     type Second;
+    /// The scheme that takes the parts `W` of a step.
+    type Steps<W>;
+    /// Text for users: the steps by which a splitting is taken.
+    const NOTE: &'static str = structure::BY_PAIRS;
     /// Appends the parts of a step with this weight.
-    fn substeps(weight: f64, into: &mut Vec<Substep>);
-}
-
-impl Symmetric for Midpoint {
-    type First = Self;
-    type Second = Self;
-    type Structure<H: Elements> = General;
-    fn substeps(weight: f64, into: &mut Vec<Substep>) {
-        into.push((Half::First, weight));
+    fn step(weight: f64, into: &mut Vec<Substep>);
+    /// The parts for a sequence of alternating drifts (`Half::First`) and kicks.
+    fn splitting(sequence: &[Substep]) -> Vec<Substep> {
+        structure::in_pairs(sequence)
     }
 }
 
-impl<const S: usize> Symmetric for Gauss<S> {
-    type First = Self;
-    type Second = Self;
-    type Structure<H: Elements> = General;
-    fn substeps(weight: f64, into: &mut Vec<Substep>) {
-        into.push((Half::First, weight));
-    }
-}
-
-impl Symmetric for Verlet {
-    type First = Uncorrected<DeltaPlus>;
-    type Second = Uncorrected<DeltaMinus>;
-    type Structure<H: Elements> = H::Structure;
-    fn substeps(weight: f64, into: &mut Vec<Substep>) {
-        into.extend([(Half::First, 0.5 * weight), (Half::Second, 0.5 * weight)]);
-    }
-}
-
-/// Weights that can compose `E` for a system of the [structure](Structure) `K`.
+/// Weights that can compose `E` for a system of the structure `K`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot compose `{E}` for this system",
     label = "not for this system",
@@ -152,7 +129,7 @@ impl Symmetric for Verlet {
     note = "`Chin4` and `TakahashiImada4` take the same, for the square of the force; `BlanesMoan4` is of order 4 for every Hamiltonian",
     note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
 )]
-pub trait Composes<E, K: Structure<E> = General> {
+pub trait Composes<E, K = General> {
     /// The order of the composition.
     const ORDER: u32;
     /// The description in `EQUATIONS`.
@@ -166,15 +143,15 @@ pub trait Composes<E, K: Structure<E> = General> {
     fn substeps() -> Vec<Substep>;
 }
 
-impl<E: Symmetric, W: Weights, K: Structure<E>> Composes<E, K> for W {
+impl<E: Symmetric<K>, W: Weights, K> Composes<E, K> for W {
     const ORDER: u32 = W::ORDER;
     const LISTING: Listing = Listing::Steps(W::GAMMA);
-    type Steps = K::Steps<By<E, K, W>>;
+    type Steps = E::Steps<By<E, K, W>>;
 
     fn substeps() -> Vec<Substep> {
         const { check_weights::<W>() };
         let mut substeps = Vec::new();
-        W::GAMMA.iter().for_each(|&weight| K::step(weight, &mut substeps));
+        W::GAMMA.iter().for_each(|&weight| E::step(weight, &mut substeps));
         substeps
     }
 }
@@ -187,43 +164,55 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
     sequence.map(|(&weight, half)| (half, weight)).collect()
 }
 
-#[diagnostic::do_not_recommend]
-impl<K: Structure<Verlet>, W: Partitioned> Composes<Verlet, K> for Table<W> {
-    const ORDER: u32 = W::ORDER;
-    const LISTING: Listing = turns::<W>(DRIFT_KICK, K::NOTE);
-    type Steps = K::Steps<By<Verlet, K, Self>>;
-
-    fn substeps() -> Vec<Substep> {
-        K::splitting(&of_table::<W>())
-    }
-}
-
-/// Tables for all structures, for quadratic kinetic energies, and for two parts with flows.
-macro_rules! partitioned {
-    ($($table:ty: $structure:ident, $steps:ty, $parts:expr, $names:expr, $note:expr $(, $gradient:expr)?;)+) => {$(
+/// Tables for any structure.
+macro_rules! for_all {
+    ($([$($generic:tt)*] $table:ty = $weights:ty;)+) => {$(
         #[diagnostic::do_not_recommend]
-        impl<K: $structure + Structure<Verlet>> Composes<Verlet, K> for $table {
-            const ORDER: u32 = <$table as Partitioned>::ORDER;
-            const LISTING: Listing = turns::<$table>($names, $note);
-            $(const GRADIENT: &'static [f64] = {
-                assert!($gradient.len() == <$table>::SEQUENCE.len(), "a gradient has one factor for each drift and kick");
-                $gradient
-            };)?
-            type Steps = $steps;
+        impl<K, $($generic)*> Composes<Verlet, K> for $table
+        where
+            Verlet: Symmetric<K>,
+        {
+            const ORDER: u32 = <$weights as Partitioned>::ORDER;
+            const LISTING: Listing = turns::<$weights>(DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE);
+            type Steps = <Verlet as Symmetric<K>>::Steps<By<Verlet, K, Self>>;
 
             fn substeps() -> Vec<Substep> {
-                $parts(&of_table::<$table>())
+                <Verlet as Symmetric<K>>::splitting(&of_table::<$weights>())
             }
         }
     )+};
 }
 
-partitioned! {
-    BlanesMoan4: Sized, K::Steps<By<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    BlanesMoan6: Sized, K::Steps<By<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    Srkn6: QuadraticKinetic, K::Steps<By<Verlet, K, Self>>, K::splitting, DRIFT_KICK, K::NOTE;
-    Chin4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, Chin4::NOTE, Chin4::GRADIENT;
-    TakahashiImada4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, <[Substep]>::to_vec, DRIFT_KICK, TakahashiImada4::NOTE, TakahashiImada4::GRADIENT;
-    Aba864: TwoFlows, K::Flows<By<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
-    Aba1064: TwoFlows, K::Flows<By<Verlet, K, Self>>, <[Substep]>::to_vec, K::PARTS, K::NOTE;
+for_all! {
+    [W: Partitioned] Table<W> = W;
+    [] BlanesMoan4 = BlanesMoan4;
+    [] BlanesMoan6 = BlanesMoan6;
+}
+
+/// Tables whose drifts and kicks are exact flows, of the structures that have them.
+macro_rules! for_flows {
+    ($($table:ty: $structure:ident, $steps:ty, $names:expr, $note:expr $(, $gradient:expr)?;)+) => {$(
+        #[diagnostic::do_not_recommend]
+        impl<K: $structure> Composes<Verlet, K> for $table {
+            const ORDER: u32 = <Self as Partitioned>::ORDER;
+            const LISTING: Listing = turns::<Self>($names, $note);
+            $(const GRADIENT: &'static [f64] = {
+                assert!($gradient.len() == Self::SEQUENCE.len(), "a gradient has one factor for each drift and kick");
+                $gradient
+            };)?
+            type Steps = $steps;
+
+            fn substeps() -> Vec<Substep> {
+                of_table::<Self>()
+            }
+        }
+    )+};
+}
+
+for_flows! {
+    Srkn6: QuadraticKinetic, KickDrift<By<Verlet, K, Self>>, DRIFT_KICK, "";
+    Chin4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, Chin4::NOTE, Chin4::GRADIENT;
+    TakahashiImada4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, TakahashiImada4::NOTE, TakahashiImada4::GRADIENT;
+    Aba864: TwoFlows, K::Flows<By<Verlet, K, Self>>, K::PARTS, "";
+    Aba1064: TwoFlows, K::Flows<By<Verlet, K, Self>>, K::PARTS, "";
 }

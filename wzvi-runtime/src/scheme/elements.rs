@@ -73,7 +73,7 @@ use crate::algebra::scalar::{Number, Scalar};
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
-use crate::scheme::compose::{Structure, Verlet};
+use crate::scheme::gauss::Shape;
 use crate::scheme::plan::Facts;
 use crate::scheme::system::no_nan;
 
@@ -157,8 +157,11 @@ pub trait Elements: Sized {
     /// The facts that the compiler derived about the system.
     const FACTS: Facts;
 
-    /// The structure that steps of `Verlet` exploit.
-    type Structure: Structure<Verlet>;
+    /// Lists of one entry per degree of freedom in steps of flows and stages.
+    type Shape: Shape;
+
+    /// The structure that compositions exploit, such as [`General`](crate::scheme::compose::General).
+    type Structure;
 
     /// Reads of the elements that the compiler has not proven to be in range.
     #[doc(hidden)]

@@ -60,8 +60,6 @@ pub trait Field: Elements + Sized {
     const IN_LANES: bool;
     /// Whether `V` reads the time, where `F = T(p) + V(q, t)`.
     const FORCE_READS_TIME: bool = false;
-    /// Lists of one entry per degree of freedom.
-    type Shape: Shape;
     /// Whether the potential energy has a constant quadratic part.
     const IS_STIFF: bool = false;
     /// Lists of one entry per noise.

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::bath::Friction;
+use super::compose::Form;
 use super::elements::Slopes;
 use super::system::Kind;
 
@@ -70,11 +72,16 @@ pub struct Facts {
     pub commuting: Knowledge,
     /// Whether there is friction or a bath.
     pub is_damped: bool,
+    /// Friction and temperature, where the O part of a thermostat can apply them.
+    pub bath: Friction,
     /// Whether a branch depends on a condition in several coordinates or momenta: then a slope may read a variable although the second derivative vanishes.
     pub has_pieces: bool,
     /// Friction, forces and explicit time.
     pub kind: Kind,
-    /// The index of the first part of the [elements](crate::scheme::elements::Elements) that is a first integral.
+    /// The index of `H_A` among the parts of the [elements](crate::scheme::elements::Elements), the one before `H_B`, and the forms of both, for `drift = [H_A, H_B]`;
+    /// else `usize::MAX`.
+    pub parts: (usize, [Form; 2]),
+    /// The index of the first part of the elements that is a first integral.
     pub integrals: usize,
     /// Whether slopes can be computed window by window: elements that read coordinates add to adjacent places, and those
     /// that read momenta read one each and add to its place.
@@ -100,8 +107,10 @@ impl Facts {
             conserves_energy: Knowledge::Proven,
             commuting: Knowledge::Proven,
             is_damped: false,
+            bath: Friction::new(usize::MAX, None),
             has_pieces: false,
             kind: Kind::AUTONOMOUS,
+            parts: (usize::MAX, [Form::Quadratic; 2]),
             integrals: 3,
             has_windows: false,
             has_pairs: false,

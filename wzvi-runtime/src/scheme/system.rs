@@ -15,6 +15,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector, dot};
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
+use crate::scheme::elements::InLoops;
 use crate::scheme::plan::Plan;
 
 pub use own::{OneStep, Own, Scratch, StepField};
@@ -321,6 +322,10 @@ pub trait Discretized<E>: Hamiltonian + Sized {
 
     /// The discrete Lagrangian, the discrete Euler-Lagrange equations and the step, as readable text.
     const EQUATIONS: &'static str;
+
+    /// The scheme, if its steps are solved in loops.
+    #[doc(hidden)]
+    const IN_LOOPS: InLoops = InLoops::NONE;
 
     /// The compile-time facts.
     const PLAN: Plan = <Self::Scheme as Scheme<Self>>::PLAN;

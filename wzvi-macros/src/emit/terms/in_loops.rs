@@ -5,10 +5,10 @@ use quote::quote;
 
 use crate::discretise::{Facts, Quadrature, Stage, Strategy, Unknowns};
 use crate::embedding::Embedding;
-use crate::emit::{count, implementation, listed};
+use crate::emit::{count, discretized};
 use crate::model::System;
 
-/// `impl InLoops<E>`
+/// `impl Discretized<E>` of steps in loops.
 pub(crate) fn emit(
     model: &System,
     facts: &Facts,
@@ -19,15 +19,16 @@ pub(crate) fn emit(
     let is_explicit = strategy.unknowns == Unknowns::None;
     let quadrature = quadrature(facts, embedding, strategy, model.noise.is_empty() && !is_explicit);
     let (order, is_consistent) = (Literal::u32_unsuffixed(embedding.order()), facts.converges(embedding));
-    let (item, embedding) = (&model.item, embedding.path(&quote!(__wzvi)));
-    let body = quote! {
-        const ORDER: __wzvi::u32 = #order;
-        const IS_CONSISTENT: __wzvi::bool = #is_consistent;
-        const QUADRATURE: __wzvi::elements::Quadrature = #quadrature;
+    let (embedding, in_loops) = (embedding.path(&quote!(__wzvi)), quote!(__wzvi::elements::InLoops));
+    let in_loops = quote! {
+        const IN_LOOPS: #in_loops = #in_loops {
+            order: #order,
+            is_consistent: #is_consistent,
+            quadrature: #quadrature,
+        };
     };
-    let step = implementation(item, &quote!(__wzvi::elements::InLoops<#embedding>), &body);
-    let listed = listed(item, &embedding, &quote!(__wzvi::elements::Loops<#embedding>), text);
-    quote!(#step #listed)
+    let steps = quote!(__wzvi::elements::Loops<#embedding>);
+    discretized(&model.item, &embedding, &steps, text, Some(in_loops))
 }
 
 /// The parameters of the scheme for the run time, and whether past steps predict the

@@ -23,6 +23,7 @@ use crate::discretise::{
     Facts, PartElements, Quadrature, Step, Unknowns, has_constant_curvature, parts_of, scale_momenta,
 };
 use crate::emit::compose::structure;
+use crate::emit::gauss::shape;
 use crate::emit::plan::degrees;
 use crate::emit::{Names, count, f64_type, implementation, parameter_names};
 use crate::input::{Length, Shape};
@@ -38,10 +39,7 @@ pub(crate) fn terms(model: &mut System, facts: &Facts, steps: &[Step], texts: &T
         matches!(step, Step::InLoops(_, strategy) if strategy.unknowns != Unknowns::None)
             || !Quadrature::new(facts, step.embedding()).gives_momentum()
     });
-    let mut generated = elements(model, facts, has_curvature, &structure(texts));
-    generated.extend(parts::emit(model, texts));
-    generated.extend(parts::bath(model));
-    generated
+    elements(model, facts, has_curvature, texts)
 }
 
 /// The expressions that read the struct and the constants around it.
@@ -135,7 +133,7 @@ impl Wanted {
 }
 
 /// `impl Elements`
-fn elements(model: &mut System, facts: &Facts, has_curvature: bool, structure: &TokenStream) -> TokenStream {
+fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Texts) -> TokenStream {
     let declared = hamiltonian::emit(model);
     let mut parts = parts_of(model, facts);
     if model.conformal.is_some() {
@@ -150,6 +148,8 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, structure: &
     let is_true = |holds: bool| holds.then(|| quote!(true));
     let others = [
         ("kind", hamiltonian::kind(model)),
+        ("bath", parts::bath(model)),
+        ("parts", parts::forms(model, texts)),
         ("integrals", (!model.invariants.is_empty()).then(|| quote!(#first_integral))),
         ("has_windows", windows::are_there(model, &parts)),
         ("has_pairs", is_true(windows::have_pairs(model, &parts))),
@@ -159,9 +159,12 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, structure: &
     ];
     let known = crate::emit::plan::facts(model, facts, others);
     let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));
+    let shape = shape(model.line.as_ref().map(|line| line.phase.q.len()));
+    let structure = structure(texts);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
     let body = quote! {
             const FACTS: __wzvi::Facts = #known;
+            type Shape = #shape;
             type Structure = #structure;
             #declared
             #places

@@ -7,8 +7,7 @@ use super::weighted::Nests;
 use super::{Wanted, arm};
 use crate::describe::Texts;
 use crate::discretise::{Kinetic, Part, Sum, Weighted, unweighted};
-use crate::emit::gauss::shape;
-use crate::emit::{count, implementation};
+use crate::emit::count;
 use crate::model::{Friction, System, Term};
 
 /// The numbers of the parts after those of the step Hamiltonian: parts of the drift, friction, temperature, first integrals.
@@ -66,43 +65,33 @@ pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
     arms.collect()
 }
 
-/// `impl Parts`, if the drift is declared in two parts.
-pub(super) fn emit(model: &System, texts: &Texts) -> TokenStream {
-    let Some(forms) = texts.parts else { return TokenStream::new() };
-    let forms = forms.map(|form| {
+/// The number and the forms of the parts, if the drift is declared in two.
+pub(super) fn forms(model: &System, texts: &Texts) -> Option<TokenStream> {
+    let forms = texts.parts?.map(|form| {
         let form = format_ident!("{}", format!("{form:?}"));
         quote!(__wzvi::compose::Form::#form)
     });
     let first = count(Numbers::of(model).parts);
-    let shape = shape(model.degrees_in_straight_lines());
-    let body = quote! {
-        const FORMS: [__wzvi::compose::Form; 2] = [#(#forms),*];
-        const FIRST: __wzvi::usize = #first;
-        type Shape = #shape;
-    };
-    implementation(&model.item, &quote!(__wzvi::compose::Parts), &body)
+    Some(quote!((#first, [#(#forms),*])))
 }
 
-/// `impl Damped`, friction and temperature as parts with numbers of their own, if there is friction for a thermostat.
-pub(super) fn bath(model: &mut System) -> TokenStream {
+/// Friction and temperature as parts with numbers of their own, if there is friction for a thermostat.
+pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
     let kinetic = Kinetic::of(model);
-    let (Some(friction), Some(Kinetic { is_diagonal })) = (&model.friction, kinetic) else {
-        return TokenStream::new();
-    };
+    let (Some(friction), Some(Kinetic { is_diagonal })) = (&model.friction, kinetic) else { return None };
     let numbers = Numbers::of(model);
-    let (number, is_matrix, is_per_state) =
-        (count(numbers.friction), friction.is_matrix, friction.is_per_place());
-    let temperature = model.temperature.as_ref().map(|_| {
-        let number = count(numbers.temperature);
-        quote!(const TEMPERATURE: __wzvi::Option<__wzvi::usize> = __wzvi::Some(#number);)
-    });
-    let bool = quote!(__wzvi::bool);
-    let body = quote! {
-        const IS_MATRIX: #bool = #is_matrix;
-        const PER_STATE: #bool = #is_per_state;
-        const HAS_DIAGONAL_MASSES: #bool = #is_diagonal;
-        const FRICTION: __wzvi::usize = #number;
-        #temperature
+    let (number, bath) = (count(numbers.friction), quote!(__wzvi::bath::Friction));
+    let temperature = match &model.temperature {
+        Some(_) => {
+            let number = count(numbers.temperature);
+            quote!(__wzvi::Some(#number))
+        }
+        None => quote!(__wzvi::None),
     };
-    implementation(&model.item, &quote!(__wzvi::bath::Damped), &body)
+    let is_matrix = friction.is_matrix.then(|| quote!(is_matrix: true,));
+    let is_per_state = friction.is_per_place().then(|| quote!(is_per_state: true,));
+    let masses = (!is_diagonal).then(|| quote!(has_diagonal_masses: false,));
+    let fields = quote!(#is_matrix #is_per_state #masses);
+    let plain = quote!(#bath::new(#number, #temperature));
+    Some(if fields.is_empty() { plain } else { quote!(#bath { #fields ..#plain }) })
 }

@@ -5,18 +5,8 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use super::{DomainError, Interior, Lambda, Midpoints, Minus, Nodes, Plus, Point, Scale, TimeScale, Whole};
 
-/// What a discrete function takes its values in: real numbers, vectors of `nalgebra`, dual numbers.
-pub trait Value:
-    Clone + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
-{
-}
-
-impl<V> Value for V where
-    V: Clone + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V> + Div<f64, Output = V>
-{
-}
-
-/// A function on the time scale `S`: the paper's `C(S, V)`.
+/// A function on the time scale `S`: the paper's `C(S, V)`. Its values are real numbers, vectors of `nalgebra`, dual numbers: what has the
+/// operations that an operator takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function<S, V> {
     scale: TimeScale,
@@ -45,6 +35,10 @@ impl<S: Scale, V> Function<S, V> {
 
     pub(super) fn raw(scale: TimeScale, values: Vec<V>) -> Self {
         Self { scale, values, kind: PhantomData }
+    }
+
+    fn neighbours(&self, f: impl Fn(&V, &V) -> V) -> Vec<V> {
+        self.values.iter().zip(self.values.iter().skip(1)).map(|(before, after)| f(before, after)).collect()
     }
 
     /// Interval and steps.
@@ -104,7 +98,7 @@ impl<S: Scale, V: Clone> Function<S, V> {
     }
 }
 
-impl<S: Scale, V: Value> Function<S, V> {
+impl<S: Scale, V: Clone + Sub<Output = V> + Div<f64, Output = V>> Function<S, V> {
     /// `Δ₊ f(t) = (f(σ(t)) - f(t)) / (σ(t) - t)` on `S` without its last point: the paper's `Δ₊`, `Δ_{∘,+}` and
     /// `Δ_{½,+}`.
     pub fn delta_plus(&self) -> Function<Plus<S>, V> {
@@ -121,17 +115,13 @@ impl<S: Scale, V: Value> Function<S, V> {
         let step = self.scale.step_size() * (S::STRIDE as f64 / 2.0);
         self.neighbours(|before, after| (after.clone() - before.clone()) / step)
     }
-
-    fn neighbours(&self, f: impl Fn(&V, &V) -> V) -> Vec<V> {
-        self.values.iter().zip(self.values.iter().skip(1)).map(|(before, after)| f(before, after)).collect()
-    }
 }
 
-fn mean<V: Value>(one: &V, other: &V) -> V {
+fn mean<V: Clone + Add<Output = V> + Mul<f64, Output = V>>(one: &V, other: &V) -> V {
     (one.clone() + other.clone()) * 0.5
 }
 
-impl<V: Value> Function<Nodes, V> {
+impl<V: Clone + Add<Output = V> + Mul<f64, Output = V>> Function<Nodes, V> {
     /// `f_∘`: `f` on T, the mean of the two neighbours on T_½.
     pub fn extension(&self) -> Function<Whole, V> {
         let means = self.neighbours(mean);
@@ -140,7 +130,7 @@ impl<V: Value> Function<Nodes, V> {
     }
 }
 
-impl<V: Value> Function<Midpoints, V> {
+impl<V: Clone + Add<Output = V> + Mul<f64, Output = V>> Function<Midpoints, V> {
     /// `[f]_{½,-}(t) = (f(t) + f(ρ_½(t))) / 2` on T_½⁻.
     pub fn mean_minus(&self) -> Function<Minus<Midpoints>, V> {
         Function::raw(self.scale, self.neighbours(mean))
@@ -152,7 +142,7 @@ impl<V: Value> Function<Midpoints, V> {
     }
 }
 
-impl<V: Value> Function<Whole, V> {
+impl<V: Clone + Add<Output = V> + Mul<f64, Output = V>> Function<Whole, V> {
     /// `[f]_∘(t_i) = (f(t_{i+1/2}) + f(t_{i-1/2})) / 2` on T^±.
     pub fn mean_around(&self) -> Function<Interior, V> {
         let around = self.values.iter().skip(1).step_by(2).zip(self.values.iter().skip(3).step_by(2));
@@ -160,64 +150,36 @@ impl<V: Value> Function<Whole, V> {
     }
 }
 
-/// A scale with one point `t_{i,λ}` per step: what is integrated is a function on it.
-pub trait Quadrature: Scale {
-    /// `λ`
-    const LAMBDA: f64;
+/// Functions on scales with one point `t_{i,λ}` per step.
+macro_rules! integrals {
+    ($($function:ty;)+) => {$(
+        impl<V: Clone + Add<Output = V> + Mul<f64, Output = V>> $function {
+            /// `∫_a^b f Δ_λ t = h Σ f(t_{i,λ})`: the paper's `∫ f Δt` on T⁺ and `∫ f Δ_½ t` on T_½.
+            ///
+            /// # Errors
+            /// [`DomainError::Length`] without values, which no [`TimeScale`] allows.
+            pub fn integral(&self) -> Result<V, DomainError> {
+                let sum = self.values().iter().cloned().reduce(|sum, value| sum + value);
+                let no_values = DomainError::Length { expected: 1, got: 0 };
+                sum.map(|sum| sum * self.scale().step_size()).ok_or(no_values)
+            }
+
+            /// `t ↦ at_start + ∫_a^t f Δ_λ` on T.
+            pub fn antiderivative(&self, at_start: V) -> Function<Nodes, V> {
+                let (mut total, h) = (at_start.clone(), self.scale().step_size());
+                let sums = self.values().iter().map(|value| {
+                    total = total.clone() + value.clone() * h;
+                    total.clone()
+                });
+                Function::raw(self.scale(), std::iter::once(at_start).chain(sums).collect())
+            }
+        }
+    )+};
 }
 
-impl Quadrature for Plus<Nodes> {
-    const LAMBDA: f64 = 0.0;
-}
-
-impl Quadrature for Midpoints {
-    const LAMBDA: f64 = 0.5;
-}
-
-impl Quadrature for Minus<Nodes> {
-    const LAMBDA: f64 = 1.0;
-}
-
-impl<S: Quadrature, V: Value> Function<S, V> {
-    /// `∫_a^b f Δ_λ t = h Σ f(t_{i,λ})`: the paper's `∫ f Δt` on T⁺ and `∫ f Δ_½ t` on T_½.
-    ///
-    /// # Errors
-    /// [`DomainError::Length`] without values, which no [`TimeScale`] allows.
-    pub fn integral(&self) -> Result<V, DomainError> {
-        sum(&self.values, self.scale.step_size())
-    }
-
-    /// `t ↦ at_start + ∫_a^t f Δ_λ` on T.
-    pub fn antiderivative(&self, at_start: V) -> Function<Nodes, V> {
-        Function::raw(self.scale, accumulate(&self.values, self.scale.step_size(), at_start))
-    }
-}
-
-impl<V: Value> Lambda<V> {
-    /// `∫_a^b f Δ_λ t = h Σ f(t_{i,λ})`
-    ///
-    /// # Errors
-    /// [`DomainError::Length`] without values, which no [`TimeScale`] allows.
-    pub fn integral(&self) -> Result<V, DomainError> {
-        sum(self.values(), self.scale().step_size())
-    }
-
-    /// `t ↦ at_start + ∫_a^t f Δ_λ` on T.
-    pub fn antiderivative(&self, at_start: V) -> Function<Nodes, V> {
-        Function::raw(self.scale(), accumulate(self.values(), self.scale().step_size(), at_start))
-    }
-}
-
-fn sum<V: Value>(values: &[V], h: f64) -> Result<V, DomainError> {
-    let sum = values.iter().cloned().reduce(|sum, value| sum + value);
-    sum.map(|sum| sum * h).ok_or(DomainError::Length { expected: 1, got: 0 })
-}
-
-fn accumulate<V: Value>(values: &[V], h: f64, at_start: V) -> Vec<V> {
-    let mut total = at_start.clone();
-    let sums = values.iter().map(|value| {
-        total = total.clone() + value.clone() * h;
-        total.clone()
-    });
-    std::iter::once(at_start).chain(sums).collect()
+integrals! {
+    Function<Plus<Nodes>, V>;
+    Function<Midpoints, V>;
+    Function<Minus<Nodes>, V>;
+    Lambda<V>;
 }

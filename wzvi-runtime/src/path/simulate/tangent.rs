@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Execution, Setup, Simulation, Unobserved, prepared};
+use super::{Execution, Setup, Simulation, Unobserved};
 use crate::algebra::memory::Threads;
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
@@ -14,7 +14,7 @@ use crate::increments::Noise;
 use crate::path::Error;
 use crate::path::retry::{Subdivision, Whole};
 use crate::path::step::StepInfo;
-use crate::path::steps::{Single, Step, TakeStep};
+use crate::path::steps::{Single, Step};
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
 use crate::scheme::system::{
@@ -127,7 +127,7 @@ where
         }
         let degrees = start.q.components().len();
         let processes = system.increments(degrees);
-        let mut noise = prepared::<H, E, N>(noise, &grid, processes)?;
+        let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
         let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let mut stepper = Varied::<H, E>::new(whole, system, h, &start, parameters)?;
         let (mut state, mut dw) = (start, vec![0.0; processes]);
@@ -139,7 +139,8 @@ where
             first: grid.first(),
         };
         for step in 0..grid.steps {
-            path.advance(step)?;
+            let (stepper, step) = path.step(step);
+            stepper.take_step(step)?;
         }
         let named = parameters.map_or(0, <[&str]>::len);
         Ok(Tangent {
@@ -302,15 +303,8 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         }
         Ok(())
     }
-}
 
-/// How far two ends of a step are from each other, relative to the way to the first.
-fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
-    let ends = a.components().iter().zip(b.components()).zip(start.components());
-    ends.map(|((a, b), start)| ((a - b) / (a - start)).abs()).fold(0.0, f64::max)
-}
-
-impl<H: Discretized<E>, E> TakeStep<H::Vector> for Varied<'_, H, E> {
+    /// Takes a step, and differentiates it.
     fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
         let Step { state, interval, noise, dw } = step;
         copy_state(&mut self.before, state);
@@ -319,4 +313,10 @@ impl<H: Discretized<E>, E> TakeStep<H::Vector> for Varied<'_, H, E> {
         self.vary(step, state, dw).map_err(|cause| StepError { step, t, h, cause })?;
         Ok(info)
     }
+}
+
+/// How far two ends of a step are from each other, relative to the way to the first.
+fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
+    let ends = a.components().iter().zip(b.components()).zip(start.components());
+    ends.map(|((a, b), start)| ((a - b) / (a - start)).abs()).fold(0.0, f64::max)
 }

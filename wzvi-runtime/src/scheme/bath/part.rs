@@ -3,14 +3,15 @@
 use std::any::Any;
 use std::ops::Range;
 
+use super::Relaxation;
 use super::diagonal::{BLOCK, Diagonal};
 use super::modes::Decay;
 use super::relaxation::Momenta;
-use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{ConfigError, StepFailure, StepPromise};
+use crate::scheme::elements::Elements;
 use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 
 /// The number of O parts of a step, of equal duration, and their decay.
@@ -30,7 +31,7 @@ impl Shares {
 ///
 /// # Errors
 /// [`ConfigError::Bath`]
-pub(super) fn prepare<T: Damped, K: Constant>(
+pub(super) fn prepare<T: Elements, K: Constant>(
     system: &T,
     h: K,
     shares: Shares,
@@ -65,7 +66,7 @@ struct Own {
 
 impl Own {
     #[cold]
-    fn new<T: Damped>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
+    fn new<T: Elements>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
         system.check(degrees)?;
         let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(StepFailure::Bath)?;
         Ok(Self { h, degrees, relaxation })
@@ -85,14 +86,14 @@ pub(super) struct Memory<S> {
 
 impl<S: Scalar> Memory<S> {
     /// With scratch for a system that knows its size.
-    pub(super) fn of_system<T: Damped>(system: &T) -> Self {
+    pub(super) fn of_system<T: Elements>(system: &T) -> Self {
         let mut memory = Self::default();
         memory.fit::<T>(system.degrees());
         memory
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fit<T: Damped>(&mut self, degrees: usize) {
+    fn fit<T: Elements>(&mut self, degrees: usize) {
         let room = Relaxation::room::<T>(degrees);
         if self.room.len() != room {
             self.room.resize(room, S::from_f64(0.0));
@@ -105,7 +106,7 @@ impl<S: Scalar> Memory<S> {
     /// [`StepFailure::Increments`] unless there is one normal for each part and degree of freedom, or none without temperature;
     /// [`StepFailure::Bath`] as [`prepare`]; in the first step, those of [`Hamiltonian::check`](crate::scheme::system::Hamiltonian::check).
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn parts<'m, T: Damped, K: Constant>(
+    pub(super) fn parts<'m, T: Elements, K: Constant>(
         &'m mut self,
         system: &'m T,
         prepared: &'m Option<Relaxation<K>>,
@@ -143,8 +144,8 @@ fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
 }
 
 /// The number of standard normals that drive a step with `parts` O parts.
-pub(super) fn normals<T: Damped>(system: &T, degrees: usize, parts: usize) -> usize {
-    if system.temperature().is_some() { parts * degrees } else { 0 }
+pub(super) fn normals<T: Elements>(system: &T, degrees: usize, parts: usize) -> usize {
+    if T::FACTS.bath.temperature(system).is_some() { parts * degrees } else { 0 }
 }
 
 /// The O parts of a step.
@@ -157,7 +158,7 @@ pub(super) struct Parts<'m, T, K, S> {
     blocks: &'m mut Vec<f64>,
 }
 
-impl<'m, T: Damped, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
+impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     /// The parts place by place, `parts` in number, where rates and masses are lists and numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {

@@ -13,13 +13,13 @@
 
 use std::ops::Mul;
 
-use super::Damped;
 use super::diagonal::Diagonal;
 use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{BathError, StepFailure};
+use crate::scheme::elements::Elements;
 
 /// The constants of an O part, which do not depend on the state.
 #[derive(Clone, Debug)]
@@ -63,16 +63,16 @@ impl Relaxation {
     ///
     /// # Errors
     /// [`BathError`] for an invalid friction, temperature or mass, and for steps backwards in time.
-    pub fn new<T: Damped>(
+    pub fn new<T: Elements>(
         system: &T,
         degrees: usize,
         h: f64,
         (share, decay): (f64, Decay),
     ) -> Result<Self, BathError> {
         let temperature = Self::check(system)?;
-        let mut gamma = vec![0.0; if T::IS_MATRIX { degrees * degrees } else { degrees }];
-        if !T::PER_STATE {
-            system.damping(&vec![0.0; degrees], &mut gamma);
+        let mut gamma = vec![0.0; if T::FACTS.bath.is_matrix { degrees * degrees } else { degrees }];
+        if !T::FACTS.bath.is_per_state {
+            T::FACTS.bath.damping(system, &vec![0.0; degrees], &mut gamma);
             if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite()) {
                 return Err(BathError::Friction { rate });
             }
@@ -86,7 +86,7 @@ impl Relaxation {
         let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip(), decay };
         let inverse_mass = inverse_mass(system, degrees);
         let mass = if is_list::<T>() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
-        if T::PER_STATE {
+        if T::FACTS.bath.is_per_state {
             if is_list::<T>()
                 && let Some(degree) = inverse_mass.iter().position(|&inverse| inverse <= 0.0)
             {
@@ -94,7 +94,7 @@ impl Relaxation {
             }
             return Ok(Self(Law::Frozen(Frozen { mass, inverse_mass, bath })));
         }
-        Ok(Self(match (T::IS_MATRIX, T::HAS_DIAGONAL_MASSES) {
+        Ok(Self(match (T::FACTS.bath.is_matrix, T::FACTS.bath.has_diagonal_masses) {
             (false, true) => diagonal(&gamma, inverse_mass, &bath)?,
             (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath)?,
             (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees)?,
@@ -105,8 +105,8 @@ impl Relaxation {
     ///
     /// # Errors
     /// [`BathError::Temperature`]
-    pub(super) fn check<T: Damped>(system: &T) -> Result<f64, BathError> {
-        let temperature = system.temperature().unwrap_or(0.0);
+    pub(super) fn check<T: Elements>(system: &T) -> Result<f64, BathError> {
+        let temperature = T::FACTS.bath.temperature(system).unwrap_or(0.0);
         if temperature.is_finite() && temperature >= 0.0 {
             Ok(temperature)
         } else {
@@ -115,8 +115,9 @@ impl Relaxation {
     }
 
     /// The length of the scratch of [`Relaxation::apply`].
-    pub(super) fn room<T: Damped>(degrees: usize) -> usize {
-        if T::PER_STATE && T::IS_MATRIX { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
+    pub(super) fn room<T: Elements>(degrees: usize) -> usize {
+        let bath = T::FACTS.bath;
+        if bath.is_per_state && bath.is_matrix { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
     }
 
     /// The same in constants.
@@ -164,7 +165,7 @@ impl<K: Constant> Relaxation<K> {
     /// # Errors
     /// [`BathError::Friction`] where friction is negative; `p` is then unspecified.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply<T: Damped, S: Over<K>, C: Carry<S>>(
+    pub(super) fn apply<T: Elements, S: Over<K>, C: Carry<S>>(
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
@@ -184,7 +185,7 @@ impl<K: Constant> Relaxation<K> {
                 momenta.replace::<C>(&room[..d], inverse_mass)
             }
             Law::Frozen(frozen) => {
-                if T::IS_MATRIX {
+                if T::FACTS.bath.is_matrix {
                     frozen.apply_matrix::<T, S, C>(system, momenta, room)?
                 } else {
                     frozen.apply_rates::<T, S, C>(system, momenta, room)?
@@ -267,20 +268,20 @@ where
 }
 
 /// Whether friction and masses are lists by degree of freedom.
-pub(super) const fn is_list<T: Damped>() -> bool {
-    !T::IS_MATRIX && T::HAS_DIAGONAL_MASSES
+pub(super) const fn is_list<T: Elements>() -> bool {
+    !T::FACTS.bath.is_matrix && T::FACTS.bath.has_diagonal_masses
 }
 
 /// `M⁻¹`: a list if friction is a list, else a matrix.
-fn inverse_mass<T: Damped>(system: &T, d: usize) -> Vec<f64> {
-    if !T::HAS_DIAGONAL_MASSES {
+fn inverse_mass<T: Elements>(system: &T, d: usize) -> Vec<f64> {
+    if !T::FACTS.bath.has_diagonal_masses {
         let mut rows = vec![0.0; d * d];
-        system.inverse_mass(&mut rows);
+        T::FACTS.bath.inverse_mass(system, &mut rows);
         return rows;
     }
     let mut list = vec![0.0; d];
-    system.inverse_mass(&mut list);
-    if !T::IS_MATRIX {
+    T::FACTS.bath.inverse_mass(system, &mut list);
+    if !T::FACTS.bath.is_matrix {
         return list;
     }
     let mut rows = vec![0.0; d * d];
@@ -372,15 +373,15 @@ impl Frozen {
 
     /// Rates by degree of freedom, or one rate with a mass matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_rates<T: Damped, S: Scalar, C: Carry<S>>(
+    fn apply_rates<T: Elements, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
         let (rates, new) = room.split_at_mut(momenta.p.len());
-        system.damping(momenta.q, rates);
-        if T::HAS_DIAGONAL_MASSES {
+        T::FACTS.bath.damping(system, momenta.q, rates);
+        if T::FACTS.bath.has_diagonal_masses {
             return momenta.relax::<C, f64>(&self.inverse_mass, |i| {
                 let (decay, noise) = self.mode(rates[i])?;
                 Ok((decay, noise / self.inverse_mass[i].sqrt()))
@@ -396,7 +397,7 @@ impl Frozen {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_matrix<T: Damped, S: Scalar, C: Carry<S>>(
+    fn apply_matrix<T: Elements, S: Scalar, C: Carry<S>>(
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
@@ -407,7 +408,7 @@ impl Frozen {
         let (vectors, room) = room.split_at_mut(d * d);
         let (modes, room) = room.split_at_mut(d * d);
         let (along, new) = room.split_at_mut(d);
-        system.damping(momenta.q, rates);
+        T::FACTS.bath.damping(system, momenta.q, rates);
         let mut found = Modes { rates, vectors, modes };
         found.solve(&self.mass, d).map_err(negative)?;
         let (smallest, slowest) = found.slowest(&self.bath, d);

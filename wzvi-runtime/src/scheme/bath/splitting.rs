@@ -3,7 +3,7 @@
 //! Kicks and drifts are the flows of [`compose::flows`](crate::scheme::compose), with the increments of the noises; the force at the end of a step is that at the
 //! start of the next.
 //!
-//! For a system with [`Field`], of the form `T(p) + V(q, t)`, and [`Damped`].
+//! For a system with friction and [`Field`], of the form `T(p) + V(q, t)`.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -13,7 +13,7 @@ use super::part::{self, Parts, Shares};
 use super::relaxation::is_list;
 use super::windowed::WithBath;
 use super::word::{A, Act, B, O, Part, Spelling, joined};
-use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
+use super::{Baoab, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{Request, StepMemory};
@@ -26,7 +26,7 @@ use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
-use crate::scheme::elements::Taken;
+use crate::scheme::elements::{Elements, Taken};
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
@@ -111,18 +111,18 @@ impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
 
 impl<F, W> Scheme<F> for Splitting<W>
 where
-    F: Field + Damped,
+    F: Field,
     W: Letters,
 {
     const PLAN: Plan = {
         let order = W::SPELLING.order;
         // With multiplicative noise, consistency requires order two.
         let consistent = order == 2 || !matches!(F::FACTS.noise, NoiseClass::Multiplicative);
-        with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
+        with_bath::<F>(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
     };
     const PROPERTIES: Properties = Properties {
         // Windows are for lists of rates and masses.
-        fills_registers_from: match is_list::<F>() && !F::PER_STATE {
+        fills_registers_from: match is_list::<F>() && !F::FACTS.bath.is_per_state {
             true => least_alone::<F>(),
             false => usize::MAX,
         },
@@ -254,15 +254,15 @@ where
 ///
 /// # Errors
 /// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises, whose increments would be shortened, too.
-fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
+fn shortened<T: Elements>(system: &T, h: f64) -> Result<f64, ConfigError> {
     if system.noises() > 0 {
         let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
         return Err(ConfigError::Setting(wrong.into()));
     }
     // If the size is unknown, one degree of freedom is enough to read the rate.
     let mut rates = vec![f64::NAN; system.degrees().max(1)];
-    if !T::IS_MATRIX && !T::PER_STATE {
-        system.damping(&vec![0.0; rates.len()], &mut rates);
+    if !T::FACTS.bath.is_matrix && !T::FACTS.bath.is_per_state {
+        T::FACTS.bath.damping(system, &vec![0.0; rates.len()], &mut rates);
     }
     let rate = rates[0];
     if !(rate >= 0.0 && rates.iter().all(|other| *other == rate)) {
@@ -274,7 +274,7 @@ fn shortened<T: Damped>(system: &T, h: f64) -> Result<f64, ConfigError> {
 
 /// A step window by window; returns its heat, or `None` if friction and masses are not lists.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn in_windows<'m, F: Field + Damped, K: Constant, S: Over<K>, W: Letters>(
+fn in_windows<'m, F: Field, K: Constant, S: Over<K>, W: Letters>(
     system: &F,
     prepared: &'m Prepared<Of<F::Parameters, K>, K>,
     givens: Givens<'_>,
@@ -301,7 +301,7 @@ struct WithParts<'m, F: Field, K: Constant, S> {
     heat: S,
 }
 
-impl<F: Field + Damped, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
+impl<F: Field, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
     /// Moves the state by a part of a step.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use super::modes::Decay;
 use super::part::{self, Parts, Shares, normals};
-use super::{Damped, Relaxation, with_bath};
+use super::{Relaxation, with_bath};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{Report, Request, StepMemory};
@@ -81,8 +81,8 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
 }
 
 /// As far as the plan of `E` says.
-impl<T: Damped + Discretized<E>, E> Scheme<T> for Around<E> {
-    const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
+impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
+    const PLAN: Plan = with_bath::<T>(<SchemeOf<T, E> as Scheme<T>>::PLAN);
     const PROPERTIES: Properties = Properties {
         remembers: <T as Discretized<E>>::PROPERTIES.remembers,
         in_lanes: <T as Discretized<E>>::PROPERTIES.in_lanes,
@@ -156,7 +156,7 @@ impl<T: Damped + Discretized<E>, E> Scheme<T> for Around<E> {
 /// A step between its O parts; returns the heat of both. A step that fails changes
 /// nothing.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn between<T: Damped, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
+fn between<T: Elements, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
     parts: &mut Parts<'_, T, K, S>,
     [q, p]: [&mut [S]; 2],
     (kept, lost): (&mut kept::Memory<S, M>, &mut [Vec<S>; 2]),
@@ -186,7 +186,7 @@ fn between<T: Damped, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
 
 /// Applies an O part to a state, with compensation.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn relax<T: Damped, K: Constant, S: Over<K>, C: Carry<S>>(
+fn relax<T: Elements, K: Constant, S: Over<K>, C: Carry<S>>(
     parts: &mut Parts<'_, T, K, S>,
     part: usize,
     q: &[S],

@@ -9,16 +9,16 @@
 //! kept with the node, and reused if node, step size and, if the force reads it, time are the same to the last bit. Reuse changes no
 //! number, and checkpoints do not contain the force.
 //!
-//! Flows evaluate the system by [`Field::step_slopes`]. The compiler proves the form of `F` ([`Structure`]).
+//! Flows evaluate the system by [`Field::step_slopes`]. The compiler proves the form of `F`.
 
 use std::marker::PhantomData;
 
+use super::Composes;
 use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
 use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, check, follow};
 use super::substeps::{By, Half, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
-use super::{Composes, Structure};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
@@ -39,7 +39,6 @@ pub struct KickDrift<W, const SQUARES: bool = false>(PhantomData<W>);
 impl<F, E, T, W, const SQUARES: bool> Scheme<F> for KickDrift<By<E, T, W>, SQUARES>
 where
     F: Field,
-    T: Structure<E>,
     W: Composes<E, T>,
 {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
@@ -140,7 +139,7 @@ where
 pub(crate) type Act = (Half, f64);
 
 /// The parts of a step.
-fn stages<E, T: Structure<E>, W: Composes<E, T>>() -> Stages<Act> {
+fn stages<E, T, W: Composes<E, T>>() -> Stages<Act> {
     Stages::of(&W::substeps()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
 }
 

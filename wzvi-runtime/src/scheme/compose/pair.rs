@@ -2,10 +2,10 @@
 
 use std::marker::PhantomData;
 
+use super::Composes;
 use super::kept::Memory;
 use super::lagrangian::{self, Followed};
 use super::substeps::{By, Half, Substep, joint_plan, kept_energy, plan};
-use super::{Composes, Structure};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
@@ -131,7 +131,6 @@ impl<A, B> Prepared<A, B> {
 impl<H, A, B, E, T, W> Scheme<H> for Pair<A, B, By<E, T, W>>
 where
     H: Discretized<A> + Discretized<B>,
-    T: Structure<E>,
     W: Composes<E, T>,
 {
     const PLAN: Plan =

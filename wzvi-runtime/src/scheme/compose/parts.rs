@@ -10,12 +10,11 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use super::Composes;
 use super::lagrangian::{self, Followed};
 use super::linear::Linear;
 use super::stages::{Memory, Rooms, Stage, Stages, add, advance, check, follow};
-use super::structure::{Parted, Structure, TwoFlows};
 use super::substeps::{By, Half, Substep, plan};
-use super::{Composes, Verlet};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
@@ -37,49 +36,25 @@ pub enum Form {
     Quadratic,
 }
 
-/// A system in two parts with known flows; generated.
-pub trait Parts: Elements + Sized {
-    /// The forms of `H_A` and `H_B`.
-    const FORMS: [Form; 2];
-    /// The number of `H_A` among the parts of the elements; `H_B` has the next one.
-    const FIRST: usize;
-    /// Lists of one number per degree of freedom.
-    type Shape: Shape;
-
-    /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
-    #[expect(clippy::too_many_arguments, reason = "each is one thing that slopes depend on")]
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes_of_part<S: Scalar, const BY_Q: bool, const BY_P: bool>(
-        &self,
-        part: Half,
-        t: f64,
-        h: f64,
-        q: &[S],
-        p: &[S],
-        by_q: &mut [S],
-        by_p: &mut [S],
-    ) {
-        by_q.fill(S::from_f64(0.0));
-        by_p.fill(S::from_f64(0.0));
-        let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
-        let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
-        slopes(self, Self::FIRST + part as usize, 1.0, &at, wanted, by_q, by_p);
-    }
-
-    /// The value of a part.
-    fn value_of_part(&self, part: Half, t: f64, q: &[f64], p: &[f64]) -> f64 {
-        value_of_part(self, Self::FIRST + part as usize, t, q, p)
-    }
+/// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
+    system: &F,
+    part: Half,
+    [t, h]: [f64; 2],
+    [q, p]: [&[S]; 2],
+    [by_q, by_p]: [&mut [S]; 2],
+) {
+    by_q.fill(S::from_f64(0.0));
+    by_p.fill(S::from_f64(0.0));
+    let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
+    let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
+    slopes(system, F::FACTS.parts.0 + part as usize, 1.0, &at, wanted, by_q, by_p);
 }
 
 /// The flows of the two parts in turn.
 #[derive(Clone, Copy, Debug)]
 pub struct PartFlows<W>(PhantomData<W>);
-
-impl<K: Structure<Verlet>> TwoFlows for Parted<K> {
-    type Flows<W> = PartFlows<W>;
-    const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
-}
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
@@ -100,7 +75,7 @@ enum Act {
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] where a coefficient is not finite.
-fn prepare<F: Parts>(
+fn prepare<F: Elements>(
     system: &F,
     degrees: usize,
     h: f64,
@@ -109,7 +84,7 @@ fn prepare<F: Parts>(
     let mut known: Vec<(Stage, Arc<Linear>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
-        match form::<F>(half) {
+        match F::FACTS.parts.1[half as usize] {
             Form::Coordinates => return Ok(Act::Kick(half)),
             Form::Momenta => return Ok(Act::Drift(half)),
             Form::Quadratic => {}
@@ -121,7 +96,7 @@ fn prepare<F: Parts>(
         }
         let map = Linear::new(degrees, stage.weight * h, &mut |x, slopes| {
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
-            system.slopes_of_part::<f64, true, true>(half, 0.0, 1.0, q, p, by_q, by_p);
+            slopes_of_part::<F, f64, true, true>(system, half, [0.0, 1.0], [q, p], [by_q, by_p]);
             if F::FACTS.kind.is_conformal {
                 let rate = system.friction_rate();
                 by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
@@ -136,13 +111,11 @@ fn prepare<F: Parts>(
     Ok(Prepared(Stages(stages.collect::<Result<_, _>>()?)))
 }
 
-fn form<F: Parts>(half: Half) -> Form {
-    let [first, second] = F::FORMS;
-    if half == Half::First { first } else { second }
-}
-
-impl<F: Parts, E, T: Structure<E>, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
-    const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
+impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
+    const PLAN: Plan = {
+        assert!(F::FACTS.parts.0 != usize::MAX, "the drift is declared in two parts, `drift = [H_A, H_B]`");
+        plan(F::FACTS.explicit(), W::ORDER)
+    };
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared<K: Constant> = Prepared;
@@ -186,13 +159,20 @@ impl<F: Parts, E, T: Structure<E>, W: Composes<E, T>> Scheme<F> for PartFlows<By
     }
 }
 
-impl<E, T: Structure<E>, W: Composes<E, T>> PartFlows<By<E, T, W>> {
-    fn follow<F: Parts>(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> Option<Followed<F::Vector>> {
+impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
+    fn follow<F: Elements>(
+        system: &F,
+        segment: &Segment<F::Vector>,
+        dw: &[f64],
+    ) -> Option<Followed<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
         let Prepared(Stages(stages)) = prepare(system, degrees, h, &W::substeps()).ok()?;
         let action = |stage: &Stage<Act>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
-            let value = |half| stage.weight * h * system.value_of_part(half, t + stage.node * h, q, p);
+            let value = |half: Half| {
+                let part = F::FACTS.parts.0 + half as usize;
+                stage.weight * h * value_of_part(system, part, t + stage.node * h, q, p)
+            };
             match &stage.act {
                 Act::Kick(half) => -value(*half),
                 Act::Drift(half) => {
@@ -219,7 +199,7 @@ struct FlowsOf<'a, F> {
     h: f64,
 }
 
-impl<F: Parts> FlowsOf<'_, F> {
+impl<F: Elements> FlowsOf<'_, F> {
     /// Moves the state by a part of a step.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<S: Scalar, C: Carry<S>>(&self, stage: &Stage<Act>, rooms: &mut Rooms<S, F::Shape>) {
@@ -228,7 +208,7 @@ impl<F: Parts> FlowsOf<'_, F> {
         let (t, h) = (t + stage.node * h, stage.weight * h);
         match &stage.act {
             Act::Kick(half) => {
-                system.slopes_of_part::<S, true, false>(*half, t, -h, q, p, force, &mut []);
+                slopes_of_part::<F, S, true, false>(system, *half, [t, -h], [q, p], [force, &mut []]);
                 if F::FACTS.kind.is_forced {
                     system.force(q, p, t, velocity);
                     force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
@@ -236,7 +216,7 @@ impl<F: Parts> FlowsOf<'_, F> {
                 add::<S, C>(p, force, lost_p);
             }
             Act::Drift(half) => {
-                system.slopes_of_part::<S, false, true>(*half, t, h, q, p, &mut [], velocity);
+                slopes_of_part::<F, S, false, true>(system, *half, [t, h], [q, p], [&mut [], velocity]);
                 add::<S, C>(q, velocity, lost_q);
             }
             Act::Map(map) => {

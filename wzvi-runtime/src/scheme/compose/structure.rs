@@ -4,23 +4,14 @@ use std::marker::PhantomData;
 
 use super::flows::KickDrift;
 use super::pair::Pair;
+use super::parts::PartFlows;
 use super::substeps::{Half, Once, Substep};
 use super::text::{DRIFT_KICK, Equations};
 use super::{Composed, Composes, Symmetric, Verlet};
 use crate::scheme::elements::Elements;
+use crate::scheme::embedding::{DeltaMinus, DeltaPlus, Midpoint, Uncorrected};
+use crate::scheme::gauss::Gauss;
 use crate::scheme::system::{Discretized, Scheme};
-
-/// The structure of a system, as far as steps of `E` exploit it.
-pub trait Structure<E> {
-    /// The scheme that takes the parts `W` of a step.
-    type Steps<W>;
-    /// Text for users: the steps by which a splitting is taken.
-    const NOTE: &'static str;
-    /// Appends the parts of a step of `E` with this weight.
-    fn step(weight: f64, into: &mut Vec<Substep>);
-    /// The parts for a sequence of alternating drifts (`Half::First`) and kicks (`Half::Second`).
-    fn splitting(sequence: &[Substep]) -> Vec<Substep>;
-}
 
 /// Any Hamiltonian.
 #[derive(Clone, Copy, Debug)]
@@ -40,9 +31,9 @@ pub struct Parted<K>(PhantomData<K>);
 
 impl<H, E, W> Discretized<Composed<E, W>> for H
 where
-    E: Symmetric,
     H: Elements + Discretized<E>,
-    W: Composes<E, E::Structure<H>, Steps: Scheme<H>>,
+    E: Symmetric<H::Structure>,
+    W: Composes<E, H::Structure, Steps: Scheme<H>>,
 {
     type Scheme = W::Steps;
     type Prepared = <W::Steps as Scheme<H>>::Prepared<f64>;
@@ -50,7 +41,7 @@ where
 }
 
 /// The scheme that takes single steps of `E`.
-pub type WholeOf<H, E> = <Once as Composes<E, <E as Symmetric>::Structure<H>>>::Steps;
+pub type WholeOf<H, E> = <Once as Composes<E, <H as Elements>::Structure>>::Steps;
 
 /// Structures with a kinetic energy that is a quadratic form with constant coefficients.
 pub trait QuadraticKinetic {}
@@ -59,7 +50,7 @@ impl QuadraticKinetic for Nystrom {}
 impl QuadraticKinetic for Parted<Nystrom> {}
 
 /// Structures of two parts whose flows are known.
-pub trait TwoFlows: Structure<Verlet> {
+pub trait TwoFlows {
     /// The scheme that takes the flows of the parts `W`.
     type Flows<W>;
     /// Text for users: the first part, then the second.
@@ -72,46 +63,80 @@ impl TwoFlows for Separable {
 impl TwoFlows for Nystrom {
     type Flows<W> = KickDrift<W>;
 }
+impl<K> TwoFlows for Parted<K> {
+    type Flows<W> = PartFlows<W>;
+    const PARTS: [&'static str; 2] = ["flow of H_A over ", "flow of H_B over "];
+}
 
-impl<E: Symmetric> Structure<E> for General {
-    type Steps<W> = Pair<E::First, E::Second, W>;
-    const NOTE: &'static str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is \
-                                a coefficient less the one before";
+/// The note of [`in_pairs`].
+pub(super) const BY_PAIRS: &str = ", by steps of DeltaMinus (drift) and DeltaPlus (kick) of which each is a coefficient less the one before";
+
+/// Drifts and kicks as alternating steps of the adjoint pair, with the weights `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x`
+/// without the last one. A drift comes first in `DeltaMinus`, a kick in `DeltaPlus`.
+pub(super) fn in_pairs(sequence: &[Substep]) -> Vec<Substep> {
+    let mut rest = 0.0;
+    let coefficients = sequence.split_last().map_or(&[][..], |(_, coefficients)| coefficients);
+    let steps = coefficients.iter().map(|&(part, coefficient)| {
+        rest = coefficient - rest;
+        let half = if part == Half::First { Half::Second } else { Half::First };
+        (half, rest)
+    });
+    steps.collect()
+}
+
+impl<K> Symmetric<K> for Midpoint {
+    type First = Self;
+    type Second = Self;
+    type Steps<W> = Pair<Self, Self, W>;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
-        E::substeps(weight, into);
-    }
-
-    /// Alternating steps of the adjoint pair, with the weights `z_1 = x_1`, `z_{i+1} = x_{i+1} - z_i` for the coefficients `x` without the
-    /// last one. A drift comes first in `DeltaMinus`, a kick in `DeltaPlus`.
-    fn splitting(sequence: &[Substep]) -> Vec<Substep> {
-        let mut rest = 0.0;
-        let coefficients = sequence.split_last().map_or(&[][..], |(_, coefficients)| coefficients);
-        let steps = coefficients.iter().map(|&(part, coefficient)| {
-            rest = coefficient - rest;
-            let half = if part == Half::First { Half::Second } else { Half::First };
-            (half, rest)
-        });
-        steps.collect()
+        into.push((Half::First, weight));
     }
 }
 
-impl<K: Structure<Verlet>> Structure<Verlet> for Parted<K> {
-    type Steps<W> = K::Steps<W>;
-    const NOTE: &'static str = K::NOTE;
+impl<K, const S: usize> Symmetric<K> for Gauss<S> {
+    type First = Self;
+    type Second = Self;
+    type Steps<W> = Pair<Self, Self, W>;
 
     fn step(weight: f64, into: &mut Vec<Substep>) {
-        K::step(weight, into);
+        into.push((Half::First, weight));
+    }
+}
+
+impl Symmetric for Verlet {
+    type First = Uncorrected<DeltaPlus>;
+    type Second = Uncorrected<DeltaMinus>;
+    type Steps<W> = Pair<Uncorrected<DeltaPlus>, Uncorrected<DeltaMinus>, W>;
+
+    fn step(weight: f64, into: &mut Vec<Substep>) {
+        into.extend([(Half::First, 0.5 * weight), (Half::Second, 0.5 * weight)]);
+    }
+}
+
+impl<K> Symmetric<Parted<K>> for Verlet
+where
+    Self: Symmetric<K>,
+{
+    type First = <Self as Symmetric<K>>::First;
+    type Second = <Self as Symmetric<K>>::Second;
+    type Steps<W> = <Self as Symmetric<K>>::Steps<W>;
+    const NOTE: &'static str = <Self as Symmetric<K>>::NOTE;
+
+    fn step(weight: f64, into: &mut Vec<Substep>) {
+        <Self as Symmetric<K>>::step(weight, into);
     }
 
     fn splitting(sequence: &[Substep]) -> Vec<Substep> {
-        K::splitting(sequence)
+        <Self as Symmetric<K>>::splitting(sequence)
     }
 }
 
 macro_rules! by_flows {
     ($($structure:ty),+) => {$(
-        impl Structure<Verlet> for $structure {
+        impl Symmetric<$structure> for Verlet {
+            type First = <Self as Symmetric>::First;
+            type Second = <Self as Symmetric>::Second;
             type Steps<W> = KickDrift<W>;
             const NOTE: &'static str = "";
 

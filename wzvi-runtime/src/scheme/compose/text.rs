@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::{Composes, Partitioned, Symmetric};
+use super::{Composes, Partitioned};
 use crate::scheme::elements::Elements;
 use crate::scheme::system::Discretized;
 
@@ -42,9 +42,8 @@ pub(super) struct Equations<H, E, W>(PhantomData<(H, E, W)>);
 
 impl<H, E, W> Equations<H, E, W>
 where
-    E: Symmetric,
     H: Elements + Discretized<E>,
-    W: Composes<E, E::Structure<H>>,
+    W: Composes<E, H::Structure>,
 {
     const TEXT: Text<ROOM> = Text::of(&W::LISTING, H::EQUATIONS);
     /// The text.

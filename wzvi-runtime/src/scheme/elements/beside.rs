@@ -29,95 +29,47 @@ const HALF: usize = AT_ONCE / 2;
 /// Fewer placements are computed one by one.
 const FEW: usize = 3;
 
-/// Some placements of an element, which read `M` numbers and have `F` slopes each.
-pub trait Placements<T: Scalar, const M: usize, const F: usize> {
-    /// Storage without placements.
-    fn new() -> Self;
-
-    /// How many of the `left` placements are evaluated together.
-    fn few(&self, left: usize) -> usize;
-
-    /// Takes the numbers that one placement reads.
-    fn read(&mut self, lane: usize, numbers: [T; M]);
-
-    /// Computes the slopes of the first `few` placements; `own` and `constants` are the same for all.
-    fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
-        &mut self,
-        few: usize,
-        own: [T; O],
-        constants: [f64; P],
-    );
-
-    /// The slopes of one placement.
-    fn slopes(&self, lane: usize) -> [T; F];
-}
-
-/// One placement after the other.
-#[derive(Debug)]
-pub struct OneByOne<T, const M: usize, const F: usize> {
-    numbers: [T; M],
-    slopes: [T; F],
-}
-
-impl<T: Scalar, const M: usize, const F: usize> Placements<T, M, F> for OneByOne<T, M, F> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new() -> Self {
-        Self { numbers: [T::from_f64(0.0); M], slopes: [T::from_f64(0.0); F] }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn few(&self, _left: usize) -> usize {
-        1
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn read(&mut self, _lane: usize, numbers: [T; M]) {
-        self.numbers = numbers;
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
-        &mut self,
-        _few: usize,
-        own: [T; O],
-        constants: [f64; P],
-    ) {
-        self.slopes = K::slopes(own, constants, [], self.numbers).0;
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes(&self, _lane: usize) -> [T; F] {
-        self.slopes
-    }
-}
-
 /// Numbers of a block, aligned to a cache line.
+#[derive(Debug)]
 #[repr(align(64))]
-struct Numbers<const M: usize>([[f64; AT_ONCE]; M]);
+struct Numbers<S, const M: usize>([[S; AT_ONCE]; M]);
 
-/// A block of placements, in numbers `U`, and in numbers `T` if a result in `U` is not finite.
-pub(super) struct InBlocks<T, U, const M: usize, const F: usize> {
-    numbers: Numbers<M>,
-    block: Block<AT_ONCE, 0, F>,
+/// A block of placements of an element, which read `M` numbers and have `F` slopes each: in numbers `U`, and in numbers `T` if a result in `U` is not
+/// finite.
+#[derive(Debug)]
+pub struct Placements<S, T, U, const M: usize, const F: usize> {
+    numbers: Numbers<S, M>,
+    block: Block<S, AT_ONCE, 0, F>,
     kinds: PhantomData<(T, U)>,
 }
 
-impl<T: Number<f64>, U: Number<f64>, const M: usize, const F: usize> Placements<T, M, F>
-    for InBlocks<T, U, M, F>
-{
+impl<S: Scalar, T: Number<S>, U: Number<S>, const M: usize, const F: usize> Placements<S, T, U, M, F> {
+    /// Storage without placements.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new() -> Self {
-        let block = Block { by_own: [[0.0; AT_ONCE]; F], by_partner: [] };
-        Self { numbers: Numbers([[0.0; AT_ONCE]; M]), block, kinds: PhantomData }
+    #[expect(clippy::new_without_default, reason = "generated code calls it by this name")]
+    pub fn new() -> Self {
+        let zeros = [S::from_f64(0.0); AT_ONCE];
+        let block = Block { by_own: [zeros; F], by_partner: [] };
+        Self { numbers: Numbers([zeros; M]), block, kinds: PhantomData }
     }
+
+    /// How many of the `left` placements are evaluated together.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn few(&self, left: usize) -> usize {
+    pub fn few(&self, left: usize) -> usize {
         left.min(AT_ONCE)
     }
+
+    /// Takes the numbers that one placement reads.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn read(&mut self, lane: usize, numbers: [T; M]) {
+    pub fn read(&mut self, lane: usize, numbers: [T; M]) {
         for (list, number) in self.numbers.0.iter_mut().zip(numbers) {
             list[lane] = number.kept();
         }
     }
+
+    /// Computes the slopes of the first `few` placements; `own` and `constants` are the same for all.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
+    pub fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
         &mut self,
         few: usize,
         own: [T; O],
@@ -132,8 +84,10 @@ impl<T: Number<f64>, U: Number<f64>, const M: usize, const F: usize> Placements<
             self.block.fill::<T, U, K, O, P, M>(HALF, few, own, constants, [], numbers);
         }
     }
+
+    /// The slopes of one placement.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes(&self, lane: usize) -> [T; F] {
+    pub fn slopes(&self, lane: usize) -> [T; F] {
         self.block.by_own.each_ref().map(|slopes| T::of(slopes[lane]))
     }
 }
@@ -160,31 +114,38 @@ mod tests {
         }
     }
 
+    fn factor() -> [Alone; 1] {
+        [Alone::from_f64(0.3)]
+    }
+
     /// Adds the slopes of all bonds.
-    struct Added<'a, P> {
+    struct Added<'a> {
         bonds: &'a [[usize; 2]],
         q: &'a [f64],
         sums: &'a mut [f64],
-        placements: P,
     }
 
-    impl<P: Placements<Alone, 2, 2>> Kernel for Added<'_, P> {
+    fn add(sums: &mut [f64], bond: [usize; 2], slopes: [Alone; 2]) {
+        for (site, slope) in bond.into_iter().zip(slopes) {
+            sums[site] = (Alone::of(sums[site]) + slope).kept();
+        }
+    }
+
+    impl Kernel for Added<'_> {
         type Output = ();
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn run<const L: usize, const HALF: usize>(self) {
-            let Self { bonds, q, sums, mut placements } = self;
-            let mut first = 0;
+            let Self { bonds, q, sums } = self;
+            let (mut placements, mut first) = (Placements::<f64, Alone, Usual, 2, 2>::new(), 0);
             while first < bonds.len() {
                 let few = placements.few(bonds.len() - first);
                 for lane in 0..few {
                     placements.read(lane, bonds[first + lane].map(|site| Alone::of(q[site])));
                 }
-                placements.take::<Bond, 1, 1>(few, [Alone::from_f64(0.3)], [1.7]);
+                placements.take::<Bond, 1, 1>(few, factor(), [1.7]);
                 for lane in 0..few {
-                    for (site, slope) in bonds[first + lane].into_iter().zip(placements.slopes(lane)) {
-                        sums[site] = (Alone::of(sums[site]) + slope).kept();
-                    }
+                    add(sums, bonds[first + lane], placements.slopes(lane));
                 }
                 first += few;
             }
@@ -200,12 +161,13 @@ mod tests {
             // Inside or outside the range of the reduction by π/2 in lanes.
             q[4] = far;
             let mut reference = [0.1; 7];
-            let placements = OneByOne::new();
-            Added { bonds: &bonds, q: &q, sums: &mut reference, placements }.run::<1, 1>();
+            for &bond in &bonds {
+                let (slopes, []) = Bond::slopes(factor(), [1.7], [], bond.map(|site| Alone::of(q[site])));
+                add(&mut reference, bond, slopes);
+            }
             for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
                 let mut sums = [0.1; 7];
-                let placements = InBlocks::<Alone, Usual, 2, 2>::new();
-                set.run(Added { bonds: &bonds, q: &q, sums: &mut sums, placements });
+                set.run(Added { bonds: &bonds, q: &q, sums: &mut sums });
                 assert_eq!(sums.map(f64::to_bits), reference.map(f64::to_bits), "{set:?}, {count}, {far}");
             }
         }

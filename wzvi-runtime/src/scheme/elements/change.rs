@@ -206,6 +206,7 @@ mod tests {
     use super::*;
     use crate::algebra::scalar::Number;
     use crate::scheme::compose::General;
+    use crate::scheme::gauss::Dynamic;
 
     /// `Σ p_i² / 2 m_i + Σ k_i (d_i²/2 + d_i⁴/4)`, `d_i = q_i - q_{i-1}`
     struct Chain {
@@ -215,6 +216,7 @@ mod tests {
 
     impl Elements for Chain {
         const FACTS: Facts = Facts { has_one_velocity: true, ..Facts::autonomous(usize::MAX) };
+        type Shape = Dynamic;
         type Structure = General;
         type Vector = DVector<f64>;
         type Exact = Alone;

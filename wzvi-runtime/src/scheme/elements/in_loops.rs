@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::{
-    CompensationVec, Elements, Memory, Quadrature, Unknowns, discrete_lagrangian,
+    CompensationVec, Elements, Memory, MomentumUpdate, Quadrature, Unknowns, discrete_lagrangian,
     discrete_lagrangian_gradient, iterate, prepare, step_momentum,
 };
 use crate::algebra::carry::{Carry, Plain};
@@ -13,16 +13,25 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::plan::Plan;
-use crate::scheme::system::{At, LagrangianGradient, Lift, Properties, Scheme, Segment, without_derivatives};
+use crate::scheme::system::{
+    At, Discretized, LagrangianGradient, Lift, Properties, Scheme, Segment, without_derivatives,
+};
 
-/// A system whose steps by `E` are solved in loops; generated.
-pub trait InLoops<E>: Elements + Sync {
+/// A scheme whose steps are solved in loops.
+#[derive(Clone, Copy, Debug)]
+pub struct InLoops {
     /// The order in `h` without noise.
-    const ORDER: u32;
+    pub order: u32,
     /// Whether the scheme converges to the Stratonovich system.
-    const IS_CONSISTENT: bool;
+    pub is_consistent: bool,
     /// The quadrature.
-    const QUADRATURE: Quadrature;
+    pub quadrature: Quadrature,
+}
+
+impl InLoops {
+    /// Of all other schemes.
+    pub const NONE: Self =
+        Self { order: 0, is_consistent: false, quadrature: Quadrature::new(&[], MomentumUpdate::Slopes) };
 }
 
 /// Steps in loops.
@@ -34,12 +43,19 @@ const fn is_explicit(quadrature: &Quadrature) -> bool {
 }
 
 /// A poor start costs iterations, but no digits, so that past steps need not be forgotten.
-impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
-    const PLAN: Plan = H::QUADRATURE.plan(H::FACTS, H::ORDER, H::IS_CONSISTENT);
+impl<H, E> Scheme<H> for Loops<E>
+where
+    H: Elements + Sync + Discretized<E, Vector = <H as Elements>::Vector>,
+{
+    const PLAN: Plan = {
+        let InLoops { order, is_consistent, quadrature } = H::IN_LOOPS;
+        assert!(!quadrature.stages.is_empty(), "steps of this scheme are not solved in loops");
+        quadrature.plan(H::FACTS, order, is_consistent)
+    };
     const PROPERTIES: Properties = Properties {
-        kept_energy: H::QUADRATURE.kept_energy(H::ORDER),
+        kept_energy: H::IN_LOOPS.quadrature.kept_energy(H::IN_LOOPS.order),
         remembers: false,
-        in_lanes: is_explicit(&H::QUADRATURE),
+        in_lanes: is_explicit(&H::IN_LOOPS.quadrature),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
     type Prepared<K: Constant> = ();
@@ -48,7 +64,7 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
     type Carry<S: Scalar> = Plain;
 
     fn memory(system: &H) -> Memory<f64> {
-        Memory::new(system, &H::QUADRATURE)
+        Memory::new(system, &H::IN_LOOPS.quadrature)
     }
 
     fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
@@ -65,10 +81,10 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let at = at.plain()?;
-        if const { is_explicit(&H::QUADRATURE) } {
-            advance_explicit(system, &H::QUADRATURE, at, memory, carry)
+        if const { is_explicit(&H::IN_LOOPS.quadrature) } {
+            advance_explicit(system, &H::IN_LOOPS.quadrature, at, memory, carry)
         } else {
-            iterate::advance::<H, S, C, CAREFUL>(system, &H::QUADRATURE, at, memory, carry)
+            iterate::advance::<H, S, C, CAREFUL>(system, &H::IN_LOOPS.quadrature, at, memory, carry)
         }
     }
 
@@ -77,37 +93,45 @@ impl<H: InLoops<E>, E> Scheme<H> for Loops<E> {
         system: &H,
         (): &(),
         [t, h]: [f64; 2],
-        [q, p]: [&mut H::Vector; 2],
+        [q, p]: [&mut <H as Elements>::Vector; 2],
         dw: &[f64],
         memory: &mut Memory<f64>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { is_explicit(&H::QUADRATURE) } {
-            return advance_explicit_vectors(system, &H::QUADRATURE, [t, h], [q, p], dw, memory, carry);
+        if const { is_explicit(&H::IN_LOOPS.quadrature) } {
+            return advance_explicit_vectors(
+                system,
+                &H::IN_LOOPS.quadrature,
+                [t, h],
+                [q, p],
+                dw,
+                memory,
+                carry,
+            );
         }
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        iterate::advance::<H, f64, C, CAREFUL>(system, &H::QUADRATURE, at, memory, carry)
+        iterate::advance::<H, f64, C, CAREFUL>(system, &H::IN_LOOPS.quadrature, at, memory, carry)
     }
 
-    fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
-        discrete_lagrangian(system, &H::QUADRATURE, segment, dw)
+    fn discrete_lagrangian(system: &H, segment: &Segment<<H as Elements>::Vector>, dw: &[f64]) -> f64 {
+        discrete_lagrangian(system, &H::IN_LOOPS.quadrature, segment, dw)
     }
 
     fn discrete_lagrangian_gradient(
         system: &H,
-        segment: &Segment<H::Vector>,
+        segment: &Segment<<H as Elements>::Vector>,
         dw: &[f64],
-    ) -> LagrangianGradient<H::Vector> {
-        discrete_lagrangian_gradient(system, &H::QUADRATURE, segment, dw)
+    ) -> LagrangianGradient<<H as Elements>::Vector> {
+        discrete_lagrangian_gradient(system, &H::IN_LOOPS.quadrature, segment, dw)
     }
 
     fn step_momentum(
         system: &H,
-        before: &State<H::Vector>,
-        after: &State<H::Vector>,
+        before: &State<<H as Elements>::Vector>,
+        after: &State<<H as Elements>::Vector>,
         h: f64,
         dw: &[f64],
-    ) -> H::Vector {
-        step_momentum(system, &H::QUADRATURE, [before, after], h, dw)
+    ) -> <H as Elements>::Vector {
+        step_momentum(system, &H::IN_LOOPS.quadrature, [before, after], h, dw)
     }
 }

@@ -5,7 +5,6 @@
 
 use std::ops::{Index, Range};
 
-use super::beside::{OneByOne, Placements};
 use super::pairs::{Pair, Row, add_row};
 use crate::algebra::scalar::{Number, Scalar};
 
@@ -34,8 +33,6 @@ pub trait Sums<S> {
     type Points<'r, const D: usize>: Run<S>
     where
         Self: 'r;
-    /// Placements of an element that are not in a run but evaluated together.
-    type Beside<T: Number<S>, const M: usize, const F: usize>: Placements<T, M, F>;
 
     /// The `values` of the outermost loop number `variable` whose placements add to any of the sums.
     fn outer(&self, variable: usize, values: Range<isize>) -> Self::Outer;
@@ -77,16 +74,10 @@ pub trait Sums<S> {
         self.run(place, 1).add(0, value);
     }
 
-    /// Whether the placements of a loop from `low` to `end` are evaluated together.
+    /// Whether the placements of a loop from `low` to `end` are evaluated [together](super::Placements).
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gathers(&self, _low: isize, _end: isize) -> bool {
         false
-    }
-
-    /// Storage for placements that are evaluated together.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn beside<T: Number<S>, const M: usize, const F: usize>(&self) -> Self::Beside<T, M, F> {
-        Placements::new()
     }
 
     /// Called before the rows of an element whose partners are points of `D` components in the coordinates `q`.
@@ -155,7 +146,6 @@ impl<S: Scalar> Sums<S> for [S] {
     type Outer = Range<isize>;
     type Run<'r> = Places<'r, S>;
     type Points<'r, const D: usize> = Points<'r, S, D>;
-    type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {
@@ -191,7 +181,6 @@ impl<S: Scalar> Sums<S> for Onto<'_, S> {
         = OntoRun<'r, S, D>
     where
         Self: 'r;
-    type Beside<T: Number<S>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, _variable: usize, values: Range<isize>) -> Range<isize> {

@@ -10,18 +10,19 @@ use crate::algebra::memory::{Iteration, Report, Request, StepMemory};
 use crate::algebra::scalar::{Mask, Rounded, Scalar};
 use crate::algebra::stages::plus;
 use crate::ground::numbers::{Numbers, Tape};
+use crate::scheme::elements::Elements;
 
 /// The data of a step of a system.
-pub(super) type GivenOf<F, S, const N: usize> = Given<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+pub(super) type GivenOf<F, S, const N: usize> = Given<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
 /// What the steps of a system keep for the next.
-pub(super) type LeftOf<F, S, const N: usize> = Left<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+pub(super) type LeftOf<F, S, const N: usize> = Left<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
 /// The memory of a system's steps.
-pub(super) type MemoryOf<F, S, const N: usize> = Memory<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+pub(super) type MemoryOf<F, S, const N: usize> = Memory<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
 /// Scratch for the equations of a system in numbers that carry their rounding error.
-pub(super) type ExactOf<F, const N: usize> = Exact<<F as Field>::Shape, <F as Field>::Noises, N>;
+pub(super) type ExactOf<F, const N: usize> = Exact<<F as Elements>::Shape, <F as Field>::Noises, N>;
 
 /// A list of numbers of all stages.
 pub(super) type OfStages<S, H, const N: usize> = <H as Shape>::Of<<S as Scalar>::Stages<N>>;
@@ -55,7 +56,7 @@ pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
 }
 
 /// Scratch for a part of the stages of a system.
-pub(super) type Room<F, S, const N: usize> = Scratch<S, <F as Field>::Shape, <F as Field>::Noises, N>;
+pub(super) type Room<F, S, const N: usize> = Scratch<S, <F as Elements>::Shape, <F as Field>::Noises, N>;
 
 /// Scratch for the equations in numbers that carry their rounding error. Few steps need it, so it is allocated by the
 /// first that does, and kept.

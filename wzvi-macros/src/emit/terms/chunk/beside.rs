@@ -118,7 +118,6 @@ impl Chunk<'_> {
             (interaction.emit(&number), interaction.sizes());
         let rows::Interaction { own, constants, entries, .. } = interaction;
         let names: Vec<Ident> = (0..values.len()).map(|j| format_ident!("__slope{j}")).collect();
-        let sums = super::written(self.outputs);
         let opened = lists.iter().map(|OpenList { tokens, first, name }| {
             let first = self.indices.position(first);
             quote! {
@@ -132,9 +131,10 @@ impl Chunk<'_> {
             opening: quote!(#(#opened)*),
             lists: quote!(#(#lists)*),
             items: quote! {
-                use __wzvi::elements::Placements as _;
                 #items
-                let mut __block = #sums.beside::<#number, #of_entries, #of_values>();
+                let mut __block = __wzvi::elements::Placements::<
+                    __S, #number, __S::OfElements<Self::Usual>, #of_entries, #of_values
+                >::new();
             },
             values: names.iter().map(|name| quote!(#name)).collect(),
             read: quote!(#weight __block.read(__lane, [#(#entries),*]);),

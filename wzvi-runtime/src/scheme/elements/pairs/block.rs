@@ -3,7 +3,8 @@
 use std::any::TypeId;
 
 use super::{LANES, Pair};
-use crate::algebra::scalar::Number;
+use crate::algebra::scalar::{Number, Scalar};
+use crate::scheme::elements::are_finite;
 
 /// Number of partners whose slopes are computed in one loop. The compiler vectorises this loop; it would unroll one half as long.
 pub(super) const BLOCK: usize = 2 * LANES;
@@ -14,7 +15,8 @@ pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 /// Slopes by a body and by the first `few` of a block of partners in columns.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn fill<
-    T: Number<f64>,
+    S: Scalar,
+    T: Number<S>,
     K: Pair<O, P, D, M, F>,
     const O: usize,
     const P: usize,
@@ -26,10 +28,10 @@ fn fill<
     few: usize,
     own: [T; O],
     constants: [f64; P],
-    points: [&[f64; B]; D],
-    entries: [&[f64; B]; M],
-    by_own: &mut [[f64; B]; F],
-    by_partner: &mut [[f64; B]; D],
+    points: [&[S; B]; D],
+    entries: [&[S; B]; M],
+    by_own: &mut [[S; B]; F],
+    by_partner: &mut [[S; B]; D],
 ) {
     for place in 0..few {
         let (mut point, mut entry) = ([T::from_f64(0.0); D], [T::from_f64(0.0); M]);
@@ -37,7 +39,7 @@ fn fill<
             point[k] = T::of(points[k][place]);
         }
         for k in 0..M {
-            entry[k] = T::from_f64(entries[k][place]);
+            entry[k] = T::of(entries[k][place]);
         }
         let slopes = K::slopes(own, constants, point, entry);
         for k in 0..F {
@@ -50,13 +52,14 @@ fn fill<
 }
 
 /// The slopes by a body and by partners in columns, aligned to a cache line, which is as wide as the widest registers.
+#[derive(Debug)]
 #[repr(align(64))]
-pub(in crate::scheme::elements) struct Block<const B: usize, const D: usize, const F: usize> {
-    pub(in crate::scheme::elements) by_own: [[f64; B]; F],
-    pub(in crate::scheme::elements) by_partner: [[f64; B]; D],
+pub(in crate::scheme::elements) struct Block<S, const B: usize, const D: usize, const F: usize> {
+    pub(in crate::scheme::elements) by_own: [[S; B]; F],
+    pub(in crate::scheme::elements) by_partner: [[S; B]; D],
 }
 
-impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
+impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F> {
     /// Computes the slopes of the first `most` of a block of partners, of which the first `few` are needed, in numbers `U`, and again in numbers
     /// `T` if a result in `U` is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -66,11 +69,11 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
         few: usize,
         own: [T; O],
         constants: [f64; P],
-        points: [&[f64; B]; D],
-        entries: [&[f64; B]; M],
+        points: [&[S; B]; D],
+        entries: [&[S; B]; M],
     ) where
-        T: Number<f64>,
-        U: Number<f64>,
+        T: Number<S>,
+        U: Number<S>,
         K: Pair<O, P, D, M, F>,
     {
         let mut usual = [U::from_f64(0.0); O];
@@ -78,7 +81,7 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
             usual[k] = U::of(own[k].kept());
         }
         let Self { by_own, by_partner } = self;
-        fill::<U, K, O, P, D, M, F, B>(most, usual, constants, points, entries, by_own, by_partner);
+        fill::<S, U, K, O, P, D, M, F, B>(most, usual, constants, points, entries, by_own, by_partner);
         if TypeId::of::<T>() != TypeId::of::<U>()
             && !(if few == B { self.is_finite(B) } else { self.is_finite(few) })
         {
@@ -94,23 +97,24 @@ impl<const B: usize, const D: usize, const F: usize> Block<B, D, F> {
         few: usize,
         own: [T; O],
         constants: [f64; P],
-        points: [&[f64; B]; D],
-        entries: [&[f64; B]; M],
+        points: [&[S; B]; D],
+        entries: [&[S; B]; M],
     ) where
-        T: Number<f64>,
+        T: Number<S>,
         K: Pair<O, P, D, M, F>,
     {
         let Self { by_own, by_partner } = self;
-        fill::<T, K, O, P, D, M, F, B>(few, own, constants, points, entries, by_own, by_partner);
+        fill::<S, T, K, O, P, D, M, F, B>(few, own, constants, points, entries, by_own, by_partner);
     }
 
-    /// Whether the first `few` of all slopes are finite, by bits without signs, so that there is no chain of sums.
+    /// Whether the first `few` of all slopes are finite: of `f64`, by bits without signs, so that there is no chain of sums.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_finite(&self, few: usize) -> bool {
         let mut poison = 0;
         for numbers in self.by_own.iter().chain(&self.by_partner) {
-            for number in &numbers[..few] {
-                poison |= (number * 0.0).to_bits() << 1;
+            match S::plain(&numbers[..few]) {
+                Some(numbers) => numbers.iter().for_each(|number| poison |= (number * 0.0).to_bits() << 1),
+                None => poison |= u64::from(!are_finite(&numbers[..few])),
             }
         }
         poison == 0

@@ -9,7 +9,7 @@ use super::partners::Partners;
 use super::{Pair, Row};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
-use crate::scheme::elements::beside::{InBlocks, LEAST_BESIDE};
+use crate::scheme::elements::beside::LEAST_BESIDE;
 use crate::scheme::elements::sums::{Given, Places, Points, Sums};
 use crate::scheme::elements::{Elements, Point, Slopes};
 
@@ -51,7 +51,6 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         = Points<'r, f64, D>
     where
         Self: 'r;
-    type Beside<T: Number<f64>, const M: usize, const F: usize> = InBlocks<T, U, M, F>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, variable: usize, values: Range<isize>) -> Range<isize> {

@@ -10,7 +10,6 @@ use std::iter::{Cloned, Flatten};
 use std::ops::Range;
 use std::slice;
 
-use super::super::beside::OneByOne;
 use super::super::sums::{Run, Sums};
 use super::BLOCK;
 use crate::algebra::scalar::Number;
@@ -132,7 +131,6 @@ impl<'a> Sums<f64> for &'a Recorder {
         = Unkept
     where
         Self: 'r;
-    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     fn outer(&self, variable: usize, values: Range<isize>) -> Told<'a> {
         Told { variable, values, recorder: self }

@@ -2,7 +2,6 @@
 
 use std::ops::{Index, Range};
 
-use super::super::beside::OneByOne;
 use super::super::step::nothing;
 use super::super::sums::{Given, OntoRun, Points, Run, Sums};
 use super::layout::{Strip, Values};
@@ -102,7 +101,6 @@ impl<'a> Sums<f64> for Window<'a> {
         = Points<'r, f64, D>
     where
         Self: 'r;
-    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
@@ -166,7 +164,6 @@ impl<'a> Sums<f64> for Moved<'a> {
         = OntoRun<'r, f64, D>
     where
         Self: 'r;
-    type Beside<T: Number<f64>, const M: usize, const F: usize> = OneByOne<T, M, F>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outer(&self, variable: usize, _values: Range<isize>) -> Values<'a> {
