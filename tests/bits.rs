@@ -307,8 +307,7 @@ fn every_run_has_the_bits_of_the_table() {
     small_steps(&mut table);
     steps_of_any_size(&mut table);
     whole_runs(&mut table);
-    let (file, text) =
-        (concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/bits.txt"), table.0.join("\n") + "\n");
+    let (file, text) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/bits.txt"), table.0.join("\n") + "\n");
     if std::env::var_os("BITS").is_some_and(|value| value == "overwrite") {
         std::fs::write(file, &text).unwrap();
     }

@@ -42,8 +42,14 @@ fn processor() -> Option<f64> {
     Some(0.01 * ticks.sum::<Option<f64>>()?)
 }
 
+/// The folder of the workspace.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().skip(1).take(1).collect()
+}
+
 /// A package with one program, under `target/wzvi/compile`.
-pub(crate) fn package(root: &Path, name: &str, program: &str) -> Result<PathBuf, Box<dyn Error>> {
+pub(crate) fn package(name: &str, program: &str) -> Result<PathBuf, Box<dyn Error>> {
+    let root = root();
     let folder = root.join("target/wzvi/compile").join(name);
     std::fs::create_dir_all(folder.join("src"))?;
     let manifest = format!(

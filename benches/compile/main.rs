@@ -12,23 +12,21 @@
 mod build;
 
 use std::error::Error;
-use std::path::Path;
 
-use build::{REPETITIONS, best, cargo, forced, package};
+use build::{REPETITIONS, best, cargo, forced, package, root};
 
 const SCENES: [&str; 6] = ["fput", "sine_gordon", "solar_system", "lattice_2d", "lennard_jones", "network"];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
     let wanted = |name: &str| only.as_ref().is_none_or(|only| name.contains(only.as_str()));
     println!("Release build of one program, seconds (expansion and rustc; best of {REPETITIONS})\n");
     let mut first = None;
     for sites in [32, 1024, 1_000_000].into_iter().filter(|_| wanted("chain")) {
-        let folder = package(root, &format!("chain_{sites}"), &PROGRAM.replace("1_000", &sites.to_string()))?;
+        let folder = package(&format!("chain_{sites}"), &PROGRAM.replace("1_000", &sites.to_string()))?;
         let took = best(|again| {
             let mut cargo = cargo("rustc", &folder);
-            cargo.arg("--target-dir").arg(root.join("target/wzvi/compile/target")).args(forced(again));
+            cargo.arg("--target-dir").arg(root().join("target/wzvi/compile/target")).args(forced(again));
             cargo
         })?;
         let base = *first.get_or_insert(took);
@@ -40,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!();
     for scene in SCENES.into_iter().filter(|scene| wanted(scene)) {
         let took = best(|again| {
-            let mut cargo = cargo("rustc", root);
+            let mut cargo = cargo("rustc", &root());
             cargo.args(["--example", scene]).args(forced(again));
             cargo
         })?;

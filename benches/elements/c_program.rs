@@ -13,7 +13,7 @@ pub(crate) const VECTORS: &[&[&str]] =
 /// Runs a program, built in several ways, for sizes and numbers of steps.
 pub(crate) fn report(what: &str, file: &str, sizes: &[(usize, u64)], ways: &[&[&str]]) {
     println!("\n{what} in C ({file}), ns per site and step (iterations)\n");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/elements").join(file);
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("elements").join(file);
     for flags in ways {
         let name = format!("cc {}", flags.join(" "));
         match build(&source, flags) {

@@ -5,7 +5,7 @@ use std::process::Command;
 
 /// Problem, nanoseconds per path and step with 8 lanes and with one, on one thread.
 pub(crate) fn measure() -> Vec<(&'static str, f64, f64)> {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/ensemble/hand_sde.c");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("ensemble/hand_sde.c");
     let program = std::env::temp_dir().join(format!("wzvi-hand-sde-{}", std::process::id()));
     let options = "-O3 -march=native -mprefer-vector-width=512 -D_GNU_SOURCE -fopenmp -w -o";
     let compiled = Command::new("gcc").args(options.split(' ')).arg(&program).arg(source).arg("-lm").status();

@@ -204,7 +204,7 @@ fn main() {
     }
     scenes!(pendulum, kepler, henon_heiles, solar_system, fput);
     if !is_empty {
-        page.write("target/wzvi/order").unwrap();
+        page.write(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/wzvi/order")).unwrap();
         println!("\ntarget/wzvi/order/index.html");
     }
 }

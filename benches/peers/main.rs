@@ -10,10 +10,9 @@ mod build;
 mod planets;
 
 use std::error::Error;
-use std::path::Path;
 use std::time::Instant;
 
-use build::{REPETITIONS, best, cargo, forced, package};
+use build::{REPETITIONS, best, cargo, forced, package, root};
 use wzvi::prelude::*;
 use wzvi::report::duration;
 use wzvi::section::Direction;
@@ -84,9 +83,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if wanted("toda") {
         println!("\nToda lattice of 200 sites: release build of one program (best of {REPETITIONS})");
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let folder = package(root, "toda_200", TODA)?;
-        let target = root.join("target/wzvi/compile/target");
+        let folder = package("toda_200", TODA)?;
+        let target = root().join("target/wzvi/compile/target");
         let took = best(|again| {
             let mut cargo = cargo("rustc", &folder);
             cargo.arg("--target-dir").arg(&target).args(forced(again));

@@ -17,7 +17,7 @@ const KEYWORDS: [&str; 34] = [
 /// The words of all expansions that may be names, without those of comments and literals.
 fn golden_words() -> BTreeSet<String> {
     let mut words = BTreeSet::new();
-    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/compiler/golden"))
+    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/compiler/golden"))
         .expect("there are expansions")
     {
         let text = std::fs::read_to_string(file.expect("a file").path()).expect("a text");
@@ -117,7 +117,7 @@ fn generated_code_depends_on_nothing_around_it() {
     let output = cargo()
         .arg(if has_clippy { "clippy" } else { "check" })
         .args(["--offline", "--quiet", "--manifest-path"])
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/hygiene/Cargo.toml"))
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/hygiene/Cargo.toml"))
         // That of clippy for the workspace, where most of the dependencies are.
         .arg("--target-dir")
         .arg(concat!(env!("CARGO_TARGET_TMPDIR"), "/.."))

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use super::root;
+
 const MOST_CRATES: usize = 20;
 
 const DETERMINISTIC: &str = r#"
@@ -22,10 +24,6 @@ fn main() -> Result<(), wzvi::Error> {
     Ok(())
 }
 "#;
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 fn cargo(folder: &Path, arguments: &[&str]) -> Output {
     let output = Command::new(env!("CARGO")).args(arguments).current_dir(folder).output().unwrap();

@@ -11,3 +11,8 @@ mod hygiene;
 mod lean;
 mod rooms;
 mod ui;
+
+/// The folder of the workspace.
+fn root() -> &'static std::path::Path {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}

@@ -4,9 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::root;
+
 /// What each room of a crate, a file or a folder of its `src`, names of the others; tests and comments apart.
 fn imports(krate: &str) -> BTreeMap<String, BTreeSet<String>> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join(krate).join("src");
+    let src = root().join(krate).join("src");
     let mut rooms = BTreeMap::<String, BTreeSet<String>>::new();
     for file in files(&src) {
         let room = file.strip_prefix(&src).unwrap().components().next().unwrap().as_os_str();
@@ -41,8 +43,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn the_run_time_imports_what_stands_above() {
-    let lib =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("wzvi-runtime/src/lib.rs")).unwrap();
+    let lib = fs::read_to_string(root().join("wzvi-runtime/src/lib.rs")).unwrap();
     let rows = lib.lines().filter_map(|line| line.strip_prefix("//! | `")?.split(" |").next());
     let order: Vec<_> =
         rows.flat_map(|row| row.split(", ")).map(|room| room.trim_matches('`').to_owned()).collect();

@@ -3,5 +3,5 @@
 #[test]
 #[ignore = "calls Cargo, for minutes: part of .ci/run"]
 fn mistakes_are_reported_where_they_are() {
-    trybuild::TestCases::new().compile_fail("tests/ui/fail/*.rs");
+    trybuild::TestCases::new().compile_fail("ui/fail/*.rs");
 }

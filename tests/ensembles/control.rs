@@ -238,7 +238,6 @@ fn child() {
         }
         false
     });
-    #[cfg(feature = "interrupt")]
     let run = run.handle(&Handle::new().on_interrupt());
     let run = if order == "quiet" { run.quiet() } else { run };
     let run = run.run().unwrap();
@@ -262,7 +261,7 @@ fn command(order: &str) -> Command {
 }
 
 /// A real Ctrl-C: the statistics are those of the paths that were done, and nothing was written to a standard error that is a pipe.
-#[cfg(all(unix, feature = "interrupt"))]
+#[cfg(unix)]
 #[test]
 fn control_c_gives_the_statistics_so_far() {
     let mut child = command("long").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -286,7 +285,7 @@ fn control_c_gives_the_statistics_so_far() {
 }
 
 /// On a terminal, which `script` makes, there is a line of progress; with `quiet` there is none.
-#[cfg(all(target_os = "linux", feature = "interrupt"))]
+#[cfg(target_os = "linux")]
 #[test]
 fn a_terminal_shows_progress() {
     for (order, shows) in [("long", true), ("quiet", false)] {

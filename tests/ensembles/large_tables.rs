@@ -36,12 +36,9 @@ fn files_of_kept_paths_take_the_memory_of_a_part() {
         let (_, column) = table.split_once(&format!("\"{column}\":[")).expect("the column");
         column.split_once(']').expect("a list").0.matches(',').count() + 1
     };
-    #[cfg(feature = "columnar")]
-    {
-        let parquet = measure(|| statistics.write_parquet(&folder).expect("files"));
-        println!("parquet {} bytes", parquet.bytes_max);
-        assert!(parquet.bytes_max < 12 << 20, "{}", parquet.bytes_max);
-    }
+    let parquet = measure(|| statistics.write_parquet(&folder).expect("files"));
+    println!("parquet {} bytes", parquet.bytes_max);
+    assert!(parquet.bytes_max < 12 << 20, "{}", parquet.bytes_max);
     // The same rows as the tables in memory.
     let mut tables = Vec::new();
     let whole = measure(|| tables = statistics.tables());

@@ -371,7 +371,6 @@ fn a_noise_that_fails_ends_the_run() {
 
 /// A measurement has the errors of the paths of the ensemble with the same Wiener paths.
 #[test]
-#[cfg(feature = "report")]
 fn a_measurement_is_of_the_same_paths() {
     let kubo = Kubo { a: 1.5, sigma: 1.0 };
     let report = kubo

@@ -36,7 +36,7 @@ struct PendulumLoops {
 }
 
 fn reference<E, H: Discretized<E, Vector = SVector<f64, 1>>>(system: &H, scheme: &str) {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/langevin_steps.json");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/langevin_steps.json");
     let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
     let case = data["cases"].as_array().unwrap().iter().find(|case| case["scheme"] == scheme).unwrap();
     let mut state = State::new([2.0], [0.0]);

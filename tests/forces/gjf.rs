@@ -87,7 +87,7 @@ where
 
 #[test]
 fn steps_are_those_of_the_reference() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/gjf_steps.json");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/gjf_steps.json");
     let data: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
     check_reference::<Gjf>(&data["GJF"]);
     check_reference::<GjI>(&data["GJ-I"]);

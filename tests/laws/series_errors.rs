@@ -226,7 +226,6 @@ fn runs_can_be_stopped() {
     assert!(averages.is_partial && averages.met_targets == Some(false) && averages.steps > 0);
 }
 
-#[cfg(feature = "serde")]
 mod kept {
     use super::*;
     use wzvi::checkpoint::Checkpoint;

@@ -7,6 +7,10 @@ mod elements;
 mod lattice;
 mod one_by_one;
 mod pairs;
+#[allow(unused, clippy::all, clippy::pedantic, reason = "written by a program")]
+mod random {
+    include!(concat!(env!("OUT_DIR"), "/loops.rs"));
+}
 mod scenes;
 mod seam;
 mod sweeps;

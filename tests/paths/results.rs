@@ -135,11 +135,8 @@ fn pandas_reads_each_file_to_columns_of_numbers() {
     table.write_json(folder.join("path.json")).unwrap();
     let mut command = Command::new(python);
     command.args(["-c", script]).arg(&folder);
-    #[cfg(feature = "columnar")]
-    {
-        table.write_parquet(folder.join("path.parquet")).unwrap();
-        command.arg("parquet");
-    }
+    table.write_parquet(folder.join("path.parquet")).unwrap();
+    command.arg("parquet");
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
@@ -168,7 +165,6 @@ fn a_plan_reads_as_a_sentence() {
     assert!(plan.ends_with("the energy of the system changes"), "{plan}");
 }
 
-#[cfg(feature = "plot")]
 mod plots {
     use wzvi::plot::{Figure, PlotError, Sheet};
     use wzvi::section::Direction;

@@ -17,6 +17,10 @@ mod names;
 mod own;
 mod plan;
 mod quadrature;
+#[allow(unused, clippy::all, clippy::pedantic, reason = "written by a program")]
+mod random {
+    include!(concat!(env!("OUT_DIR"), "/steps.rs"));
+}
 mod reference;
 mod rest;
 mod symplectic;

@@ -59,7 +59,7 @@ struct Case(Value);
 
 impl Case {
     fn load(name: &str) -> Self {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/discrete_trajectories.json");
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/discrete_trajectories.json");
         let all: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
         let case = all["cases"].as_array().unwrap().iter().find(|case| case["name"] == name).unwrap();
         Self(case.clone())

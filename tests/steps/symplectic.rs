@@ -7,9 +7,11 @@
 use std::array::from_fn;
 
 use fixtures::Uniform as Random;
-use fixtures::random::inline::*;
 use wzvi::prelude::*;
 use wzvi::scalar::Dual;
+
+use crate::random::every_random_system;
+use crate::random::inline::*;
 
 const SYMPLECTIC: f64 = 1e-12;
 const GRADIENT: f64 = 1e-12;
@@ -340,7 +342,7 @@ macro_rules! check {
     };
 }
 
-fixtures::every_random_system!(check);
+every_random_system!(check);
 
 /// A system with some schemes, and with points of the user's own, which move the counter-term too.
 macro_rules! with_schemes {

@@ -44,7 +44,7 @@ where
 /// Three steps of BAOAB and OBABO with given normals, computed with 40 digits.
 #[test]
 fn steps_are_those_of_the_reference() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/langevin_steps.json");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/langevin_steps.json");
     let text = std::fs::read_to_string(file).expect("the reference");
     let data: Value = serde_json::from_str(&text).expect("the reference");
     let mut seen = 0;

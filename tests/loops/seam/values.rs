@@ -12,7 +12,8 @@ use wzvi::state::Vector;
 use wzvi::system::Segment;
 
 use fixtures::Uniform as Random;
-use fixtures::random::{inline, loops};
+
+use crate::random::{every_random_array, every_random_system, inline, sweep};
 
 const H: f64 = 1.0 / 64.0;
 const CASES: usize = 12;
@@ -326,7 +327,7 @@ macro_rules! check {
     ($test:ident, $name:ident { $($fields:tt)* }, $n:literal, [$($scheme:ty),*]) => {
         #[test]
         fn $test() {
-            let (a, b) = (inline::$name { $($fields)* }, loops::$name { $($fields)* });
+            let (a, b) = (inline::$name { $($fields)* }, sweep::$name { $($fields)* });
             let mut random = Random($n + stringify!($test).bytes().map(u64::from).sum::<u64>());
             let mut to = Comparison { name: stringify!($test), worst: 0.0 };
             compare_values::<$n, _, _>(&a, &b, &mut random, &mut to);
@@ -338,5 +339,5 @@ macro_rules! check {
     };
 }
 
-fixtures::every_random_system_both_ways!(check);
-fixtures::every_random_array_both_ways!(check);
+every_random_system!(check);
+every_random_array!(check);
