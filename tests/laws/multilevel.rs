@@ -2,7 +2,7 @@
 //! split.
 
 use fixtures::edge::Edge;
-use fixtures::small::{DoubleWell, Kubo};
+use fixtures::small::{DoubleWell, Kubo, WALKER};
 use wzvi::ensemble::{InstructionSet, LevelError, LevelFailure, MultilevelEstimate};
 use wzvi::error::Error;
 use wzvi::noise::{Truncation, clip_bound};
@@ -273,23 +273,7 @@ fn what_makes_no_sense_is_refused() {
     };
     refused(ends(0.3, 1.0), "1.2");
     assert!(ends(0.1, 0.3).is_ok() && ends(1.0 / 3.0, 1.0).is_ok());
-    // The paper's experiment has another limit.
-    let run =
-        WRONG.multilevel::<Uncorrected<DeltaPlus>>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
-    refused(run.observe("q", q).target(1e-2).run(), "limit");
 }
-
-#[hamiltonian(
-    drift = |q, p| 0.5 * a * (q * q + p * p),
-    noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
-    embedding = [Uncorrected<DeltaPlus>],
-)]
-pub struct Wrong {
-    pub a: f64,
-    pub sigma: f64,
-}
-
-const WRONG: Wrong = Wrong { a: 1.5, sigma: 1.0 };
 
 /// A driven oscillator: its energy at the end is that of the end.
 #[hamiltonian(drift = |q, p, t| 0.5 * (p * p + q * q) - q * (2.0 * t).cos(), noise = [|q, p| 0.1 * q], embedding = [Midpoint])]
@@ -323,11 +307,11 @@ fn observables_know_the_time() {
 /// variance of the others says zero, and is sure of it.
 #[test]
 fn rare_events_are_not_certain_to_be_absent() {
-    // P(p(1) > 3.0902) for a Brownian motion.
+    // P(p(1) > 3.0902) for a Wiener process.
     let (exact, target, runs) = (1e-3, 2.5e-4, 20);
     let mut far = 0;
     for seed in 0..runs {
-        let run = BROWN.multilevel::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(seed).until(1.0);
+        let run = WALKER.multilevel::<Midpoint>(0.5).start(State::new([0.0], [0.0])).seed(seed).until(1.0);
         let estimate = run.observe("far", |state| f64::from(u8::from(state.p[0] > 3.0902))).target(target);
         let estimate = estimate.run().unwrap();
         assert!(estimate.met_target() && !estimate.is_constant(), "{estimate}");
@@ -338,18 +322,10 @@ fn rare_events_are_not_certain_to_be_absent() {
     assert!(far <= 6, "{far}");
 }
 
-/// A Brownian motion in `p`.
-#[hamiltonian(drift = |q, p| 0.0 * q * p, noise = [|q, p| -s * q], embedding = [DeltaPlus])]
-pub struct Brown {
-    pub s: f64,
-}
-
-const BROWN: Brown = Brown { s: 1.0 };
-
 /// What is the same on all paths has no error that is known.
 #[test]
 fn a_constant_is_not_certain() {
-    let run = BROWN.multilevel::<DeltaPlus>(0.5).start(State::new([0.0], [0.0])).seed(1).until(1.0);
+    let run = WALKER.multilevel::<Midpoint>(0.5).start(State::new([0.0], [0.0])).seed(1).until(1.0);
     let estimate =
         run.paths(5000).observe("never", |state| f64::from(u8::from(state.p[0] > 9.0))).target(1e-3);
     let estimate = estimate.run().unwrap();
