@@ -17,8 +17,8 @@ const KEYWORDS: [&str; 34] = [
 /// The words of all expansions that may be names, without those of comments and literals.
 fn golden_words() -> BTreeSet<String> {
     let mut words = BTreeSet::new();
-    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/compiler/golden"))
-        .expect("there are expansions")
+    for file in
+        std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/golden")).expect("there are expansions")
     {
         let text = std::fs::read_to_string(file.expect("a file").path()).expect("a text");
         // The documentation of the struct.
@@ -111,13 +111,17 @@ fn generated_code_depends_on_nothing_around_it() {
     let text = systems(&words.iter().map(String::as_str).collect::<Vec<_>>());
     let names = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden_names.rs");
     std::fs::write(&names, text).expect("a file can be written");
+    let folder = super::root().join("tests/hygiene");
+    // The versions of the workspace: nothing is downloaded.
+    std::fs::copy(super::root().join("Cargo.lock"), folder.join("Cargo.lock"))
+        .expect("a file can be written");
     let cargo = || Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     let has_clippy =
         cargo().args(["clippy", "--version"]).output().is_ok_and(|output| output.status.success());
     let output = cargo()
         .arg(if has_clippy { "clippy" } else { "check" })
         .args(["--offline", "--quiet", "--manifest-path"])
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/hygiene/Cargo.toml"))
+        .arg(folder.join("Cargo.toml"))
         // That of clippy for the workspace, where most of the dependencies are.
         .arg("--target-dir")
         .arg(concat!(env!("CARGO_TARGET_TMPDIR"), "/.."))

@@ -1,5 +1,5 @@
-//! Messages of the compiler and the tokens they point at, for the systems in `tests/ui/messages`, to be reviewed as differences.
-//! `GOLDEN=overwrite cargo test -p wzvi-macros messages` renews the files. What `rustc` makes of messages is shown by `tests/ui/fail`.
+//! Messages of the compiler and the tokens they point at, for the systems in `tests/compiler/ui/messages`, to be reviewed as differences.
+//! `GOLDEN=overwrite cargo test -p wzvi-macros messages` renews the files. What `rustc` makes of messages is shown by `tests/compiler/ui/fail`.
 
 #![allow(clippy::unwrap_used)]
 
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/ui/messages");
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/ui/messages");
 
 /// Expands each item with an attribute of the crate, those in bodies of functions too: the messages, one a line.
 fn expand_all(stream: TokenStream, found: &mut String) {

@@ -1,5 +1,5 @@
 //! Cases without messages, contrasted with cases that have one; the messages themselves are in
-//! `tests/ui/messages`.
+//! `tests/compiler/ui/messages`.
 
 use proc_macro2::TokenStream;
 
