@@ -148,6 +148,9 @@ fn steps_are_symplectic_symmetric_and_variational() {
 fn parameters_of_linear_maps_are_checked() {
     assert!(Oscillators { epsilon: f64::NAN }.stepper::<Composed<Verlet, Aba864>>(0.1).is_err());
     assert_eq!(<Oscillators as Discretized<Composed<Verlet, Aba864>>>::PLAN.order, 4);
+    // Its sum does not split: its tables take the flows of the parts all the same.
+    let rotating = <Rotating as Discretized<Composed<Verlet, Aba864>>>::EQUATIONS;
+    assert!(rotating.contains("flow of H_A") && !rotating.contains("by steps of DeltaMinus"), "{rotating}");
     let text = <Oscillators as Discretized<Composed<Verlet, Aba864>>>::EQUATIONS;
     assert!(text.contains("  flow of H_A over 0.0711334264982231 h\n  flow of H_B over"), "{text}");
 }

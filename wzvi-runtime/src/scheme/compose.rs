@@ -53,7 +53,8 @@ pub use tables::{
 #[doc(hidden)]
 pub use text::Listing;
 
-/// [`DeltaPlus`] over half the step, then [`DeltaMinus`] over the other half: the Störmer-Verlet scheme, symmetric and of order two. For
+/// [`DeltaPlus`](crate::scheme::embedding::DeltaPlus) over half the step, then [`DeltaMinus`](crate::scheme::embedding::DeltaMinus) over the
+/// other half: the Störmer-Verlet scheme, symmetric and of order two. For
 /// `T(p) + V(q, t)` it is explicit: kick, drift, kick, with one evaluation of the force for each step. For any other Hamiltonian it is the
 /// generalised Störmer-Verlet scheme. Each half takes half of the increments, which makes it consistent with every Stratonovich system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
