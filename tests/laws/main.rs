@@ -18,6 +18,8 @@ mod long_runs;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod multilevel;
 #[cfg(any(clippy, not(debug_assertions)))]
+mod noise;
+#[cfg(any(clippy, not(debug_assertions)))]
 mod orbits;
 #[cfg(any(clippy, not(debug_assertions)))]
 mod rare;

@@ -11,8 +11,6 @@ mod lanes_accuracy;
 #[cfg(feature = "ensemble")]
 mod law;
 #[cfg(feature = "noise")]
-mod noise_law;
-#[cfg(feature = "noise")]
 mod noise_path;
 #[cfg(feature = "noise")]
 mod noise_wong_zakai;

@@ -2,7 +2,7 @@
 //! with 5, which a right generator exceeds with probability 6e-7. The seeds are fixed, so the tests are deterministic; there are
 //! fewer than 400 comparisons, so that a right implementation had a chance of 2e-4 of failing at its first run.
 
-use wzvi_runtime::noise::{Interval, Noise, Paths, Wiener, WongZakai, clip_bound};
+use wzvi::noise::{Interval, Noise, Paths, Wiener, WongZakai, clip_bound};
 
 const BOUND: f64 = 5.0;
 
