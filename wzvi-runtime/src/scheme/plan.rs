@@ -94,7 +94,7 @@ pub struct Facts {
     pub gathers: Slopes,
     /// Whether all velocities are the slopes of one element in one loop over all places.
     pub has_one_velocity: bool,
-    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
+    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments; `false` without windows.
     pub has_constant_curvature: bool,
 }
 

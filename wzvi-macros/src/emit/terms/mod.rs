@@ -146,16 +146,19 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let curvature = curvatures_of(model, &parts, has_curvature);
     let first_integral = count(Numbers::of(model).integrals);
     let is_true = |holds: bool| holds.then(|| quote!(true));
+    let has_windows = windows::are_there(model, &parts);
+    // Read where a window takes a whole step at once.
+    let is_constant = has_windows.is_some() && has_constant_curvature(model);
     let others = [
         ("kind", hamiltonian::kind(model)),
         ("bath", parts::bath(model)),
         ("parts", parts::forms(model, texts)),
         ("integrals", (!model.invariants.is_empty()).then(|| quote!(#first_integral))),
-        ("has_windows", windows::are_there(model, &parts)),
+        ("has_windows", has_windows),
         ("has_pairs", is_true(windows::have_pairs(model, &parts))),
         ("gathers", windows::gathered(model, &parts)),
         ("has_one_velocity", is_true(windows::have_one_velocity(model, &parts))),
-        ("has_constant_curvature", is_true(has_constant_curvature(model))),
+        ("has_constant_curvature", is_true(is_constant)),
     ];
     let known = crate::emit::plan::facts(model, facts, others);
     let (places, [exact, usual]) = (places::emit(model), windows::numbers(model, &parts));
