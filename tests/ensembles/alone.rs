@@ -3,6 +3,7 @@
 use fixtures::Uniform;
 use fixtures::small::{Kepler, Pendulum};
 use wzvi::error::StepFailure;
+use wzvi::memory::StepMemory;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -84,6 +85,97 @@ fn first_steps_are_those_of_single_paths() {
     println!("{errors} of {paths}: {counts:?}");
     // There are some of both.
     assert!(errors > 6 && 2 * errors < paths);
+}
+
+/// Springs in a row, so many that steps are solved in loops.
+#[derive(Clone)]
+#[hamiltonian(
+    drift = |q: [f64; 12], p: [f64; 12]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * d.powi(4);
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + (1..q.len()).map(|i| v(q[i] - q[i - 1])).sum::<f64>() + v(q[0]) + v(q[11])
+    },
+    embedding = [Midpoint, Lambda<1, 4>],
+)]
+struct Springs;
+
+/// The same with a noise at each site, and coordinates in the kinetic energy: both halves of the phase space are unknown.
+#[derive(Clone)]
+#[hamiltonian(
+    drift = |q: [f64; 12], p: [f64; 12]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * d.powi(4);
+        (0..q.len()).map(|i| 0.5 * p[i] * p[i] * (1.0 + 0.1 * q[i] * q[i]) + v(q[i])).sum::<f64>()
+            + (1..q.len()).map(|i| v(q[i] - q[i - 1])).sum::<f64>()
+    },
+    noise = [|q, _p, k| s * (q[k] + 0.1 * q[k] * q[k]); 12],
+    embedding = Midpoint,
+)]
+struct PushedSprings {
+    s: f64,
+}
+
+type Twelve = SVector<f64, 12>;
+
+/// Steps of each path.
+const OF_SPRINGS: u64 = 10;
+
+/// Steps whose Jacobian is factored, and all, of a path without noise.
+fn steps_by_newton<E, H>(system: &H, h: f64, start: &State<Twelve>) -> [u64; 2]
+where
+    H: Discretized<E> + Hamiltonian<Vector = Twelve>,
+{
+    let (prepared, mut memory, mut state) = (system.prepare(h).unwrap(), system.memory(), *start);
+    let mut counts = [0; 2];
+    for _ in 0..OF_SPRINGS {
+        let before = memory.linear_work().factorisations;
+        let (q, p) = (state.q.as_mut_slice(), state.p.as_mut_slice());
+        if system.advance(&prepared, 0.0, h, q, p, &[], &mut memory).is_ok() {
+            counts = [counts[0] + u64::from(memory.linear_work().factorisations > before), counts[1] + 1];
+        }
+    }
+    counts
+}
+
+/// Nine paths of twelve sites with amplitudes up to `amplitude`, in lanes, one by one, and by steppers, which systems of their own take.
+fn check_widths<E, H>(system: &H, h: f64, amplitude: f64) -> (Vec<State<Twelve>>, u64)
+where
+    H: Discretized<E> + Hamiltonian<Vector = Twelve> + Sync + Clone,
+{
+    let mut random = Uniform(5);
+    let mut list = |size: f64| std::array::from_fn::<f64, 12, _>(|_| size * random.draw());
+    // Later paths move less.
+    let sizes = (0..9).map(|path| amplitude * 0.6_f64.powi(path));
+    let starts: Vec<State<Twelve>> = sizes.map(|size| State::new(list(size), list(size))).collect();
+    let run = || {
+        let all = wzvi::ensemble::Ensemble::<H, E>::new(system, h).starts_from(starts.clone()).seed(3);
+        all.steps(OF_SPRINGS).record_every(1).allow_losses(1.0).observe("q", |state| state.q[5])
+    };
+    let (one, what) = (run().threads(1).run_in::<1>().unwrap(), format!("h = {h}, amplitude {amplitude}"));
+    assert!(run().threads(2).run_in::<4>().unwrap() == one, "{what}");
+    assert!(run().threads(1).run_in::<8>().unwrap() == one && run().run().unwrap() == one, "{what}");
+    let own = run().systems_from(vec![system.clone(); starts.len()]).run().unwrap();
+    assert!(own == one, "{what}");
+    (starts, one.failed())
+}
+
+/// Where the fixed point contracts in all lanes, in some of them, and in none; where steps need care, and where paths fail.
+#[test]
+fn paths_of_loops_have_the_same_bits_in_lanes() {
+    let mut failed = 0;
+    let mut by_newton = [0; 3];
+    for (h, amplitude) in [(0.02, 1.0), (0.15, 2.5), (0.6, 1.0), (2.0, 4.0)] {
+        let (starts, failures) = check_widths::<Midpoint, _>(&Springs, h, amplitude);
+        for start in &starts {
+            let [newton, steps] = steps_by_newton::<Midpoint, _>(&Springs, h, start);
+            by_newton[if newton == 0 { 0 } else { 1 + usize::from(newton == steps) }] += 1;
+        }
+        failed += failures;
+        failed += check_widths::<Lambda<1, 4>, _>(&Springs, h, amplitude).1;
+        failed += check_widths::<Midpoint, _>(&PushedSprings { s: 0.1 }, h, amplitude).1;
+    }
+    println!("{by_newton:?} {failed}");
+    assert!(by_newton.iter().all(|&paths| paths > 2) && failed > 0, "{by_newton:?} {failed}");
+    let [paths, errors] = compare::<_, Midpoint, 12>(&Springs);
+    assert!(errors < paths);
 }
 
 /// Starts of orbits of semi-axis one, at their apocentres.

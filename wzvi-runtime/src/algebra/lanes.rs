@@ -58,8 +58,8 @@ impl<const L: usize> Lanes<L> {
     /// Of all lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn largest_of(self, other: Self, f: impl Fn(f64, f64) -> f64) -> f64 {
-        let mut largest = 0.0;
-        for i in 0..L {
+        let mut largest = f(self.0[0], other.0[0]);
+        for i in 1..L {
             largest = larger(largest, f(self.0[i], other.0[i]));
         }
         largest
@@ -288,7 +288,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {
-        self.0.iter().fold(0.0, |largest, x| larger(largest, x.abs()))
+        self.0[1..].iter().fold(self.0[0].abs(), |largest, x| larger(largest, x.abs()))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn relative_to(self, other: Self) -> f64 {

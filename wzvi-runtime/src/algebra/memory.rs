@@ -90,6 +90,11 @@ pub trait StepMemory: Clone + Debug + Default + Numbers {
         }
     }
 
+    /// Whether the next step is one that paths take side by side: else it goes alone.
+    fn goes_side_by_side(&self) -> bool {
+        true
+    }
+
     /// Takes over the memory of a step that was solved with another one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn adopt(&mut self, left: Self) {
@@ -122,6 +127,10 @@ impl<M: StepMemory> StepMemory for Vec<M> {
         self.iter_mut().for_each(|memory| memory.tell(request));
     }
 
+    fn goes_side_by_side(&self) -> bool {
+        self.iter().all(M::goes_side_by_side)
+    }
+
     /// Memory by memory; as many as there are in `left` where none was in use yet.
     fn adopt(&mut self, left: Self) {
         if self.len() == left.len() {
@@ -143,6 +152,10 @@ macro_rules! tuples {
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn tell(&mut self, request: &Request) {
                 $(self.$place.tell(request);)+
+            }
+
+            fn goes_side_by_side(&self) -> bool {
+                true $(&& self.$place.goes_side_by_side())+
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]

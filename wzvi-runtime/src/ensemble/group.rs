@@ -44,9 +44,11 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     p: Vec<Lanes<L>>,
     /// Data of previous steps, and the memory that steps in lanes allocate once.
     memory: MemoryOf<H, E, Lanes<L>>,
-    /// The same by lane, between a step that not all lanes could take the short way and the first after which all remember as much;
-    /// then, and where nothing is remembered, there are none.
+    /// The same by lane; none where nothing is remembered.
     apart: Vec<MemoryOf<H, E, Lanes<1>>>,
+    /// Whether these are the memories: between a step that not all lanes could take the short way and the first after which all remember as much,
+    /// and go side by side.
+    are_apart: bool,
     pub(super) increments: LaneIncrements<'j, L>,
     /// Lanes that are paths of this run; others only keep the vector full.
     counts: [bool; L],
@@ -58,6 +60,8 @@ pub(super) struct Group<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
     states: Vec<State<H::Vector>>,
     /// Increments of one lane.
     alone: Vec<f64>,
+    /// Coordinates, momenta and increments of a lane that steps alone.
+    single: [Vec<Lanes<1>>; 3],
     /// The prepared numbers of each path, if it has a system of its own.
     own: Vec<PreparedOf<H, E>>,
     /// The same in lanes, where systems go so.
@@ -110,6 +114,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             p: Vec::new(),
             memory: Default::default(),
             apart: Vec::new(),
+            are_apart: false,
+            single: Default::default(),
             increments,
             counts: [false; L],
             failed: [false; L],
@@ -150,7 +156,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         let was_over = std::mem::take(&mut self.is_over);
         (self.halved, self.unguided, self.anew) = ([NEVER; L], [0; L], 0);
         self.memory.tell(&Request::Forget);
-        self.apart.clear();
+        self.are_apart = false;
         self.increments.begin(path);
         if P::ARE_OWN {
             self.own.clear();
@@ -305,7 +311,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             return Ok(());
         }
         let t = self.time(step);
-        if !self.apart.is_empty() {
+        if self.are_apart {
             return self.one_by_one(None, step, t);
         }
         let gathered = self.gathered.as_ref().filter(|_| P::ARE_OWN);

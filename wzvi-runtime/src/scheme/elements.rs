@@ -45,6 +45,7 @@ pub mod places;
 mod preference;
 mod quadrature;
 mod rounding;
+mod side_by_side;
 mod step;
 mod sums;
 mod windows;

@@ -24,16 +24,13 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     #[inline(never)]
     pub(super) fn one_by_one(&mut self, lanes: Option<FailedLanes>, step: u64, t: f64) -> Result<(), Error> {
         self.split()?;
+        let (mut apart, mut none) = (std::mem::take(&mut self.apart), Default::default());
         for lane in 0..L {
-            if self.failed[lane] || lanes.is_some_and(|lanes| !lanes.has(lane)) {
-                continue;
-            }
-            let mut memory = self.apart.get_mut(lane).map(std::mem::take).unwrap_or_default();
-            self.by_itself(lane, step, t, &mut memory)?;
-            if let Some(room) = self.apart.get_mut(lane) {
-                *room = memory;
+            if !self.failed[lane] && lanes.is_none_or(|lanes| lanes.has(lane)) {
+                self.by_itself(lane, step, t, apart.get_mut(lane).unwrap_or(&mut none))?;
             }
         }
+        self.apart = apart;
         self.join();
         Ok(())
     }
@@ -107,22 +104,25 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         let job = self.job;
-        let (mut q, mut p, dw) =
-            (alone(lane, &self.q), alone(lane, &self.p), alone(lane, self.increments.of(step)));
+        let [mut q, mut p, mut dw] = std::mem::take(&mut self.single);
+        let lists = [(&mut q, &*self.q), (&mut p, &*self.p), (&mut dw, self.increments.of(step))];
+        for (single, all) in lists {
+            single.clear();
+            single.extend(all.iter().map(|x| Lanes::new([x[lane]])));
+        }
         let (system, prepared) = self.system_of(lane);
         let gathered = if P::ARE_OWN { SchemeOf::<H, E>::gather([&prepared]) } else { None };
         let at = At { t, h: job.h, q: &mut q, p: &mut p, dw: &dw };
         let outcome = advance::<H, E, 1>(system, &prepared, gathered.as_ref(), at, memory);
+        if outcome.is_ok() {
+            for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
+                to.set(lane, from[0]);
+            }
+        }
+        self.single = [q, p, dw];
         match outcome {
-            Ok(_) => {
-                for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {
-                    to.set(lane, from[0]);
-                }
-                Ok(())
-            }
-            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => {
-                self.careful(lane, step, &dw, cause, memory)
-            }
+            Ok(_) => Ok(()),
+            Err(cause) if matches!(H::PLAN.solver, Solver::Newton) => self.careful(lane, step, cause, memory),
             Err(cause) => Err(StepError { step, t, h: job.h, cause }.into()),
         }
     }
@@ -141,16 +141,13 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         &mut self,
         lane: usize,
         step: u64,
-        dw: &[Lanes<1>],
         cause: StepFailure,
         memory: &mut MemoryOf<H, E, Lanes<1>>,
     ) -> Result<(), Error> {
         let (job, t) = (self.job, self.time(step));
         let State { q, p, t } = self.state_of(lane, t);
-        let dw = first_lane(dw);
         let (system, prepared) = self.system_of(lane);
-        let h = job.h;
-        let dw = List::of(&dw);
+        let (h, dw) = (job.h, List::of(self.increments_of(lane, step)));
         let hard = Hard { system, prepared, t, h, q, p, dw, carry: Plain, blocks: None };
         let solved = solve_by_continuation(hard, cause);
         let mut solved = solved.map_err(|cause| StepError { step, t, h, cause })?;
@@ -202,18 +199,18 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
             let other = self.check_start(lane, [q, p], *t, [&end.q, &end.p]);
             let Some(other) = other.transpose() else { continue };
             self.split()?;
-            let mut memory = MemoryOf::<H, E, _>::default();
+            let mut apart = std::mem::take(&mut self.apart);
+            let mut none = Default::default();
+            let memory = apart.get_mut(lane).unwrap_or(&mut none);
             match other {
-                Ok(mut solved) => self.put_hard(lane, step, &mut solved, &mut memory)?,
+                Ok(mut solved) => self.put_hard(lane, step, &mut solved, memory)?,
                 Err(cause) => {
                     self.put(lane, q, p);
                     let error = StepError { step, t: *t, h, cause };
-                    self.halve_or_fail(lane, step, error, &mut memory)?;
+                    self.halve_or_fail(lane, step, error, memory)?;
                 }
             }
-            if let Some(room) = self.apart.get_mut(lane) {
-                *room = memory;
-            }
+            self.apart = apart;
         }
         self.join();
         self.starts = starts;
@@ -247,42 +244,34 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     /// From now on, each lane remembers by itself.
     fn split(&mut self) -> Result<(), InternalError> {
         // With noise as well: what a step leaves may say how the next one is solved.
-        if size_of::<MemoryOf<H, E, f64>>() == 0 || !self.apart.is_empty() {
+        if size_of::<MemoryOf<H, E, f64>>() == 0 || self.are_apart {
             return Ok(());
         }
-        for lane in 0..L {
+        self.apart.resize_with(L, Default::default);
+        for (lane, memory) in self.apart.iter_mut().enumerate() {
             let words = Tape::split(lane, |tape| self.memory.pass(tape));
-            let mut memory = MemoryOf::<H, E, _>::default();
             Tape::read(words, |tape| memory.pass(tape)).ok_or_else(other_memory)?;
-            self.apart.push(memory);
         }
+        self.are_apart = true;
         Ok(())
     }
 
-    /// Joins the lanes if their memories have the same shape. A lane that has failed takes the memory of the path that it follows.
+    /// Joins the lanes if they go side by side and their memories have the same shape. A lane that has failed takes the memory of the path that it
+    /// follows.
     fn join(&mut self) {
         let Some(living) = self.living() else { return };
-        if self.apart.is_empty() {
+        let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
+        if !self.are_apart || !lanes.iter().all(|&lane| self.apart[lane].goes_side_by_side()) {
             return;
         }
         let mut words = Vec::with_capacity(L);
-        for lane in 0..L {
-            let lane = if self.failed[lane] { living } else { lane };
+        for lane in lanes {
             words.push(Tape::write(|tape| self.apart[lane].pass(tape)));
         }
         if Tape::join(words, |tape| self.memory.pass(tape)).is_some() {
-            self.apart.clear();
+            self.are_apart = false;
         }
     }
-}
-
-/// One lane of a list.
-fn alone<const L: usize>(lane: usize, lanes: &[Lanes<L>]) -> Vec<Lanes<1>> {
-    lanes.iter().map(|x| Lanes::new([x[lane]])).collect()
-}
-
-fn first_lane(lanes: &[Lanes<1>]) -> Vec<f64> {
-    lanes.iter().map(|x| x[0]).collect()
 }
 
 /// What halves the steps of a path: made when it is first needed, and anew for each path that has its own system.

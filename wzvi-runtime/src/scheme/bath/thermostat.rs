@@ -70,6 +70,10 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
         self.kept.tell(request);
     }
 
+    fn goes_side_by_side(&self) -> bool {
+        self.kept.goes_side_by_side()
+    }
+
     fn adopt(&mut self, left: Self) {
         self.kept.adopt(left.kept);
         self.bath.heat = left.bath.heat;

@@ -38,6 +38,10 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
         self.parts.tell(request);
     }
 
+    fn goes_side_by_side(&self) -> bool {
+        self.parts.goes_side_by_side()
+    }
+
     fn adopt(&mut self, left: Self) {
         self.parts.adopt(left.parts);
     }

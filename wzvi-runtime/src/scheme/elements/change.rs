@@ -54,10 +54,9 @@ impl<const L: usize> Seen<L> {
     /// Changes of numbers whose rounding is `ε rounded`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<const N: usize>(&mut self, change: [f64; N], rounded: [f64; N]) {
-        // Rounding does not change the sign of a difference.
         let mut excess = change;
         for i in 0..N {
-            excess[i] -= UNSEEN * f64::EPSILON * rounded[i];
+            excess[i] = beyond(change[i], rounded[i]);
         }
         let (excess, change): ([f64; L], [f64; L]) = (widened(excess), widened(change));
         let Self { mut above, mut poison } = *self;
@@ -136,17 +135,23 @@ fn change_of_both<S: Scalar, const L: usize>(
     let state = q[places.clone()].iter().zip(&momentum[places]);
     for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in x.iter().zip(correction).zip(state) {
         for &Stage { point, .. } in scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-            seen.take([(change_u * point).magnitude()], [moved(q, u, point)]);
+            seen.take([(change_u * point).magnitude()], [moved(q, u, point, S::magnitude)]);
         }
         seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
     }
 }
 
-/// `|q + c u| + 2 |c u|`
+/// A change above [`UNSEEN`] of the rounding `ε rounded`: rounding does not change the sign of a difference.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn moved<S: Scalar>(q: S, u: S, point: f64) -> f64 {
+pub(super) fn beyond<R: Scalar>(change: R, rounded: R) -> R {
+    change - rounded * (UNSEEN * f64::EPSILON)
+}
+
+/// `|q + c u| + 2 |c u|`, with the sizes of numbers by `size`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn moved<S: Scalar, R: Scalar>(q: S, u: S, point: f64, size: impl Fn(S) -> R) -> R {
     let way = u * point;
-    (q + way).magnitude() + 2.0 * way.magnitude()
+    size(q + way) + size(way) * 2.0
 }
 
 /// Coordinates, and increments after and before the correction.
@@ -168,7 +173,7 @@ impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
             change[i] = ((u[i] - before[i]) * self.point).magnitude();
         }
         for i in 0..N {
-            rounded[i] = moved(q[i], u[i], self.point);
+            rounded[i] = moved(q[i], u[i], self.point, S::magnitude);
         }
         self.seen.take(change, rounded);
     }
@@ -317,7 +322,7 @@ mod tests {
                 step.start(&mut scratch, 0);
                 let mut sweeps = 0;
                 loop {
-                    step.sweep(&mut scratch);
+                    step.sweep(&mut scratch, false);
                     sweeps += 1;
                     if step.changes_nothing(&scratch.lists) {
                         break;

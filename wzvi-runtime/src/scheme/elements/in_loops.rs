@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use super::explicit::{advance_explicit, advance_explicit_vectors};
+use super::side_by_side::go_side_by_side;
 use super::{
     CompensationVec, Elements, Memory, MomentumUpdate, Quadrature, Unknowns, discrete_lagrangian,
     discrete_lagrangian_gradient, iterate, prepare, step_momentum,
@@ -55,7 +56,7 @@ where
     const PROPERTIES: Properties = Properties {
         kept_energy: H::IN_LOOPS.quadrature.kept_energy(H::IN_LOOPS.order),
         remembers: false,
-        in_lanes: is_explicit(&H::IN_LOOPS.quadrature),
+        in_lanes: is_explicit(&H::IN_LOOPS.quadrature) || go_side_by_side(&H::FACTS, &H::IN_LOOPS.quadrature),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
     type Prepared<K: Constant> = ();

@@ -6,20 +6,21 @@ use super::memory::{Lists, Scratch, Solver};
 use super::passes::{Corrected, largest, subtract};
 use super::preference::Solution;
 use super::rounding::variation;
+use super::side_by_side::{Pace, is_side_by_side};
 use super::step::Step;
 use super::{CONTRACTS, Elements, Iteration, Memory, Quadrature, Unknowns};
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::{Effort, astray};
 use crate::error::StepFailure;
 use crate::scheme::system::At;
 
 /// Corrections below this fraction of the largest unknown change nothing.
-const ROUNDING: f64 = f64::EPSILON;
+pub(super) const ROUNDING: f64 = f64::EPSILON;
 /// Residual of linear equations solved by iteration: each Newton iteration gains three digits.
 const FORCING: f64 = 1e-3;
 /// Corrections below this fraction of the largest unknown are not worth a factorisation: a tuning parameter.
-const NEARLY_SOLVED: f64 = 1e-9;
+pub(super) const NEARLY_SOLVED: f64 = 1e-9;
 /// Iteration limit, above what any converging step needs.
 const MOST_ITERATIONS: u32 = 100;
 
@@ -169,14 +170,14 @@ impl<S: Scalar> Memory<S> {
 }
 
 /// The outcome of the fast iteration.
-struct Solved {
+pub(super) struct Solved {
     iterations: u32,
     solution: Solution,
 }
 
 /// The state of the fast iteration.
-struct IterationState {
-    iterations: u32,
+pub(super) struct IterationState<S: Scalar> {
+    pub(super) iterations: u32,
     /// Number of past steps from which the start is extrapolated; 0 for a start from zero.
     known: u8,
     pinned: Iteration,
@@ -187,16 +188,18 @@ struct IterationState {
     /// Whether `J` was close to the identity in the first iteration.
     may_contract: bool,
     /// The previous correction relative to the largest unknown.
-    last: f64,
+    pub(super) last: S,
+    /// The paths side by side whose equations are solved.
+    pub(super) solved: S::Mask,
     /// Whether `last` covers only unknowns whose equations are not at rounding.
     is_beyond: bool,
     variation: f64,
 }
 
 /// An applied correction.
-struct Taken {
+struct Taken<S> {
     /// Relative to the largest unknown.
-    relative: f64,
+    relative: S,
     /// The change of the points at which the equations are evaluated, if already known; of fixed-point corrections only.
     change: Option<Change>,
     /// Ratio of the fixed-point correction to this one.
@@ -211,6 +214,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// Solves for the unknowns by the fast iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        if const { is_side_by_side::<S>() } {
+            return self.solve_side_by_side(scratch);
+        }
         scratch.solver.kept.begin();
         let mut solved = self.attempt(scratch);
         let mut is_apart = false;
@@ -291,7 +297,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     /// Solves from the extrapolation of `known` past steps; leaves `u` and `P`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn iterate(
+    pub(super) fn iterate(
         self,
         scratch: &mut Scratch<'_, S>,
         known: u8,
@@ -313,12 +319,12 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
                 return Ok(Solved { iterations, solution });
             }
         }
-        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last })
+        Err(StepFailure::NotConverged { iterations: MOST_ITERATIONS, correction: iteration.last.magnitude() })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn begin(self, scratch: &mut Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState {
-        let is_newton = self.starts_with_newton(scratch, pinned);
+    fn begin(self, scratch: &mut Scratch<'_, S>, known: u8, pinned: Iteration) -> IterationState<S> {
+        let is_newton = !const { is_side_by_side::<S>() } && self.starts_with_newton(scratch, pinned);
         let has_factors = is_newton && self.starts_with_factors(scratch.lend(), pinned);
         IterationState {
             iterations: 0,
@@ -327,7 +333,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             is_newton,
             is_stale: !has_factors,
             may_contract: false,
-            last: f64::INFINITY,
+            last: S::from_f64(f64::INFINITY),
+            solved: S::Mask::from_bool(false),
             is_beyond: false,
             variation: f64::INFINITY,
         }
@@ -349,18 +356,18 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     fn take(
         self,
         scratch: &mut Scratch<'_, S>,
-        iteration: &mut IterationState,
-    ) -> Result<Taken, StepFailure> {
+        iteration: &mut IterationState<S>,
+    ) -> Result<Taken<S>, StepFailure> {
         let Lists { correction, previous, .. } = &mut scratch.lists;
         std::mem::swap(correction, previous);
         let (mut is_fresh, mut is_kept) = (false, false);
         let (mut stretch, mut change) = (1.0, None);
-        let relative = if iteration.is_newton {
+        let relative = if !const { is_side_by_side::<S>() } && iteration.is_newton {
             scratch.leave_windows();
             self.residual_as::<S::OfElements<H::Exact>>(&mut scratch.lists);
             let is_krylov = match &scratch.solver.linear {
                 Some(linear) => matches!(linear, Linear::Krylov(_)),
-                None => return Err(astray(iteration.iterations, iteration.last)),
+                None => return Err(astray(iteration.iterations, iteration.last.magnitude())),
             };
             // Krylov's method takes products with the current Jacobian, whatever its preconditioner.
             is_fresh = iteration.is_stale || is_krylov;
@@ -371,13 +378,13 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             self.refresh(&mut scratch.lists);
             relative
         } else {
-            let swept = self.sweep(scratch);
+            let swept = self.sweep(scratch, iteration.solved);
             change = swept.change;
             swept.relative
         };
-        if relative.is_nan() {
+        if relative.magnitude().is_nan() {
             // A diverging fixed point eventually overflows.
-            let (iterations, correction) = (iteration.iterations, iteration.last);
+            let (iterations, correction) = (iteration.iterations, iteration.last.magnitude());
             let diverges =
                 iteration.pinned == Iteration::FixedPoint && (1.0..f64::INFINITY).contains(&correction);
             let not_converged = StepFailure::NotConverged { iterations, correction };
@@ -434,20 +441,21 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     fn is_solved(
         self,
         scratch: &mut Scratch<'_, S>,
-        iteration: &mut IterationState,
-        taken: &Taken,
+        iteration: &mut IterationState<S>,
+        taken: &Taken<S>,
     ) -> Result<bool, StepFailure> {
-        let IterationState { iterations, known, pinned, is_newton, last, .. } = *iteration;
-        let mut relative = taken.relative;
-        let ratio = relative / last;
-        let predicts = last < f64::INFINITY && ratio < 0.5;
-        if self.is_resolved(scratch, taken, is_newton, predicts.then_some(ratio)) {
+        if const { is_side_by_side::<S>() } {
+            return self.are_solved(&scratch.lists, iteration, taken.relative);
+        }
+        let IterationState { iterations, known, pinned, is_newton, .. } = *iteration;
+        let (mut relative, last) = (taken.relative.lane(0), iteration.last.lane(0));
+        let pace = Pace::of(relative, last);
+        if self.is_resolved(scratch, taken, is_newton, pace) {
             return Ok(true);
         }
         // An extrapolated start should be near the solution.
         let is_misled = is_newton && known > 0 && iterations == 1 && relative >= 1.0;
-        let is_slow = last < f64::INFINITY && ratio > CONTRACTS;
-        let stagnates = is_slow && ratio > 0.5;
+        let stagnates = pace.stagnates();
         // Far from the solution, Newton's method replaces a fixed point that does not contract.
         let is_final = is_newton || pinned == Iteration::FixedPoint || relative <= NEARLY_SOLVED;
         let mut settles = false;
@@ -465,7 +473,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         if is_misled && taken.is_kept {
             // Try the existing factors again from zero.
             self.start(scratch, 0);
-            (iteration.known, iteration.last) = (0, f64::INFINITY);
+            (iteration.known, iteration.last) = (0, S::from_f64(f64::INFINITY));
             return Ok(false);
         }
         // Fresh factors did not halve the correction: the solution is not near.
@@ -476,15 +484,14 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             // Where `J` is close to the identity, the fixed point contracts, too.
             iteration.may_contract = (taken.stretch - 1.0).abs() <= 0.5 * CONTRACTS;
         }
-        iteration.last = relative;
-        let is_worth = stagnates || relative > NEARLY_SOLVED;
-        if is_slow && !settles && is_worth && pinned == Iteration::Automatic {
+        iteration.last = S::from_f64(relative);
+        if pace.needs_more() && !settles && pinned == Iteration::Automatic {
             // The fixed point, or Newton's method with old factors, contracts too slowly.
             iteration.is_stale = !is_newton || !matches!(scratch.solver.linear, Some(Linear::Krylov(_)));
             if !is_newton && stagnates {
                 iteration.is_stale = !self.starts_with_factors(scratch.lend(), pinned);
                 self.start(scratch, known);
-                iteration.last = f64::INFINITY;
+                iteration.last = S::from_f64(f64::INFINITY);
             }
             (iteration.is_newton, iteration.is_beyond) = (true, false);
         }
@@ -497,38 +504,42 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     fn is_resolved(
         self,
         scratch: &Scratch<'_, S>,
-        taken: &Taken,
+        taken: &Taken<S>,
         is_newton: bool,
-        ratio: Option<f64>,
+        pace: Pace<f64>,
     ) -> bool {
-        let is_enough = |relative: f64| {
-            relative <= ROUNDING || ratio.is_some_and(|ratio| relative * ratio <= 0.25 * ROUNDING)
-        };
         taken.change == Some(Change::Unseen)
-            || (is_enough(taken.relative)
-                && resolves(self.scheme.unknowns, [self.q, self.p], &scratch.lists, ratio.unwrap_or(1.0)))
+            || (pace.is_enough() && self.resolves(&scratch.lists, pace.expected(), S::magnitude))
             || (!is_newton && taken.change.is_none() && self.changes_nothing(&scratch.lists))
     }
-}
 
-/// Whether the remainder of each correction, by the overall contraction and by that of its own unknown, is below the
-/// rounding of the state that it changes.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn resolves<S: Scalar>(unknowns: Unknowns, [q, p]: [&[S]; 2], lists: &Lists<'_, S>, ratio: f64) -> bool {
-    let Lists { x, correction, previous, .. } = lists;
-    if unknowns == Unknowns::Both {
-        let state = q.iter().zip(p).map(|(&q, &p)| [q, p]);
-        Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio)
-    } else {
+    /// Whether the remainder of each correction, by the overall contraction and by that of its own unknown, is below the
+    /// rounding of the state that it changes. Sizes of numbers are those by `size`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn resolves<R: Scalar>(
+        self,
+        lists: &Lists<'_, S>,
+        ratio: R,
+        size: impl Fn(S) -> R + Copy,
+    ) -> R::Mask {
+        let Lists { x, correction, previous, .. } = lists;
+        if self.scheme.unknowns == Unknowns::Both {
+            let state = self.q.iter().zip(self.p).map(|(&q, &p)| [q, p]);
+            return Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio, size);
+        }
         let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
-        let (state, rest) = p.as_chunks::<4>();
-        groups.are_small(state.iter().copied(), ratio)
-            && Corrected::<S, 1>::of(x, correction, previous).0.are_small(rest.iter().map(|&p| [p]), ratio)
+        let (state, rest) = self.p.as_chunks::<4>();
+        let are_small = groups.are_small(state.iter().copied(), ratio, size);
+        if !are_small.any() {
+            return are_small;
+        }
+        let (others, state) = (Corrected::<S, 1>::of(x, correction, previous).0, rest.iter().map(|&p| [p]));
+        are_small & others.are_small(state, ratio, size)
     }
 }
 
 /// Whether the derivatives that the unknowns carry still converge: they do so after the values.
-fn varies<S: Scalar>(scratch: &Scratch<'_, S>, iteration: &mut IterationState) -> bool {
+fn varies<S: Scalar>(scratch: &Scratch<'_, S>, iteration: &mut IterationState<S>) -> bool {
     let variation = variation(scratch.lists.x, scratch.lists.correction);
     let before = std::mem::replace(&mut iteration.variation, variation);
     size_of::<S>() != size_of::<f64>() && variation < 0.5 * before

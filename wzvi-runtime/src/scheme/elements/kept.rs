@@ -118,6 +118,11 @@ impl<S: Scalar> Numbers for Kept<S> {
 }
 
 impl<S: Scalar> Kept<S> {
+    /// Whether a later step may start with factors.
+    pub(super) fn may_serve(&self) -> bool {
+        self.anchor.is_known || self.vain > 0
+    }
+
     /// Makes the next step compute its own factors.
     pub(super) fn forget(&mut self) {
         (self.anchor.is_known, self.vain) = (false, 0);

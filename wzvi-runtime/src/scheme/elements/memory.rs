@@ -6,6 +6,7 @@ use super::kept::Kept;
 use super::linear::Linear;
 use super::preference::Preference;
 use super::rounding::Rounding;
+use super::side_by_side::is_side_by_side;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Quadrature, Unknowns};
 use crate::algebra::carry::{Carry, Compensation};
@@ -309,6 +310,10 @@ impl<S: Scalar> StepMemory for Memory<S> {
         }
     }
 
+    fn goes_side_by_side(&self) -> bool {
+        self.solver.preference == Preference::default() && !self.solver.kept.may_serve()
+    }
+
     fn adopt(&mut self, left: Self) {
         (self.solver.past, self.known, self.solver.preference) =
             (left.solver.past, left.known, left.solver.preference);
@@ -401,7 +406,8 @@ impl<S: Scalar> Memory<S> {
         self.degrees = degrees;
         self.solver.kept.lose();
         let pattern = |visit: Visit<'_>| pattern(system, scheme, degrees, visit);
-        self.solver.linear = is_implicit.then(|| Linear::new(&pattern, scheme.unknowns.count(degrees)));
+        self.solver.linear = (is_implicit && !const { is_side_by_side::<S>() })
+            .then(|| Linear::new(&pattern, scheme.unknowns.count(degrees)));
     }
 }
 

@@ -23,7 +23,7 @@ use super::sums::{Given, Run, Sums};
 use crate::algebra::scalar::{Number, Scalar};
 
 pub(super) use block::Block;
-pub(super) use columns::{may_take_vectors, slopes, takes_vectors};
+pub(super) use columns::{LEAST_IN_COLUMNS, may_take_vectors, slopes, takes_vectors};
 
 /// Number of partners whose slopes are computed together, on every machine.
 pub(super) const LANES: usize = 8;

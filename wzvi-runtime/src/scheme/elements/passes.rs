@@ -1,11 +1,16 @@
 //! Passes over whole vectors: corrections, their sizes, sums.
 
 use super::Unknowns;
+use super::side_by_side::{is_side_by_side, subtract_side_by_side};
 use crate::algebra::scalar::{Mask, Scalar};
 
-/// `x -= correction`; returns the largest correction relative to the largest unknown of its kind, NaN if a correction is not finite.
+/// `x -= correction`; returns the largest correction relative to the largest unknown of its kind, NaN if a correction is not finite: of all
+/// parts of the numbers, or of each path side by side.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> f64 {
+pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S]) -> S {
+    if const { is_side_by_side::<S>() } {
+        return subtract_side_by_side(kind, x, correction);
+    }
     let (mut size, mut change) = (Largest::<LANES>::default(), Largest::<LANES>::default());
     let (chunks, rest) = x.as_chunks_mut::<LANES>();
     let (corrections, other) = correction.as_chunks::<LANES>();
@@ -30,7 +35,7 @@ pub(super) fn subtract<S: Scalar>(kind: Unknowns, x: &mut [S], correction: &[S])
         size.take_finite(&[*x]);
         change.take(&[c]);
     }
-    relate(kind, x, correction, [size.by_kind(kind), change.by_kind(kind)])
+    S::from_f64(relate(kind, x, correction, [size.by_kind(kind), change.by_kind(kind)]))
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -247,20 +252,26 @@ impl<'a, S: Scalar, const N: usize> Corrected<'a, S, N> {
     /// Whether the remainder of each correction is below the rounding of the state, if the next correction is smaller by
     /// the factor `ratio` or by that of its own unknown, whichever is larger.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn are_small(&self, state: impl Iterator<Item = [S; N]>, ratio: f64) -> bool {
-        let mut excess = [f64::NEG_INFINITY; N];
+    pub(super) fn are_small<R: Scalar>(
+        &self,
+        state: impl Iterator<Item = [S; N]>,
+        ratio: R,
+        size: impl Fn(S) -> R,
+    ) -> R::Mask {
+        let (one, mut excess) = (R::from_f64(1.0), [R::from_f64(f64::NEG_INFINITY); N]);
         let unknowns = self.x.iter().zip(self.correction).zip(self.previous).zip(state);
         for (((x, correction), previous), state) in unknowns {
             for k in 0..N {
-                let change = correction[k].magnitude();
-                let bound = f64::EPSILON * (x[k].magnitude() + state[k].magnitude());
-                let own = change / previous[k].magnitude();
-                let factor = if own > ratio { own } else { ratio };
-                let factor = if factor < 1.0 { factor } else { 1.0 };
+                let change = size(correction[k]);
+                let bound = (size(x[k]) + size(state[k])) * f64::EPSILON;
+                let own = change / size(previous[k]);
+                let factor = R::select(ratio.less(own), own, ratio);
+                let factor = R::select(factor.less(one), factor, one);
                 let over = change * factor - bound;
-                excess[k] = if over > excess[k] { over } else { excess[k] };
+                excess[k] = R::select(excess[k].less(over), over, excess[k]);
             }
         }
-        excess.iter().all(|&excess| excess <= 0.0)
+        let zero = R::from_f64(0.0);
+        excess.iter().fold(R::Mask::from_bool(true), |all, excess| all & excess.less_equal(zero))
     }
 }

@@ -6,6 +6,7 @@
 
 use super::memory::Lists;
 use super::passes::{add, are_finite};
+use super::side_by_side::is_side_by_side;
 use super::{Curvature, Elements, MomentumUpdate, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Number, Scalar};
@@ -187,8 +188,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         by_p: &mut [S],
     ) {
         let at = self.at(stage, q, p);
+        // Paths that are solved side by side stay in the vector instructions of their caller.
+        let is_here = const { is_side_by_side::<S>() } && self.scheme.unknowns != Unknowns::None;
         for &(part, weight) in stage.parts {
-            if size_of::<S>() == size_of::<f64>() {
+            if is_here || size_of::<S>() == size_of::<f64>() {
                 super::slopes_as::<H, S, T>(self.system, part, weight, &at, wanted, by_q, by_p);
             } else {
                 slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);

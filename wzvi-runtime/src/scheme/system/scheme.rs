@@ -73,7 +73,7 @@ pub struct Properties {
     pub stages: u32,
     /// Whether the memory of past steps is valid for this state only: then it is cleared if the caller moves the state.
     pub remembers: bool,
-    /// Whether paths run in lanes: not with iterations over loops, whose number differs between paths.
+    /// Whether paths run in lanes: not with iterations over loops in large systems, nor with linear equations there.
     pub in_lanes: bool,
     /// The number of degrees of freedom from which the step of a single path is vectorised; paths then run one after the other, and stay in
     /// the cache. `usize::MAX` if steps are never vectorised so.

@@ -14,7 +14,7 @@ use crate::scheme::elements::sums::{Given, Places, Points, Sums};
 use crate::scheme::elements::{Elements, Point, Slopes};
 
 /// Degrees of freedom from which the copy into columns pays.
-const LEAST_IN_COLUMNS: usize = 64;
+pub(in crate::scheme::elements) const LEAST_IN_COLUMNS: usize = 64;
 
 /// Sums that are in columns, one for each component of points, while rows are added. Slopes are computed in numbers `U`, and in exact
 /// numbers where `U` has no finite result.

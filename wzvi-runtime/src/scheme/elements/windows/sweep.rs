@@ -29,6 +29,7 @@ use crate::algebra::threads::Threads;
 use crate::scheme::elements::change::{Change, Seen};
 use crate::scheme::elements::memory::{Lists, Scratch};
 use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
+use crate::scheme::elements::side_by_side::{hold, is_side_by_side};
 use crate::scheme::elements::step::Step;
 use crate::scheme::elements::sums::Given;
 use crate::scheme::elements::{Elements, MomentumUpdate, Quadrature, Slopes, Unknowns};
@@ -42,9 +43,9 @@ const SIZE: usize = 256;
 const LEAST_OF_THREAD: usize = 1 << 16;
 
 /// An applied correction.
-pub(in crate::scheme::elements) struct Swept {
+pub(in crate::scheme::elements) struct Swept<S> {
     /// The largest correction relative to the largest unknown; NaN if any is not finite.
-    pub(in crate::scheme::elements) relative: f64,
+    pub(in crate::scheme::elements) relative: S,
     /// The change of the points at which the equations are evaluated, if it costs less than another iteration.
     pub(in crate::scheme::elements) change: Option<Change>,
 }
@@ -91,9 +92,13 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         self.refresh(&mut scratch.lists);
     }
 
-    /// `x ← φ(x)`; updates `u` and `P`, which must be those at `x`.
+    /// `x ← φ(x)`, but for the paths side by side that are `solved`; updates `u` and `P`, which must be those at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::scheme::elements) fn sweep(&self, scratch: &mut Scratch<'_, S>) -> Swept {
+    pub(in crate::scheme::elements) fn sweep(
+        &self,
+        scratch: &mut Scratch<'_, S>,
+        solved: S::Mask,
+    ) -> Swept<S> {
         if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
             && self.takes_vectors(scratch)
             && let Some(swept) = self.sweep_in_vectors(scratch)
@@ -102,6 +107,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
         let lists = &mut scratch.lists;
         self.residual_as::<S::OfElements<H::Exact>>(lists);
+        if const { is_side_by_side::<S>() } {
+            hold(lists.correction, solved);
+        }
         let relative = subtract(self.scheme.unknowns, lists.x, lists.correction);
         if self.scheme.unknowns == Unknowns::Momenta {
             std::mem::swap(&mut lists.u, &mut lists.by_p);
@@ -154,7 +162,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     /// [`Step::sweep`] in vector instructions; `None` if that is not possible.
     #[inline(never)]
-    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>) -> Option<Swept> {
+    fn sweep_in_vectors(&self, scratch: &mut Scratch<'_, S>) -> Option<Swept<S>> {
         let (step, sweeps) = (self.plain()?, scratch.solver.sweeps.as_deref_mut()?);
         if !std::mem::replace(&mut sweeps.is_ready, false) {
             return None;
@@ -173,7 +181,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             Change::Unknown => f64::NAN,
             _ => found.corrected.relative_to(found.size),
         };
-        Some(Swept { relative, change: Some(found.change) })
+        Some(Swept { relative: S::from_f64(relative), change: Some(found.change) })
     }
 }
 

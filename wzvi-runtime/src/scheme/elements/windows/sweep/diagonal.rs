@@ -37,7 +37,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
         let relative = subtract(self.scheme.unknowns, lists.x, lists.correction);
         self.refresh(lists);
-        !relative.is_nan()
+        !relative.magnitude().is_nan()
     }
 
     /// [`Step::solve_diagonal`] in vector instructions; `None` if that is not possible.

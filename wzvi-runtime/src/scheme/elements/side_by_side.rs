@@ -1,0 +1,189 @@
+//! The fixed point of independent paths in the lanes of a number.
+//!
+//! Each path takes the decisions that it takes alone, by the same comparisons. Its unknowns stay as they are once its equations are solved, while
+//! those of others go on. Where a path needs more than a fixed point that contracts, all go alone in this step.
+
+use super::change::{beyond, moved};
+use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING, Solved};
+use super::memory::{Lists, Scratch};
+use super::pairs::LEAST_IN_COLUMNS;
+use super::step::Step;
+use super::{CONTRACTS, Elements, Iteration, Quadrature, Stage, Unknowns};
+use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::solve::astray;
+use crate::error::StepFailure;
+use crate::scheme::plan::Facts;
+
+/// The most degrees of freedom of paths of an implicit scheme that go side by side: the lists of many larger ones fill the cache.
+const MOST: usize = 64;
+
+/// Whether paths of an implicit scheme are solved side by side: not where the slopes of each are in vector instructions by themselves. Linear equations
+/// are solved with kept factors.
+pub(super) const fn go_side_by_side(facts: &Facts, quadrature: &Quadrature) -> bool {
+    let takes_vectors = facts.has_pairs || facts.gathers.by_q || facts.gathers.by_p;
+    let is_small = facts.degrees <= MOST && !(takes_vectors && facts.degrees >= LEAST_IN_COLUMNS);
+    is_small && !quadrature.is_linear
+}
+
+/// Whether numbers are several independent paths.
+pub(super) const fn is_side_by_side<S: Scalar>() -> bool {
+    S::IS_BESIDE && S::LANES > 1
+}
+
+/// What a correction, relative to the largest unknown, says together with the one before.
+#[derive(Clone, Copy)]
+pub(super) struct Pace<R: Scalar> {
+    relative: R,
+    ratio: R,
+    is_second: R::Mask,
+}
+
+impl<R: Scalar> Pace<R> {
+    /// From the last two corrections; the one before the first is infinite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn of(relative: R, last: R) -> Self {
+        Self { relative, ratio: relative / last, is_second: last.less(R::from_f64(f64::INFINITY)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn predicts(self) -> R::Mask {
+        self.is_second & self.ratio.less(R::from_f64(0.5))
+    }
+
+    /// The ratio of the next correction to this one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn expected(self) -> R {
+        R::select(self.predicts(), self.ratio, R::from_f64(1.0))
+    }
+
+    /// Whether this correction or the next one changes nothing.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn is_enough(self) -> R::Mask {
+        let next = (self.relative * self.ratio).less_equal(R::from_f64(0.25 * ROUNDING));
+        self.relative.less_equal(R::from_f64(ROUNDING)) | (self.predicts() & next)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_slow(self) -> R::Mask {
+        self.is_second & R::from_f64(CONTRACTS).less(self.ratio)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn stagnates(self) -> R::Mask {
+        self.is_slow() & R::from_f64(0.5).less(self.ratio)
+    }
+
+    /// Whether other corrections are worth their cost.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn needs_more(self) -> R::Mask {
+        self.stagnates() | (self.is_slow() & R::from_f64(NEARLY_SOLVED).less(self.relative))
+    }
+}
+
+impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
+    /// [`Step::solve`] of all paths by the fixed point.
+    ///
+    /// # Errors
+    /// If a path needs another method.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn solve_side_by_side(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
+        if self.scheme.is_linear || scratch.solver.preference.is_newton() {
+            return Err(astray(0, f64::INFINITY));
+        }
+        let known = scratch.known;
+        self.iterate(scratch, known, Iteration::FixedPoint)
+    }
+
+    /// [`Step::is_solved`] of all paths.
+    ///
+    /// # Errors
+    /// If a path needs another method.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn are_solved(
+        self,
+        lists: &Lists<'_, S>,
+        iteration: &mut IterationState<S>,
+        relative: S,
+    ) -> Result<bool, StepFailure> {
+        let pace = Pace::of(relative, iteration.last);
+        let mut solved = iteration.solved;
+        let is_enough = pace.is_enough() & !solved;
+        if is_enough.any() {
+            solved = solved | (is_enough & self.resolves(lists, pace.expected(), S::abs));
+        }
+        if !solved.all() {
+            solved = solved | self.changed_nothing(lists);
+        }
+        (iteration.solved, iteration.last) = (solved, relative);
+        if (pace.needs_more() & !solved).any() {
+            return Err(astray(iteration.iterations, relative.magnitude()));
+        }
+        Ok(solved.all())
+    }
+
+    /// [`Step::changes_nothing`] by path.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn changed_nothing(&self, lists: &Lists<'_, S>) -> S::Mask {
+        // The first one mostly decides.
+        let first = self.changed_nothing_at(lists, 0);
+        if !first.any() {
+            return first;
+        }
+        (1..self.degrees()).fold(first, |all, place| all & self.changed_nothing_at(lists, place))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn changed_nothing_at(&self, lists: &Lists<'_, S>, place: usize) -> S::Mask {
+        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
+        let is_both = self.scheme.unknowns == Unknowns::Both;
+        let mut is_unseen = S::Mask::from_bool(true);
+        for &Stage { point, .. } in self.scheme.stages {
+            let (u, change) = match is_both {
+                true => (x[2 * place], correction[2 * place] * point),
+                false => (u[place], (u[place] - before[place]) * point),
+            };
+            if point != 0.0 {
+                is_unseen = is_unseen & unseen(change, moved(self.q[place], u, point, S::abs));
+            }
+        }
+        // Elements at the node may depend on momenta.
+        if is_both || self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
+            let number = if is_both { 2 * place + 1 } else { place };
+            let rounded = momentum[place].abs() + x[number].abs();
+            is_unseen = is_unseen & unseen(correction[number], rounded);
+        }
+        is_unseen
+    }
+}
+
+/// Whether a change of numbers whose rounding is `ε rounded` is finite and negligible.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn unseen<S: Scalar>(change: S, rounded: S) -> S::Mask {
+    !S::from_f64(0.0).less(beyond(change.abs(), rounded)) & change.is_finite()
+}
+
+/// Corrections of zero where equations are solved.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn hold<S: Scalar>(corrections: &mut [S], solved: S::Mask) {
+    for correction in corrections {
+        *correction = S::select(solved, S::from_f64(0.0), *correction);
+    }
+}
+
+/// [`subtract`](super::passes::subtract) of each path.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn subtract_side_by_side<S: Scalar>(kind: Unknowns, x: &mut [S], corrections: &[S]) -> S {
+    let zero = S::from_f64(0.0);
+    let (mut sizes, mut zeros) = ([[zero; 2]; 2], zero);
+    for (k, (x, &correction)) in x.iter_mut().zip(corrections).enumerate() {
+        *x = *x - correction;
+        let own = &mut sizes[if kind == Unknowns::Both { k % 2 } else { 0 }];
+        for (most, number) in own.iter_mut().zip([*x, correction]) {
+            *most = S::select(most.less(number.abs()), number.abs(), *most);
+        }
+        // A maximum may lose a number that is not finite.
+        zeros = zeros + correction * 0.0;
+    }
+    let [first, second] = sizes.map(|[size, change]| change / (size + f64::MIN_POSITIVE));
+    S::select(first.less(second), second, first) + zeros
+}
