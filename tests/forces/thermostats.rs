@@ -82,7 +82,7 @@ fn loops_have_the_friction_of_straight_lines() {
 /// What a thermostat reads of a system.
 fn read<H: Elements>(system: &H, numbers: usize) -> (Vec<f64>, Vec<f64>, Option<f64>) {
     let (mut damping, mut inverse) = (vec![0.0; numbers], vec![0.0; 3]);
-    let bath = H::FACTS.bath;
+    let bath = H::FACTS.bath.unwrap();
     bath.damping(system, &[0.5, 0.0, 2.0], &mut damping);
     bath.inverse_mass(system, &mut inverse);
     (damping, inverse, bath.temperature(system))
@@ -116,6 +116,7 @@ fn thermostats_read_what_was_declared() {
         (MatrixPlaceLoops::FACTS, [true, true]),
     ];
     for (Facts { bath, .. }, expected) in facts {
+        let bath = bath.unwrap();
         assert_eq!(
             [bath.is_matrix, bath.is_per_state, bath.has_diagonal_masses],
             [expected[0], expected[1], true]

@@ -68,7 +68,7 @@ pub struct Perturbed {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Constant, Discretized, Facts, Kind, Knowledge, Lift, Number, Of,
-        Option, Over, Reals, SVector, Scalar, Scheme, Sized, bool, f64, str, usize,
+        Option, Over, Reals, SVector, Scalar, Scheme, Sized, Some, bool, f64, str, usize,
         compose::{Form, Nystrom, Parted, WholeOf},
         elements::{Alone, Elements, Given, Point, Run, Slopes, Sums, Usual},
         embedding::Verlet, gauss::{Field, Fixed},
@@ -81,7 +81,7 @@ const _: () = {
                 reads_time: true,
                 ..Kind::AUTONOMOUS
             },
-            parts: (3, [Form::Quadratic, Form::Coordinates]),
+            parts: Some((3, [Form::Quadratic, Form::Coordinates])),
             ..Facts::autonomous(1)
         };
         type Shape = Fixed<1>;

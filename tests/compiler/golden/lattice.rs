@@ -49,7 +49,8 @@ pub struct Lattice<const N: usize> {
 const _: () = {
     use ::wzvi::__private::{
         self as wzvi, Conservative, DVector, Discretized, Facts, Labels, Number, Option,
-        Ord, Scalar, Scheme, Sized, Variables, f64, isize, str, usize, compose::General,
+        Ord, Scalar, Scheme, Sized, Some, Variables, f64, isize, str, usize,
+        compose::General,
         elements::{
             Alone, Elements, Given, InLoops, LEAST_IN_WINDOWS, Loops, MomentumUpdate,
             Point, Quadrature, Run, Slopes, Stage, Sums, Unknowns, Usual,
@@ -269,7 +270,7 @@ const _: () = {
         type Scheme = Loops<DeltaPlus>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..N - 1) [(p[2 i + 1]² + p[2 i]²)/2] + Σ_(i=0..N - 1) [1 - cos(k (q[2 ((i + 1) mod N)] - q[2 i])) + (q[2 ((i + 1) mod N) + 1] - q[2 i + 1])²/2]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i][0] += p[i][0]   for i=0..N - 1\n    ∂H0/∂p[i][1] += p[i][1]   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][0] += k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[i][0] += -k sin(k (q[((i + 1) mod N)][0] - q[i][0]))   for i=0..N - 1\n    ∂H0/∂q[((i + 1) mod N)][1] += q[((i + 1) mod N)][1] - q[i][1]   for i=0..N - 1\n    ∂H0/∂q[i][1] += q[i][1] - q[((i + 1) mod N)][1]   for i=0..N - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..N - 1) [k p[((i + 1) mod N)][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) - k p[i][0] sin(k (q[((i + 1) mod N)][0] - q[i][0])) + p[((i + 1) mod N)][1] (q[((i + 1) mod N)][1] - q[i][1]) + p[i][1] (q[i][1] - q[((i + 1) mod N)][1])]\n    H_pp(H_q,H_q) = Σ_(i=0..N - 1) [2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0]))² - 2 k² sin(k (q[((i + 1) mod N)][0] - q[i][0])) sin(k (q[((i + 2) mod N)][0] - q[((i + 1) mod N)][0])) + (q[((i + 1) mod N)][1] - q[i][1])² + 2 (q[((i + 1) mod N)][1] - q[i][1]) (q[((i + 1) mod N)][1] - q[((i + 2) mod N)][1]) + (q[i][1] - q[((i + 1) mod N)][1])²]\n    H_qq(H_p,H_p) = Σ_(i=0..N - 1) [p[((i + 1) mod N)][0] (k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[i][0] (k² p[i][0] cos(k (q[((i + 1) mod N)][0] - q[i][0])) - k² p[((i + 1) mod N)][0] cos(k (q[((i + 1) mod N)][0] - q[i][0]))) + p[((i + 1) mod N)][1] (p[((i + 1) mod N)][1] - p[i][1]) + p[i][1] (p[i][1] - p[((i + 1) mod N)][1])]\n";
-        const IN_LOOPS: InLoops = InLoops {
+        const IN_LOOPS: Option<InLoops> = Some(InLoops {
             order: 1,
             is_consistent: true,
             quadrature: Quadrature {
@@ -279,7 +280,7 @@ const _: () = {
                     MomentumUpdate::Multiple(1.0),
                 )
             },
-        };
+        });
     }
     #[automatically_derived]
     impl<const N: usize> Conservative for Lattice<{ N }> {}

@@ -46,8 +46,8 @@ pub struct Network {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Discretized, Facts, None, Number, Ord,
-        Range, Scalar, Scheme, Sized, Some, f64, i128, isize, str, usize,
+        self as wzvi, Conservative, DVector, Discretized, Facts, None, Number, Option,
+        Ord, Range, Scalar, Scheme, Sized, Some, f64, i128, isize, str, usize,
         compose::General,
         elements::{
             Alone, Elements, Given, InLoops, Loops, MomentumUpdate, Pair, Placements,
@@ -351,7 +351,7 @@ const _: () = {
         type Scheme = Loops<DeltaPlus>;
         type Prepared = <Self::Scheme as Scheme<Self>>::Prepared<f64>;
         const EQUATIONS: &'static str = "DeltaPlus\n\nHamiltonians\n  H0 = Σ_(i=0..n - 1) [p[i]²/2] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) [strength[i] (1 - cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n\nDiscrete Lagrangian of the step from t to t + h, from q, p to q', p'\n  L_d = P · Δq - h H0(P, q)\n  Δq = q' - q\n\nDiscrete Euler-Lagrange equations\n  ∂L_d/∂P = 0:  Δq = h ∂H0/∂p(P, q)\n  p = -D1 L_d:  P = p + v,  v = -h ∂H0/∂q(P, q)\n  p' = D2 L_d:  p' = P\n  with these contributions to the slopes\n    ∂H0/∂p[i] += p[i]   for i=0..n - 1\n    ∂H0/∂q[bonds[i][0]] += strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]])   for i=0..min(bonds.len(), strength.len()) - 1\n    ∂H0/∂q[bonds[i][1]] += -strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]])   for i=0..min(bonds.len(), strength.len()) - 1\n\nStep\n  assign v, Δq\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h)\n  modified energy, kept within O(h³): H0 - h H_p·H_q/2 + h² (H_pp(H_q,H_q)/12 + H_qq(H_p,H_p)/12)\n    H_p·H_q = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] strength[i] sin(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] sin(q[bonds[i][0]] - q[bonds[i][1]])]\n    H_pp(H_q,H_q) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][0] + 1, min(1, bonds[i][0] - bonds[j][0] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][0] + bonds[j][1] + 1, min(1, bonds[i][0] - bonds[j][1] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][0] + 1, min(1, bonds[i][1] - bonds[j][0] + 1)) > 0) [-strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])] + Σ_(i=0..min(bonds.len(), strength.len()) - 1) Σ_(j=0..min(bonds.len(), strength.len()) - 1) (where min(-bonds[i][1] + bonds[j][1] + 1, min(1, bonds[i][1] - bonds[j][1] + 1)) > 0) [strength[i] strength[j] sin(q[bonds[i][0]] - q[bonds[i][1]]) sin(q[bonds[j][0]] - q[bonds[j][1]])]\n    H_qq(H_p,H_p) = Σ_(i=0..min(bonds.len(), strength.len()) - 1) [p[bonds[i][0]] (p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]) - strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]])) + p[bonds[i][1]] (strength[i] p[bonds[i][1]] cos(q[bonds[i][0]] - q[bonds[i][1]]) - p[bonds[i][0]] strength[i] cos(q[bonds[i][0]] - q[bonds[i][1]]))]\n";
-        const IN_LOOPS: InLoops = InLoops {
+        const IN_LOOPS: Option<InLoops> = Some(InLoops {
             order: 1,
             is_consistent: true,
             quadrature: Quadrature {
@@ -361,7 +361,7 @@ const _: () = {
                     MomentumUpdate::Multiple(1.0),
                 )
             },
-        };
+        });
     }
     #[automatically_derived]
     impl Conservative for Network {}

@@ -2,7 +2,7 @@
 //! They are proven for sums of elements, at all sizes.
 
 use self::forces::{Forces, commuting_forces};
-use self::form::Form;
+use self::form::{Form, has_constant_curvature};
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
@@ -71,6 +71,8 @@ pub(crate) struct Facts {
     /// Whether there is more than one noise, or a family of them.
     pub(crate) has_several_noises: bool,
     pub(crate) invariants: Vec<Invariant>,
+    /// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
+    pub(crate) has_constant_curvature: bool,
 }
 
 impl Hamiltonians {
@@ -190,6 +192,7 @@ impl Facts {
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
             space,
+            has_constant_curvature: has_constant_curvature(system),
         }
     }
 

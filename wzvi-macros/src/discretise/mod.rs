@@ -25,7 +25,7 @@ pub(crate) use self::facts::{Facts, Failure, Invariant, NoiseClass, is_quadratic
 pub(crate) use self::gauss::StepSlopes;
 pub(crate) use self::lagrangian::{DiscreteLagrangian, StepSymbols};
 pub(crate) use self::parts::{PartElements, family_of, parts_of, scale_momenta};
-pub(crate) use self::plan::{Step, Strategy, Unknowns, has_constant_curvature};
+pub(crate) use self::plan::{Step, Strategy, Unknowns};
 pub(crate) use self::quadrature::{Part, Quadrature, Stage};
 pub(crate) use self::structure::{Block, Pivot, Solution, Unknown, increment};
 pub(crate) use self::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted};

@@ -16,8 +16,8 @@ use std::rc::Rc;
 
 use crate::discretise::{Facts, Part, Quadrature, Scheme, discretise};
 use crate::embedding::Embedding;
-use crate::model::{Element, StraightLine, System, Term};
-use crate::symbolic::{Expr, Graph, Rational, Symbol};
+use crate::model::{StraightLine, System, Term};
+use crate::symbolic::Rational;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Unknowns {
@@ -61,36 +61,12 @@ impl Step {
 }
 
 impl Strategy {
-    fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
+    fn of(system: &System, facts: &Facts, embedding: &Embedding) -> Self {
         let unknowns = unknowns(system, facts, embedding);
         let corrects = || Quadrature::new(facts, embedding).weights_of(Part::CounterTerm).next().is_some();
-        let is_linear = unknowns != Unknowns::None && !corrects() && has_constant_curvature(system);
+        let is_linear = unknowns != Unknowns::None && !corrects() && facts.has_constant_curvature;
         Self { unknowns, is_linear }
     }
-}
-
-/// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
-pub(crate) fn has_constant_curvature(system: &mut System) -> bool {
-    let System { graph, drift, noise, force, t, .. } = system;
-    let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
-        let state = element.state();
-        let moving = [state.as_slice(), &[*t]].concat();
-        // The components of a covector are slopes already.
-        let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
-        let slopes = if displacements.is_empty() { &state } else { &displacements };
-        !graph.has_pieces(element.value, &state)
-            && slopes.iter().all(|&x| {
-                let slope = graph.derivative(element.value, x);
-                state.iter().all(|&y| {
-                    let curvature = graph.derivative(slope, y);
-                    allowed(graph, curvature, &moving)
-                })
-            })
-    };
-    let mut of_noise = noise.iter().flat_map(|noise| &noise.term.elements);
-    let mut of_drift = drift.elements.iter().chain(force.iter().flat_map(|force| &force.elements));
-    of_drift.all(|e| curvature(e, &|graph, value, moving| !graph.depends_on(value, moving)))
-        && of_noise.all(|e| curvature(e, &|graph, value, _| graph.is_zero(value)))
 }
 
 fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {

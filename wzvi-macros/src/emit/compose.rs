@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemStruct;
 
-use super::listed;
+use super::discretized;
 use crate::describe::Texts;
 use crate::discretise::Flows;
 use crate::embedding::Embedding;
@@ -43,7 +43,7 @@ pub(super) fn emit(item: &ItemStruct, texts: &Texts) -> TokenStream {
                 quote!(__wzvi::compose::WholeOf<Self, #whole>)
             }
         };
-        generated.extend(listed(item, &embedding.path(&quote!(__wzvi)), &steps, text));
+        generated.extend(discretized(item, embedding, &steps, text, None));
     }
     generated
 }

@@ -9,7 +9,7 @@ use super::print::f64_type;
 use super::step::increment_names;
 use super::system::{Body, Read, count, evaluation, evaluation_over, parameter_names, state_names};
 use super::terms;
-use super::{implementation, listed};
+use super::{discretized, implementation};
 use crate::describe::Texts;
 use crate::discretise::{Facts, Flows, StepSlopes, is_nystrom};
 use crate::model::{Element, StraightLine, System};
@@ -23,9 +23,9 @@ pub(super) fn emit(system: &mut System, facts: &Facts, texts: &Texts) -> TokenSt
     let is_nystrom = is_nystrom(system, facts);
     let mut generated = field(system, is_nystrom, texts.flows);
     for (embedding, stages, text) in texts.staged() {
-        let (scheme, stages) = (embedding.path(&quote!(__wzvi)), Literal::u32_unsuffixed(stages));
+        let stages = Literal::u32_unsuffixed(stages);
         let gauss = quote!(__wzvi::embedding::Gauss<#stages>);
-        generated.extend(listed(&system.item, &scheme, &gauss, text));
+        generated.extend(discretized(&system.item, embedding, &gauss, text, None));
     }
     generated
 }

@@ -16,6 +16,7 @@ use quote::{ToTokens, quote};
 
 use crate::describe::Texts;
 use crate::discretise::{Facts, Step};
+use crate::embedding::Embedding;
 use crate::model::System;
 
 pub(crate) use names::Names;
@@ -94,29 +95,20 @@ pub(crate) fn implementation(item: &syn::ItemStruct, of: &TokenStream, body: &To
     }
 }
 
-/// `impl Discretized<E>`: the scheme type and its equations.
-pub(crate) fn listed(
-    item: &syn::ItemStruct,
-    listed: &TokenStream,
-    scheme: &TokenStream,
-    text: &str,
-) -> TokenStream {
-    discretized(item, listed, scheme, text, None)
-}
-
-/// The same, with the data of steps in loops.
+/// `impl Discretized<E>`: the scheme type and its equations; of steps in loops, their data, too.
 pub(crate) fn discretized(
     item: &syn::ItemStruct,
-    listed: &TokenStream,
+    embedding: &Embedding,
     scheme: &TokenStream,
     text: &str,
     in_loops: Option<TokenStream>,
 ) -> TokenStream {
+    let embedding = embedding.path(&quote!(__wzvi));
     let body = quote! {
         type Scheme = #scheme;
         type Prepared = <Self::Scheme as __wzvi::Scheme<Self>>::Prepared<__wzvi::f64>;
         const EQUATIONS: &'static __wzvi::str = #text;
         #in_loops
     };
-    implementation(item, &quote!(__wzvi::Discretized<#listed>), &body)
+    implementation(item, &quote!(__wzvi::Discretized<#embedding>), &body)
 }

@@ -7,7 +7,7 @@ use super::names::Names;
 use super::plan::plan;
 use super::system::{count, state_names};
 use super::terms;
-use super::{implementation, listed};
+use super::{discretized, implementation};
 use crate::discretise::{Facts, NoiseClass, Scheme, Strategy, Unknowns};
 use crate::model::StraightLine;
 use crate::symbolic::Graph;
@@ -73,6 +73,6 @@ pub(crate) fn emit(
         false => quote!(const _: () = { #step };),
     };
     let straight = quote!(__wzvi::Straight<#embedding, #d, #n>);
-    let listed = listed(item, &embedding, &straight, text);
+    let listed = discretized(item, &scheme.embedding, &straight, text, None);
     quote!(#step #listed)
 }

@@ -121,9 +121,12 @@ pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
         let is_rate = rate.is_finite() && rate >= 0.0;
         return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };
     }
-    if degrees != 0 {
+    if let Some(friction) = T::FACTS.bath
+        && degrees != 0
+    {
         // With a positive step: friction alone may also go backwards.
-        Relaxation::new(system, degrees, 1.0, (1.0, Decay::Exponential)).map_err(ConfigError::Bath)?;
+        let of_one = (1.0, Decay::Exponential);
+        Relaxation::new(system, friction, degrees, 1.0, of_one).map_err(ConfigError::Bath)?;
     }
     Ok(())
 }
@@ -133,7 +136,7 @@ pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Friction {
-    /// The index of the part of the elements that is the friction; `usize::MAX` without friction.
+    /// The index of the part of the elements that is the friction.
     pub part: usize,
     /// The index of the part that is the temperature.
     pub temperature: Option<usize>,
@@ -149,6 +152,11 @@ impl Friction {
     /// Rates that do not depend on the coordinates, and diagonal masses.
     pub const fn new(part: usize, temperature: Option<usize>) -> Self {
         Self { part, temperature, is_matrix: false, is_per_state: false, has_diagonal_masses: true }
+    }
+
+    /// Whether friction and masses are lists by degree of freedom.
+    const fn is_list(self) -> bool {
+        !self.is_matrix && self.has_diagonal_masses
     }
 
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
@@ -184,12 +192,17 @@ impl Friction {
     }
 }
 
+/// A system of which a thermostat takes the steps.
+struct Damped<H>(PhantomData<H>);
+
+impl<H: Elements> Damped<H> {
+    /// Its friction and temperature.
+    const FRICTION: Friction =
+        H::FACTS.bath.expect("a bath acts through friction: add `friction = ...` or `damping = [[...]]`");
+}
+
 /// The plan of the same steps between O parts: symmetric, and so of order two at most.
-const fn with_bath<H: Elements>(plan: Plan) -> Plan {
-    assert!(
-        H::FACTS.bath.part != usize::MAX,
-        "a bath acts through friction: add `friction = ...` or `damping = [[...]]`"
-    );
+const fn with_bath(plan: Plan) -> Plan {
     let order = if plan.order < 2 { plan.order } else { 2 };
     let noise = if matches!(plan.noise, NoiseClass::None) { NoiseClass::Thermal } else { plan.noise };
     Plan { order, noise, conserves_energy: Knowledge::Refuted, ..plan }

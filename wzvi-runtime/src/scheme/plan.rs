@@ -73,14 +73,13 @@ pub struct Facts {
     /// Whether there is friction or a bath.
     pub is_damped: bool,
     /// Friction and temperature, where the O part of a thermostat can apply them.
-    pub bath: Friction,
+    pub bath: Option<Friction>,
     /// Whether a branch depends on a condition in several coordinates or momenta: then a slope may read a variable although the second derivative vanishes.
     pub has_pieces: bool,
     /// Friction, forces and explicit time.
     pub kind: Kind,
-    /// The index of `H_A` among the parts of the [elements](crate::scheme::elements::Elements), the one before `H_B`, and the forms of both, for `drift = [H_A, H_B]`;
-    /// else `usize::MAX`.
-    pub parts: (usize, [Form; 2]),
+    /// The index of `H_A` among the parts of the [elements](crate::scheme::elements::Elements), the one before `H_B`, and the forms of both, for `drift = [H_A, H_B]`.
+    pub parts: Option<(usize, [Form; 2])>,
     /// The index of the first part of the elements that is a first integral.
     pub integrals: usize,
     /// Whether slopes can be computed window by window: elements that read coordinates add to adjacent places, and those
@@ -107,10 +106,10 @@ impl Facts {
             conserves_energy: Knowledge::Proven,
             commuting: Knowledge::Proven,
             is_damped: false,
-            bath: Friction::new(usize::MAX, None),
+            bath: None,
             has_pieces: false,
             kind: Kind::AUTONOMOUS,
-            parts: (usize::MAX, [Form::Quadratic; 2]),
+            parts: None,
             integrals: 3,
             has_windows: false,
             has_pairs: false,

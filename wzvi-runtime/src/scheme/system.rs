@@ -325,7 +325,7 @@ pub trait Discretized<E>: Hamiltonian + Sized {
 
     /// The scheme, if its steps are solved in loops.
     #[doc(hidden)]
-    const IN_LOOPS: InLoops = InLoops::NONE;
+    const IN_LOOPS: Option<InLoops> = None;
 
     /// The compile-time facts.
     const PLAN: Plan = <Self::Scheme as Scheme<Self>>::PLAN;

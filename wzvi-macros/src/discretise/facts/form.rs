@@ -2,8 +2,8 @@
 
 use crate::discretise::Sum;
 use crate::embedding::{Embedding, Points};
-use crate::model::Element;
-use crate::symbolic::{Graph, Rational};
+use crate::model::{Element, System};
+use crate::symbolic::{Expr, Graph, Rational, Symbol};
 
 /// The form of a function, which decides whether schemes keep it exactly.
 #[derive(Clone, Copy)]
@@ -55,4 +55,28 @@ fn is_of_degree(graph: &mut Graph, element: &Element, degree: Degree) -> bool {
                 !graph.depends_on(curvature, &state) && (is_allowed || graph.is_zero(curvature))
             })
         })
+}
+
+/// Whether the second derivatives of the step Hamiltonian read neither the state nor the time nor increments.
+pub(super) fn has_constant_curvature(system: &mut System) -> bool {
+    let System { graph, drift, noise, force, t, .. } = system;
+    let mut curvature = |element: &Element, allowed: &dyn Fn(&Graph, Expr, &[Symbol]) -> bool| {
+        let state = element.state();
+        let moving = [state.as_slice(), &[*t]].concat();
+        // The components of a covector are slopes already.
+        let displacements: Vec<Symbol> = element.displacements().map(|(symbol, _)| symbol).collect();
+        let slopes = if displacements.is_empty() { &state } else { &displacements };
+        !graph.has_pieces(element.value, &state)
+            && slopes.iter().all(|&x| {
+                let slope = graph.derivative(element.value, x);
+                state.iter().all(|&y| {
+                    let curvature = graph.derivative(slope, y);
+                    allowed(graph, curvature, &moving)
+                })
+            })
+    };
+    let mut of_noise = noise.iter().flat_map(|noise| &noise.term.elements);
+    let mut of_drift = drift.elements.iter().chain(force.iter().flat_map(|force| &force.elements));
+    of_drift.all(|e| curvature(e, &|graph, value, moving| !graph.depends_on(value, moving)))
+        && of_noise.all(|e| curvature(e, &|graph, value, _| graph.is_zero(value)))
 }

@@ -19,16 +19,16 @@ pub(crate) fn emit(
     let is_explicit = strategy.unknowns == Unknowns::None;
     let quadrature = quadrature(facts, embedding, strategy, model.noise.is_empty() && !is_explicit);
     let (order, is_consistent) = (Literal::u32_unsuffixed(embedding.order()), facts.converges(embedding));
-    let (embedding, in_loops) = (embedding.path(&quote!(__wzvi)), quote!(__wzvi::elements::InLoops));
+    let (path, in_loops) = (embedding.path(&quote!(__wzvi)), quote!(__wzvi::elements::InLoops));
     let in_loops = quote! {
-        const IN_LOOPS: #in_loops = #in_loops {
+        const IN_LOOPS: __wzvi::Option<#in_loops> = __wzvi::Some(#in_loops {
             order: #order,
             is_consistent: #is_consistent,
             quadrature: #quadrature,
-        };
+        });
     };
-    let steps = quote!(__wzvi::elements::Loops<#embedding>);
-    discretized(&model.item, &embedding, &steps, text, Some(in_loops))
+    let steps = quote!(__wzvi::elements::Loops<#path>);
+    discretized(&model.item, embedding, &steps, text, Some(in_loops))
 }
 
 /// The parameters of the scheme for the run time, and whether past steps predict the

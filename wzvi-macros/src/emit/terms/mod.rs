@@ -19,9 +19,7 @@ pub(crate) use self::indices::Indices;
 use self::parts::Numbers;
 use crate::describe::Texts;
 use crate::diagnostics::promised;
-use crate::discretise::{
-    Facts, PartElements, Quadrature, Step, Unknowns, has_constant_curvature, parts_of, scale_momenta,
-};
+use crate::discretise::{Facts, PartElements, Quadrature, Step, Unknowns, parts_of, scale_momenta};
 use crate::emit::compose::structure;
 use crate::emit::gauss::shape;
 use crate::emit::plan::degrees;
@@ -148,7 +146,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let is_true = |holds: bool| holds.then(|| quote!(true));
     let has_windows = windows::are_there(model, &parts);
     // Read where a window takes a whole step at once.
-    let is_constant = has_windows.is_some() && has_constant_curvature(model);
+    let is_constant = has_windows.is_some() && facts.has_constant_curvature;
     let others = [
         ("kind", hamiltonian::kind(model)),
         ("bath", parts::bath(model)),

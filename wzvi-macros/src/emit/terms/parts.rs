@@ -72,7 +72,7 @@ pub(super) fn forms(model: &System, texts: &Texts) -> Option<TokenStream> {
         quote!(__wzvi::compose::Form::#form)
     });
     let first = count(Numbers::of(model).parts);
-    Some(quote!((#first, [#(#forms),*])))
+    Some(quote!(__wzvi::Some((#first, [#(#forms),*]))))
 }
 
 /// Friction and temperature as parts with numbers of their own, if there is friction for a thermostat.
@@ -93,5 +93,6 @@ pub(super) fn bath(model: &mut System) -> Option<TokenStream> {
     let masses = (!is_diagonal).then(|| quote!(has_diagonal_masses: false,));
     let fields = quote!(#is_matrix #is_per_state #masses);
     let plain = quote!(#bath::new(#number, #temperature));
-    Some(if fields.is_empty() { plain } else { quote!(#bath { #fields ..#plain }) })
+    let bath = if fields.is_empty() { plain } else { quote!(#bath { #fields ..#plain }) };
+    Some(quote!(__wzvi::Some(#bath)))
 }

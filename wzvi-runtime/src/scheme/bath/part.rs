@@ -3,10 +3,10 @@
 use std::any::Any;
 use std::ops::Range;
 
-use super::Relaxation;
 use super::diagonal::{BLOCK, Diagonal};
 use super::modes::Decay;
 use super::relaxation::Momenta;
+use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
@@ -36,12 +36,13 @@ pub(super) fn prepare<T: Elements, K: Constant>(
     h: K,
     shares: Shares,
 ) -> Result<Option<Relaxation<K>>, ConfigError> {
-    let (h, degrees) = (without_derivatives(h)?, system.degrees());
+    let (h, degrees, friction) = (without_derivatives(h)?, system.degrees(), Damped::<T>::FRICTION);
     if degrees == 0 {
-        Relaxation::check(system).map_err(ConfigError::Bath)?;
+        Relaxation::check(system, friction).map_err(ConfigError::Bath)?;
         return Ok(None);
     }
-    let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(ConfigError::Bath)?;
+    let relaxation = Relaxation::new(system, friction, degrees, h, shares.of_one());
+    let relaxation = relaxation.map_err(ConfigError::Bath)?;
     Ok(Some(relaxation.constant()))
 }
 
@@ -68,7 +69,8 @@ impl Own {
     #[cold]
     fn new<T: Elements>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
         system.check(degrees)?;
-        let relaxation = Relaxation::new(system, degrees, h, shares.of_one()).map_err(StepFailure::Bath)?;
+        let relaxation = Relaxation::new(system, Damped::<T>::FRICTION, degrees, h, shares.of_one());
+        let relaxation = relaxation.map_err(StepFailure::Bath)?;
         Ok(Self { h, degrees, relaxation })
     }
 }
@@ -145,7 +147,7 @@ fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
 
 /// The number of standard normals that drive a step with `parts` O parts.
 pub(super) fn normals<T: Elements>(system: &T, degrees: usize, parts: usize) -> usize {
-    if T::FACTS.bath.temperature(system).is_some() { parts * degrees } else { 0 }
+    if Damped::<T>::FRICTION.temperature(system).is_some() { parts * degrees } else { 0 }
 }
 
 /// The O parts of a step.

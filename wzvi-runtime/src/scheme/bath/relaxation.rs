@@ -15,6 +15,7 @@ use std::ops::Mul;
 
 use super::diagonal::Diagonal;
 use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
+use super::{Damped, Friction};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
@@ -63,16 +64,17 @@ impl Relaxation {
     ///
     /// # Errors
     /// [`BathError`] for an invalid friction, temperature or mass, and for steps backwards in time.
-    pub fn new<T: Elements>(
+    pub(super) fn new<T: Elements>(
         system: &T,
+        friction: Friction,
         degrees: usize,
         h: f64,
         (share, decay): (f64, Decay),
     ) -> Result<Self, BathError> {
-        let temperature = Self::check(system)?;
-        let mut gamma = vec![0.0; if T::FACTS.bath.is_matrix { degrees * degrees } else { degrees }];
-        if !T::FACTS.bath.is_per_state {
-            T::FACTS.bath.damping(system, &vec![0.0; degrees], &mut gamma);
+        let temperature = Self::check(system, friction)?;
+        let mut gamma = vec![0.0; if friction.is_matrix { degrees * degrees } else { degrees }];
+        if !friction.is_per_state {
+            friction.damping(system, &vec![0.0; degrees], &mut gamma);
             if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite()) {
                 return Err(BathError::Friction { rate });
             }
@@ -84,17 +86,17 @@ impl Relaxation {
             return Err(BathError::Backwards { h });
         }
         let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip(), decay };
-        let inverse_mass = inverse_mass(system, degrees);
-        let mass = if is_list::<T>() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
-        if T::FACTS.bath.is_per_state {
-            if is_list::<T>()
+        let inverse_mass = inverse_mass(system, friction, degrees);
+        let mass = if friction.is_list() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
+        if friction.is_per_state {
+            if friction.is_list()
                 && let Some(degree) = inverse_mass.iter().position(|&inverse| inverse <= 0.0)
             {
                 return Err(BathError::Mass { degree, inverse: inverse_mass[degree] });
             }
             return Ok(Self(Law::Frozen(Frozen { mass, inverse_mass, bath })));
         }
-        Ok(Self(match (T::FACTS.bath.is_matrix, T::FACTS.bath.has_diagonal_masses) {
+        Ok(Self(match (friction.is_matrix, friction.has_diagonal_masses) {
             (false, true) => diagonal(&gamma, inverse_mass, &bath)?,
             (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath)?,
             (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees)?,
@@ -105,8 +107,8 @@ impl Relaxation {
     ///
     /// # Errors
     /// [`BathError::Temperature`]
-    pub(super) fn check<T: Elements>(system: &T) -> Result<f64, BathError> {
-        let temperature = T::FACTS.bath.temperature(system).unwrap_or(0.0);
+    pub(super) fn check<T: Elements>(system: &T, friction: Friction) -> Result<f64, BathError> {
+        let temperature = friction.temperature(system).unwrap_or(0.0);
         if temperature.is_finite() && temperature >= 0.0 {
             Ok(temperature)
         } else {
@@ -116,8 +118,12 @@ impl Relaxation {
 
     /// The length of the scratch of [`Relaxation::apply`].
     pub(super) fn room<T: Elements>(degrees: usize) -> usize {
-        let bath = T::FACTS.bath;
-        if bath.is_per_state && bath.is_matrix { 3 * degrees * degrees + 2 * degrees } else { 2 * degrees }
+        let friction = Damped::<T>::FRICTION;
+        if friction.is_per_state && friction.is_matrix {
+            3 * degrees * degrees + 2 * degrees
+        } else {
+            2 * degrees
+        }
     }
 
     /// The same in constants.
@@ -185,7 +191,7 @@ impl<K: Constant> Relaxation<K> {
                 momenta.replace::<C>(&room[..d], inverse_mass)
             }
             Law::Frozen(frozen) => {
-                if T::FACTS.bath.is_matrix {
+                if Damped::<T>::FRICTION.is_matrix {
                     frozen.apply_matrix::<T, S, C>(system, momenta, room)?
                 } else {
                     frozen.apply_rates::<T, S, C>(system, momenta, room)?
@@ -267,21 +273,16 @@ where
     if S::LANES == 1 { (after - before) * (after + before) * (inverse_mass * 0.5) } else { S::from_f64(0.0) }
 }
 
-/// Whether friction and masses are lists by degree of freedom.
-pub(super) const fn is_list<T: Elements>() -> bool {
-    !T::FACTS.bath.is_matrix && T::FACTS.bath.has_diagonal_masses
-}
-
 /// `M⁻¹`: a list if friction is a list, else a matrix.
-fn inverse_mass<T: Elements>(system: &T, d: usize) -> Vec<f64> {
-    if !T::FACTS.bath.has_diagonal_masses {
+fn inverse_mass<T: Elements>(system: &T, friction: Friction, d: usize) -> Vec<f64> {
+    if !friction.has_diagonal_masses {
         let mut rows = vec![0.0; d * d];
-        T::FACTS.bath.inverse_mass(system, &mut rows);
+        friction.inverse_mass(system, &mut rows);
         return rows;
     }
     let mut list = vec![0.0; d];
-    T::FACTS.bath.inverse_mass(system, &mut list);
-    if !T::FACTS.bath.is_matrix {
+    friction.inverse_mass(system, &mut list);
+    if !friction.is_matrix {
         return list;
     }
     let mut rows = vec![0.0; d * d];
@@ -380,8 +381,8 @@ impl Frozen {
         room: &mut [S],
     ) -> Result<S, StepFailure> {
         let (rates, new) = room.split_at_mut(momenta.p.len());
-        T::FACTS.bath.damping(system, momenta.q, rates);
-        if T::FACTS.bath.has_diagonal_masses {
+        Damped::<T>::FRICTION.damping(system, momenta.q, rates);
+        if Damped::<T>::FRICTION.has_diagonal_masses {
             return momenta.relax::<C, f64>(&self.inverse_mass, |i| {
                 let (decay, noise) = self.mode(rates[i])?;
                 Ok((decay, noise / self.inverse_mass[i].sqrt()))
@@ -408,7 +409,7 @@ impl Frozen {
         let (vectors, room) = room.split_at_mut(d * d);
         let (modes, room) = room.split_at_mut(d * d);
         let (along, new) = room.split_at_mut(d);
-        T::FACTS.bath.damping(system, momenta.q, rates);
+        Damped::<T>::FRICTION.damping(system, momenta.q, rates);
         let mut found = Modes { rates, vectors, modes };
         found.solve(&self.mass, d).map_err(negative)?;
         let (smallest, slowest) = found.slowest(&self.bath, d);

@@ -10,10 +10,9 @@ use std::marker::PhantomData;
 
 use super::modes::Decay;
 use super::part::{self, Parts, Shares};
-use super::relaxation::is_list;
 use super::windowed::WithBath;
 use super::word::{A, Act, B, O, Part, Spelling, joined};
-use super::{Baoab, GjI, Gjf, Obabo, Relaxation, with_bath};
+use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{Request, StepMemory};
@@ -118,11 +117,11 @@ where
         let order = W::SPELLING.order;
         // With multiplicative noise, consistency requires order two.
         let consistent = order == 2 || !matches!(F::FACTS.noise, NoiseClass::Multiplicative);
-        with_bath::<F>(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
+        with_bath(F::FACTS.plan(Solver::Explicit, 0, order, consistent))
     };
     const PROPERTIES: Properties = Properties {
         // Windows are for lists of rates and masses.
-        fills_registers_from: match is_list::<F>() && !F::FACTS.bath.is_per_state {
+        fills_registers_from: match Damped::<F>::FRICTION.is_list() && !Damped::<F>::FRICTION.is_per_state {
             true => least_alone::<F>(),
             false => usize::MAX,
         },
@@ -261,8 +260,9 @@ fn shortened<T: Elements>(system: &T, h: f64) -> Result<f64, ConfigError> {
     }
     // If the size is unknown, one degree of freedom is enough to read the rate.
     let mut rates = vec![f64::NAN; system.degrees().max(1)];
-    if !T::FACTS.bath.is_matrix && !T::FACTS.bath.is_per_state {
-        T::FACTS.bath.damping(system, &vec![0.0; rates.len()], &mut rates);
+    let friction = Damped::<T>::FRICTION;
+    if !friction.is_matrix && !friction.is_per_state {
+        friction.damping(system, &vec![0.0; rates.len()], &mut rates);
     }
     let rate = rates[0];
     if !(rate >= 0.0 && rates.iter().all(|other| *other == rate)) {

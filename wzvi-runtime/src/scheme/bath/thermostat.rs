@@ -86,7 +86,7 @@ impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
 
 /// As far as the plan of `E` says.
 impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
-    const PLAN: Plan = with_bath::<T>(<SchemeOf<T, E> as Scheme<T>>::PLAN);
+    const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
     const PROPERTIES: Properties = Properties {
         remembers: <T as Discretized<E>>::PROPERTIES.remembers,
         in_lanes: <T as Discretized<E>>::PROPERTIES.in_lanes,

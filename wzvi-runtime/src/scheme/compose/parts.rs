@@ -36,6 +36,15 @@ pub enum Form {
     Quadratic,
 }
 
+/// The parts of a system whose drift is declared in two.
+struct Parts<F>(PhantomData<F>);
+
+impl<F: Elements> Parts<F> {
+    /// As [`Facts::parts`](crate::scheme::plan::Facts::parts).
+    const OF_DRIFT: (usize, [Form; 2]) =
+        F::FACTS.parts.expect("the drift is declared in two parts, `drift = [H_A, H_B]`");
+}
+
 /// `h ∂H/∂q` and `h ∂H/∂p` of a part, as far as wanted.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
@@ -49,7 +58,7 @@ fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     by_p.fill(S::from_f64(0.0));
     let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
-    slopes(system, F::FACTS.parts.0 + part as usize, 1.0, &at, wanted, by_q, by_p);
+    slopes(system, Parts::<F>::OF_DRIFT.0 + part as usize, 1.0, &at, wanted, by_q, by_p);
 }
 
 /// The flows of the two parts in turn.
@@ -84,7 +93,7 @@ fn prepare<F: Elements>(
     let mut known: Vec<(Stage, Arc<Linear>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
-        match F::FACTS.parts.1[half as usize] {
+        match Parts::<F>::OF_DRIFT.1[half as usize] {
             Form::Coordinates => return Ok(Act::Kick(half)),
             Form::Momenta => return Ok(Act::Drift(half)),
             Form::Quadratic => {}
@@ -112,10 +121,7 @@ fn prepare<F: Elements>(
 }
 
 impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
-    const PLAN: Plan = {
-        assert!(F::FACTS.parts.0 != usize::MAX, "the drift is declared in two parts, `drift = [H_A, H_B]`");
-        plan(F::FACTS.explicit(), W::ORDER)
-    };
+    const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared<K: Constant> = Prepared;
@@ -170,7 +176,7 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
         let Prepared(Stages(stages)) = prepare(system, degrees, h, &W::substeps()).ok()?;
         let action = |stage: &Stage<Act>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half: Half| {
-                let part = F::FACTS.parts.0 + half as usize;
+                let part = Parts::<F>::OF_DRIFT.0 + half as usize;
                 stage.weight * h * value_of_part(system, part, t + stage.node * h, q, p)
             };
             match &stage.act {

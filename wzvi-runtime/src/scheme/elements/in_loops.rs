@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::side_by_side::go_side_by_side;
 use super::{
-    CompensationVec, Elements, Memory, MomentumUpdate, Quadrature, Unknowns, discrete_lagrangian,
+    CompensationVec, Elements, Memory, Quadrature, Unknowns, discrete_lagrangian,
     discrete_lagrangian_gradient, iterate, prepare, step_momentum,
 };
 use crate::algebra::carry::{Carry, Plain};
@@ -29,18 +29,17 @@ pub struct InLoops {
     pub quadrature: Quadrature,
 }
 
-impl InLoops {
-    /// Of all other schemes.
-    pub const NONE: Self =
-        Self { order: 0, is_consistent: false, quadrature: Quadrature::new(&[], MomentumUpdate::Slopes) };
-}
-
 /// Steps in loops.
 #[derive(Clone, Copy, Debug)]
 pub struct Loops<E>(PhantomData<E>);
 
-const fn is_explicit(quadrature: &Quadrature) -> bool {
-    matches!(quadrature.unknowns, Unknowns::None)
+/// The scheme of a system whose steps are solved in loops.
+struct Of<H, E>(PhantomData<(H, E)>);
+
+impl<H: Discretized<E>, E> Of<H, E> {
+    const SCHEME: InLoops = H::IN_LOOPS.expect("steps of this scheme are not solved in loops");
+    const QUADRATURE: &'static Quadrature = &Self::SCHEME.quadrature;
+    const IS_EXPLICIT: bool = matches!(Self::QUADRATURE.unknowns, Unknowns::None);
 }
 
 /// A poor start costs iterations, but no digits, so that past steps need not be forgotten.
@@ -49,14 +48,13 @@ where
     H: Elements + Sync + Discretized<E, Vector = <H as Elements>::Vector>,
 {
     const PLAN: Plan = {
-        let InLoops { order, is_consistent, quadrature } = H::IN_LOOPS;
-        assert!(!quadrature.stages.is_empty(), "steps of this scheme are not solved in loops");
+        let InLoops { order, is_consistent, quadrature } = Of::<H, E>::SCHEME;
         quadrature.plan(H::FACTS, order, is_consistent)
     };
     const PROPERTIES: Properties = Properties {
-        kept_energy: H::IN_LOOPS.quadrature.kept_energy(H::IN_LOOPS.order),
+        kept_energy: Of::<H, E>::QUADRATURE.kept_energy(Of::<H, E>::SCHEME.order),
         remembers: false,
-        in_lanes: is_explicit(&H::IN_LOOPS.quadrature) || go_side_by_side(&H::FACTS, &H::IN_LOOPS.quadrature),
+        in_lanes: Of::<H, E>::IS_EXPLICIT || go_side_by_side(&H::FACTS, Of::<H, E>::QUADRATURE),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
     type Prepared<K: Constant> = ();
@@ -65,7 +63,7 @@ where
     type Carry<S: Scalar> = Plain;
 
     fn memory(system: &H) -> Memory<f64> {
-        Memory::new(system, &H::IN_LOOPS.quadrature)
+        Memory::new(system, Of::<H, E>::QUADRATURE)
     }
 
     fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
@@ -82,10 +80,10 @@ where
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let at = at.plain()?;
-        if const { is_explicit(&H::IN_LOOPS.quadrature) } {
-            advance_explicit(system, &H::IN_LOOPS.quadrature, at, memory, carry)
+        if const { Of::<H, E>::IS_EXPLICIT } {
+            advance_explicit(system, Of::<H, E>::QUADRATURE, at, memory, carry)
         } else {
-            iterate::advance::<H, S, C, CAREFUL>(system, &H::IN_LOOPS.quadrature, at, memory, carry)
+            iterate::advance::<H, S, C, CAREFUL>(system, Of::<H, E>::QUADRATURE, at, memory, carry)
         }
     }
 
@@ -99,10 +97,10 @@ where
         memory: &mut Memory<f64>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        if const { is_explicit(&H::IN_LOOPS.quadrature) } {
+        if const { Of::<H, E>::IS_EXPLICIT } {
             return advance_explicit_vectors(
                 system,
-                &H::IN_LOOPS.quadrature,
+                Of::<H, E>::QUADRATURE,
                 [t, h],
                 [q, p],
                 dw,
@@ -111,11 +109,11 @@ where
             );
         }
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        iterate::advance::<H, f64, C, CAREFUL>(system, &H::IN_LOOPS.quadrature, at, memory, carry)
+        iterate::advance::<H, f64, C, CAREFUL>(system, Of::<H, E>::QUADRATURE, at, memory, carry)
     }
 
     fn discrete_lagrangian(system: &H, segment: &Segment<<H as Elements>::Vector>, dw: &[f64]) -> f64 {
-        discrete_lagrangian(system, &H::IN_LOOPS.quadrature, segment, dw)
+        discrete_lagrangian(system, Of::<H, E>::QUADRATURE, segment, dw)
     }
 
     fn discrete_lagrangian_gradient(
@@ -123,7 +121,7 @@ where
         segment: &Segment<<H as Elements>::Vector>,
         dw: &[f64],
     ) -> LagrangianGradient<<H as Elements>::Vector> {
-        discrete_lagrangian_gradient(system, &H::IN_LOOPS.quadrature, segment, dw)
+        discrete_lagrangian_gradient(system, Of::<H, E>::QUADRATURE, segment, dw)
     }
 
     fn step_momentum(
@@ -133,6 +131,6 @@ where
         h: f64,
         dw: &[f64],
     ) -> <H as Elements>::Vector {
-        step_momentum(system, &H::IN_LOOPS.quadrature, [before, after], h, dw)
+        step_momentum(system, Of::<H, E>::QUADRATURE, [before, after], h, dw)
     }
 }
