@@ -5,13 +5,14 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Execution, Setup, Simulation, Unobserved};
+use super::{Simulation, Unobserved};
 use crate::algebra::memory::Threads;
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::Noise;
 use crate::path::Error;
+use crate::path::options::{Execution, Setup};
 use crate::path::retry::{Subdivision, Whole};
 use crate::path::step::StepInfo;
 use crate::path::steps::{Single, Step};

@@ -1,0 +1,335 @@
+//! The run of a path: its steps, its nodes, and what becomes of them.
+
+use std::time::Duration;
+
+use super::{Node, Observer, Partial, Simulation};
+use crate::algebra::memory::Threads;
+use crate::algebra::state::{State, Vector};
+use crate::algebra::sum::Sums;
+use crate::error::StoppedError;
+use crate::ground::due::Due;
+use crate::ground::progress::StepsShown;
+use crate::increments::{Interval, Noise};
+use crate::path::Error;
+use crate::path::between::{Between, Part};
+use crate::path::checkpoint::Keeper;
+use crate::path::options::{Execution, Setup};
+use crate::path::retry::{Serves, Subdivision};
+use crate::path::span::Grid;
+use crate::path::step::StepInfo;
+use crate::path::steps::{Advance, Single, take_steps};
+use crate::path::trajectory::Recorder;
+use crate::path::watch::Watch;
+use crate::scheme::dense::DenseOutput;
+use crate::scheme::system::{Discretized, Hamiltonian};
+
+impl<H, E, N, O, R> Simulation<'_, H, E, N, O, R>
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    /// [`Simulation::run_partial`] until the observer or `stop` ends the run. Both are asked about ten times a second.
+    pub(crate) fn run_until(
+        self,
+        stop: Option<&dyn Fn() -> bool>,
+    ) -> Result<(Partial<H::Vector, E>, O), Error>
+    where
+        N: Serves<R>,
+    {
+        let Self { setup, noise, mut observer, .. } = self;
+        let Setup {
+            system,
+            h,
+            span,
+            recorded,
+            observables,
+            sections,
+            retry,
+            is_watched,
+            execution,
+            keeping,
+            more: (),
+        } = setup;
+        let Execution { threads, is_quiet, handle, stop: asked, .. } = execution;
+        let (names, functions) = observables.checked("observables")?;
+        let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
+        let (start, grid) = span.checked::<H, E>(system, h)?;
+        let recording = recorded.checked(1, &grid)?;
+        let processes = system.increments(start.q.components().len());
+        let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
+        let looks_inside = !sections.is_empty() || !recording.between.is_empty();
+        let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
+        let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
+        let is_shown = O::LOOKS && !O::AVERAGES;
+        let mut account = Records::new(records()?, processes, is_shown || keeping.is_set() || looks_inside);
+        let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
+        let mut looks = between();
+        let keeper = keeping.open_path(
+            &mut stepper.stepper,
+            &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch, &mut observer),
+            noise.as_ref(),
+            (&grid, retry, &sections),
+        )?;
+        let mut first = keeper.first();
+        if let Some(looks) = &mut looks {
+            looks.arrive(first, &state);
+        }
+        let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
+        let stop = stop.or(asked.as_deref().map(|stop| stop as _));
+        let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
+        let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
+        let mut nodes = Nodes { observer, account, keeper, shown, stop, due: 0, grid, looks, dense };
+        nodes.due = nodes.next_due();
+        let error = loop {
+            if O::AVERAGES && nodes.observer.has_enough() {
+                break None;
+            }
+            if first == 0 {
+                nodes.show(&state, 0, &dw);
+            }
+            let mut path = Single {
+                stepper: &mut stepper,
+                state: &mut state,
+                noise: &mut noise,
+                dw: &mut dw,
+                first: grid.first(),
+            };
+            match take_all(&mut path, first, &mut nodes) {
+                Ok(()) => break None,
+                Err(Error::Stopped(_)) if nodes.observer.has_enough() => break None,
+                // A run that is kept does not start again: its file says that it went this far. Nor do averages, which have seen its nodes.
+                Err(error) if O::AVERAGES || nodes.keeper.keeps() || !stepper.refine(&error)? => {
+                    break Some(error);
+                }
+                Err(_) => {
+                    (first, state) = (0, start.clone());
+                    nodes.account = Records::new(records()?, processes, nodes.account.has_sums);
+                    nodes.looks = between();
+                    dw.fill(0.0);
+                }
+            }
+        };
+        let Nodes { observer, account, keeper, .. } = nodes;
+        let exchanged = stepper.stepper.exchanged();
+        let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let trajectory =
+            trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());
+        let trajectory = trajectory.named(system.variables()).saved_but_for(keeper.unsaved());
+        Ok(((trajectory, error), observer))
+    }
+}
+
+/// Between two questions whether to stop.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Takes all steps from this one on, the last one of another size if it is shorter.
+fn take_all<'s, H, E, N, O>(
+    path: &mut OnePath<'_, 's, H, E, N>,
+    first: u64,
+    nodes: &mut Nodes<'_, '_, '_, O, H::Vector>,
+) -> Result<(), Error>
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    let (grid, mut steps) = (nodes.grid, first..nodes.grid.whole());
+    // The loop is called in one place, so that what it calls is inlined.
+    loop {
+        take_steps(&mut (&mut *path, &mut *nodes), steps.clone())?;
+        match grid.shorter {
+            Some(h) if steps.start < grid.steps && steps.end < grid.steps => {
+                path.stepper.finish_with(h)?;
+                steps = grid.whole()..grid.steps;
+            }
+            _ => return Ok(()),
+        }
+    }
+}
+
+/// What a run writes down of its steps.
+struct Records<V> {
+    recorder: Recorder<V>,
+    /// Sums of all increments, for an observer and a checkpoint.
+    wiener: Sums,
+    /// Whether anybody asks for them.
+    has_sums: bool,
+    /// Newton iterations and halvings of the last step.
+    last: [u32; 2],
+}
+
+impl<V: Vector> Records<V> {
+    fn new(recorder: Recorder<V>, processes: usize, has_sums: bool) -> Self {
+        Self { recorder, wiener: Sums::new(processes), has_sums, last: [0; 2] }
+    }
+
+    /// A step with these increments was taken.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count(&mut self, dw: &[f64], info: &StepInfo) {
+        self.recorder.step(dw, info);
+        if self.has_sums {
+            self.wiener.add(dw);
+            self.last = [info.iterations, info.halvings];
+        }
+    }
+}
+
+/// What a run is, beside its stepper: all that a checkpoint keeps and brings back.
+pub(crate) struct Run<'r, 's, 'a, V, O> {
+    pub(crate) state: &'r mut State<V>,
+    pub(crate) recorder: &'r mut Recorder<V>,
+    pub(crate) wiener: &'r mut Sums,
+    pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
+    pub(crate) watch: &'r mut Watch<V>,
+    pub(crate) observer: &'r mut O,
+}
+
+impl<'r, 's, 'a, V, O> Run<'r, 's, 'a, V, O> {
+    fn new(
+        state: &'r mut State<V>,
+        account: &'r mut Records<V>,
+        looks: &'r mut Option<Box<Between<'s, 'a, V>>>,
+        watch: &'r mut Watch<V>,
+        observer: &'r mut O,
+    ) -> Self {
+        let Records { recorder, wiener, .. } = account;
+        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch, observer }
+    }
+}
+
+/// Shows nodes to the observer, records them and what is between them, and saves the run.
+struct Nodes<'k, 's, 'a, O, V> {
+    observer: O,
+    account: Records<V>,
+    keeper: Keeper,
+    shown: StepsShown,
+    /// Whether to stop, and when to ask.
+    stop: Option<(&'k dyn Fn() -> bool, Due)>,
+    /// [`Nodes::next_due`]
+    due: u64,
+    grid: Grid,
+    /// Looks between the nodes, if something is to be found there.
+    looks: Option<Box<Between<'s, 'a, V>>>,
+    dense: Option<Box<DenseOutput<V>>>,
+}
+
+impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn show(&mut self, state: &State<V>, step: u64, dw: &[f64]) {
+        let [iterations, halvings] = self.account.last;
+        let node = Node { step, wiener: self.account.wiener.totals(), increments: dw, iterations, halvings };
+        self.observer.observe(state, &node);
+    }
+
+    /// The next node at which it may be time to save, to show how far the run is, or to ask whether to stop.
+    fn next_due(&self) -> u64 {
+        let asked = self.stop.as_ref().map_or(u64::MAX, |(_, due)| due.next());
+        self.keeper.next().min(self.shown.next()).min(asked)
+    }
+
+    /// Whether the run is to stop at a node.
+    fn is_stopped(&mut self, node: u64) -> bool {
+        let asked = self.stop.as_mut().is_some_and(|(stop, due)| {
+            let is_due = due.is_due(node);
+            if is_due {
+                due.done();
+            }
+            is_due && node < self.grid.steps && stop()
+        });
+        self.shown.look(node) || asked
+    }
+
+    /// Looks into the step that ended at a node.
+    #[inline(never)]
+    fn look_inside<H, E, N>(&mut self, path: &mut OnePath<'_, '_, H, E, N>, node: u64) -> Result<(), Error>
+    where
+        H: Discretized<E, Vector = V>,
+        N: Noise,
+    {
+        let Self { looks: Some(looks), dense: Some(dense), account, .. } = self else { return Ok(()) };
+        let Single { stepper, state, noise, dw, first } = path;
+        let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
+        if looks.wants(node, recorder.next_inside()) {
+            if halvings == 0 {
+                stepper.stepper.fill([&looks.before, state], dw, dense);
+                looks.look(dense, &Part { step, dw, later: &[], is_last: true }, recorder);
+            } else {
+                let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
+                let interval = Interval { step, ..*first };
+                stepper.revisit(&before, interval, noise, halvings, |stepper, nodes, dw| {
+                    later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
+                    parts -= 1;
+                    stepper.fill(nodes, dw, dense);
+                    looks.look(dense, &Part { step, dw, later: &later, is_last: parts == 0 }, recorder);
+                })?;
+            }
+        }
+        looks.arrive(node, state);
+        Ok(())
+    }
+}
+
+impl<H, E, N, O> Advance for (&mut OnePath<'_, '_, H, E, N>, &mut Nodes<'_, '_, '_, O, H::Vector>)
+where
+    H: Discretized<E>,
+    N: Noise,
+    O: Observer<H::Vector>,
+{
+    type Error = Error;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance(&mut self, step: u64) -> Result<(), Error> {
+        let (path, nodes) = self;
+        let (stepper, step) = path.step(step);
+        let info = stepper.take_step(step)?;
+        nodes.account.count(path.dw, &info);
+        Ok(())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&self, node: u64) -> u64 {
+        let Nodes { observer, account: Records { recorder, .. }, looks, due, .. } = &*self.1;
+        let shown = if O::LOOKS && recorder.shows_all() { observer.next(node) } else { recorder.next() };
+        let inside = looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
+        shown.min(*due).min(inside)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look(&mut self, node: u64) -> Result<(), Error> {
+        let (path, nodes) = self;
+        let all = nodes.grid.steps;
+        if node == all {
+            path.state.t = nodes.grid.end.unwrap_or(path.state.t);
+        }
+        if nodes.looks.is_some() {
+            nodes.look_inside(path, node)?;
+        }
+        let recorder = &mut nodes.account.recorder;
+        let is_recorded = recorder.reach(path.state);
+        if O::LOOKS && (is_recorded || recorder.shows_all() || node == all) {
+            nodes.show(path.state, node, path.dw);
+        }
+        let is_enough = O::AVERAGES && nodes.observer.has_enough();
+        if node >= nodes.due || is_enough {
+            let is_over = nodes.is_stopped(node) || is_enough;
+            if nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps()) {
+                let Nodes { account, looks, observer, keeper, .. } = &mut **nodes;
+                let Subdivision { stepper, watch, .. } = &mut *path.stepper;
+                keeper.save_path(
+                    stepper,
+                    &mut Run::new(path.state, account, looks, watch, observer),
+                    node,
+                )?;
+            }
+            if is_over {
+                return Err(StoppedError { done: node, all }.into());
+            }
+            nodes.due = nodes.next_due();
+        }
+        Ok(())
+    }
+}
+
+/// The path of a run.
+type OnePath<'r, 's, H, E, N> = Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N>;
