@@ -68,7 +68,7 @@ pub use relaxation::Relaxation;
 pub use splitting::{Letters, Splitting};
 #[doc(hidden)]
 pub use thermostat::Around;
-pub use word::{A, B, HarmonicLaw, Letter, O, Part, Spelling};
+pub use word::{A, B, HarmonicLaw, O, Part, Spelling};
 
 /// Half a kick, half a drift, friction and noise, half a drift, half a kick: explicit, with one force for each step, for `T(p) + V(q, t)`.
 ///

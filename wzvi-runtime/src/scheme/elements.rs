@@ -61,7 +61,7 @@ pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
 pub(crate) use step::nothing;
 pub use sums::{Given, Run, Sums, apart, stretch};
 pub(crate) use windows::BLOCK;
-pub use windows::{Flow, Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Taken, WindowPlan, Word, take_windows};
+pub use windows::{Flow, Kick, LEAST_IN_WINDOWS, Move, Origin, Taken, WindowPlan, Word, take_windows};
 
 use std::ops::Range;
 

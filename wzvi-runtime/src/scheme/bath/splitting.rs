@@ -30,7 +30,7 @@ use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
 
-/// A word of kicks, drifts and O parts, and how they are applied: a tuple of letters, or a scheme with a name.
+/// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme with a name.
 pub trait Letters {
     /// Its letters, in the order of the step.
     const LETTERS: &'static [Part];

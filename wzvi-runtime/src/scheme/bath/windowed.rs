@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use super::part::ByPlace;
 use super::word::Act;
+use crate::algebra::scalar::Number;
 use crate::scheme::compose::windowed::FlowList;
-use crate::scheme::elements::{Move, Moves, Word};
+use crate::scheme::elements::{Elements, Given, Move, Origin, Slopes, Sums, Word, add_flow};
 
 /// A word of kicks, drifts and O parts.
 #[derive(Debug)]
@@ -33,8 +34,8 @@ impl Word for WithBath<'_> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn moves(&self) -> &impl Moves {
-        &self.flows
+    fn count(&self) -> usize {
+        self.flows.stages().len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -44,6 +45,22 @@ impl Word for WithBath<'_> {
             Act::Relax(_) => Move::Momenta,
             Act::RelaxBetween(_) => Move::State,
         }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        self.flows.origin(number)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        H: Elements + Sync,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        add_flow::<H, f64, T, V, A>(system, self.flows.flow(number), state, wanted, into);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

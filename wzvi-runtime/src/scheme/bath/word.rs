@@ -37,26 +37,26 @@ pub enum Part {
     O,
 }
 
-/// A letter of a word.
-pub trait Letter {
-    /// Its meaning.
-    const PART: Part;
+impl<const N: u32, const D: u32> Letters for A<N, D> {
+    const LETTERS: &'static [Part] = &[Part::A(N, D)];
+}
+impl<const N: u32, const D: u32> Letters for B<N, D> {
+    const LETTERS: &'static [Part] = &[Part::B(N, D)];
+}
+impl Letters for O {
+    const LETTERS: &'static [Part] = &[Part::O];
 }
 
-impl<const N: u32, const D: u32> Letter for A<N, D> {
-    const PART: Part = Part::A(N, D);
-}
-impl<const N: u32, const D: u32> Letter for B<N, D> {
-    const PART: Part = Part::B(N, D);
-}
-impl Letter for O {
-    const PART: Part = Part::O;
+/// The letter of a word of one.
+const fn only(letters: &[Part]) -> Part {
+    assert!(letters.len() == 1, "words are made of letters, not of words");
+    letters[0]
 }
 
 macro_rules! words {
     ($first:ident $($letter:ident)*) => {
-        impl<$first: Letter, $($letter: Letter),*> Letters for ($first, $($letter,)*) {
-            const LETTERS: &'static [Part] = &[$first::PART, $($letter::PART),*];
+        impl<$first: Letters, $($letter: Letters),*> Letters for ($first, $($letter,)*) {
+            const LETTERS: &'static [Part] = &[only($first::LETTERS), $(only($letter::LETTERS)),*];
         }
         words!($($letter)*);
     };

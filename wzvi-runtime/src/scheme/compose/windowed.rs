@@ -7,8 +7,8 @@ use crate::algebra::memory::Threads;
 use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::{
-    Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Moves, Origin, Slopes, Sums, Taken, WindowPlan,
-    Word, add_flow,
+    Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Slopes, Sums, Taken, WindowPlan, Word,
+    add_flow,
 };
 use crate::scheme::gauss::Field;
 use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
@@ -146,36 +146,20 @@ impl<'a, A> FlowList<'a, A> {
         }
     }
 
+    /// The flow of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn flow(&self, number: usize) -> Flow<'a, f64> {
+    pub(crate) fn flow(&self, number: usize) -> Flow<'a, f64> {
         let &Stage { share, node, .. } = &self.stages[number];
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
         Flow { t: self.t + node * self.h, h: share * self.h, dw }
     }
-}
 
-impl<A> Moves for FlowList<'_, A> {
+    /// As [`Word::origin`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        self.stages.len()
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<Origin> {
+    pub(crate) fn origin(&self, number: usize) -> Option<Origin> {
         let Flow { t, h, dw } = self.flow(number);
         let is_kept = self.stages[number].is_end && dw.is_empty();
         is_kept.then(|| Origin { t: self.reads_time.then_some(t), h })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_slopes<H, T, V, S>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut S)
-    where
-        H: Elements + Sync,
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        S: Sums<f64>,
-    {
-        add_flow::<H, f64, T, V, S>(system, self.flow(number), state, wanted, into);
     }
 }
 
@@ -196,12 +180,28 @@ impl Word for FlowList<'_, Act> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn moves(&self) -> &impl Moves {
-        self
+    fn count(&self) -> usize {
+        self.stages.len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kind(&self, number: usize) -> Move {
         Self::kind(self, number, self.stages[number].act.0)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        Self::origin(self, number)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        H: Elements + Sync,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>,
+    {
+        add_flow::<H, f64, T, V, A>(system, self.flow(number), state, wanted, into);
     }
 }

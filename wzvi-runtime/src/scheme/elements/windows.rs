@@ -25,7 +25,7 @@ use std::ops::Range;
 
 pub(super) use explicit::takes_windows;
 pub(super) use sweep::Sweeps;
-pub use word::{Flow, Kick, Move, Moves, Origin, Word, take_windows};
+pub use word::{Flow, Kick, Move, Origin, Word, take_windows};
 
 use layout::{Recorder, Windows};
 use order::{Turn, divided};
@@ -141,7 +141,7 @@ impl Kernel for IsSame<'_> {
 /// The moves of each round: a kick after a drift begins a new one.
 fn rounds(word: &impl Word) -> Vec<Range<usize>> {
     let (mut rounds, mut start, mut has_drifted) = (Vec::new(), 0, false);
-    for number in 0..word.moves().count() {
+    for number in 0..word.count() {
         match word.kind(number) {
             Move::Kick(_) if has_drifted => {
                 rounds.push(start..number);
@@ -151,7 +151,7 @@ fn rounds(word: &impl Word) -> Vec<Range<usize>> {
             Move::Kick(_) | Move::Momenta => {}
         }
     }
-    rounds.push(start..word.moves().count());
+    rounds.push(start..word.count());
     rounds
 }
 
@@ -168,16 +168,15 @@ impl Plan {
                 Move::Momenta | Move::State => false,
             };
             // The first kick of a scheme may add nothing.
-            if let Some(number) = (0..word.moves().count()).rev().find(adds) {
-                word.moves().add_slopes::<H, f64, _, _>(system, number, state, wanted, &mut &recorder);
+            if let Some(number) = (0..word.count()).rev().find(adds) {
+                word.add_slopes::<H, f64, _, _>(system, number, state, wanted, &mut &recorder);
             }
         }
         let windows = Windows::new(degrees, SIZE, recorder);
         let rounds = rounds(word);
         let (shares, rest) = Self::shares(&windows, rounds.len(), threads.number(degrees / LEAST_OF_THREAD));
         let list = |is_needed: bool| vec![0.0; if is_needed { degrees } else { 0 }];
-        let is_kept = degrees <= MOST_KEPT
-            && (0..word.moves().count()).any(|number| word.moves().origin(number).is_some());
+        let is_kept = degrees <= MOST_KEPT && (0..word.count()).any(|number| word.origin(number).is_some());
         Self {
             coordinates: [list(true), list(rounds.len() > 2)],
             momenta: list(true),
@@ -210,7 +209,7 @@ impl Plan {
 
     /// Whether the plan is for the parts of `word` and this number of degrees of freedom.
     fn fits(&self, word: &impl Word, degrees: usize) -> bool {
-        self.degrees() == degrees && self.rounds.last().is_some_and(|last| last.end == word.moves().count())
+        self.degrees() == degrees && self.rounds.last().is_some_and(|last| last.end == word.count())
     }
 
     /// The index of the list with the new coordinates: only the last round may be without a drift.
@@ -225,7 +224,7 @@ impl Plan {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reuses(&mut self, word: &impl Word, q: &[f64]) -> bool {
         let Some(known) = self.kept.origin.take() else { return false };
-        let first = self.rounds[0].clone().find_map(|number| word.moves().origin(number));
+        let first = self.rounds[0].clone().find_map(|number| word.origin(number));
         first == Some(known) && self.instructions.run(IsSame(&self.kept.q, q))
     }
 
@@ -317,7 +316,7 @@ fn advance<'p, H: Elements + Sync, W: Word>(
     if !plan.kept.q.is_empty()
         && let Some(last) = plan.rounds.last()
     {
-        plan.kept.origin = last.clone().find_map(|number| word.moves().origin(number));
+        plan.kept.origin = last.clone().find_map(|number| word.origin(number));
     }
     let last = plan.last(word);
     Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta })

@@ -1,6 +1,6 @@
 //! The moves of a scheme with one quadrature point at a node.
 
-use super::{Kick, LEAST_IN_WINDOWS, Move, Moves, Taken, WindowPlan, Word, advance};
+use super::{Kick, LEAST_IN_WINDOWS, Move, Taken, WindowPlan, Word, advance};
 use crate::algebra::scalar::Number;
 use crate::error::StepFailure;
 use crate::scheme::elements::step::Step;
@@ -86,9 +86,10 @@ impl<H: Elements + Sync> Word for Step<'_, H, f64> {
         [self; 2]
     }
 
+    /// Kick and drift. If the scheme kicks last, the first kick adds nothing and a kick follows the drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn moves(&self) -> &impl Moves {
-        self
+    fn count(&self) -> usize {
+        if kicks_first(self.scheme) { 2 } else { 3 }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -99,16 +100,8 @@ impl<H: Elements + Sync> Word for Step<'_, H, f64> {
             _ => Move::Kick(Kick::MinusFromZero),
         }
     }
-}
 
-/// Uses the system of the step, not the argument.
-impl<H: Elements + Sync> Moves for Step<'_, H, f64> {
-    /// Kick and drift. If the scheme kicks last, the first kick adds nothing and a kick follows the drift.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count(&self) -> usize {
-        if kicks_first(self.scheme) { 2 } else { 3 }
-    }
-
+    /// Uses the system of the step, not the argument.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_slopes<G, T, V, A>(&self, _: &G, number: usize, state: &V, wanted: Slopes, into: &mut A)
     where

@@ -13,7 +13,7 @@ use super::check::Check;
 use super::layout::{Strip, Windows};
 use super::order::Turn;
 use super::sums::{Moved, Stretch, Window};
-use super::{Elements, Kick, LINE, Move, Moves as _, Share, Slopes, Word};
+use super::{Elements, Kick, LINE, Move, Share, Slopes, Word};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
 use crate::algebra::threads::each;
@@ -245,10 +245,10 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
             Kick::Terms if W::ADDS_TERMS => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
             _ => Window::empty(self.strip, self.sums),
         };
-        let (system, moves, wanted) = (self.system, self.word.moves(), Slopes::BY_COORDINATES);
+        let (system, word, wanted) = (self.system, &*self.word, Slopes::BY_COORDINATES);
         match WHOLE {
-            true => moves.add_slopes::<H, T, _, _>(system, number, self.from.numbers, wanted, &mut into),
-            false => moves.add_slopes::<H, T, _, _>(system, number, &self.from, wanted, &mut into),
+            true => word.add_slopes::<H, T, _, _>(system, number, self.from.numbers, wanted, &mut into),
+            false => word.add_slopes::<H, T, _, _>(system, number, &self.from, wanted, &mut into),
         }
         let (base, sums) = (self.base.take(), into.finish());
         match kick {
@@ -265,13 +265,13 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
     fn drift<T: Number<f64>>(&mut self, number: usize) {
         let own = self.own();
         let Self { system, word, strip, first, from, to, momenta, has_drifted, .. } = self;
-        let (moves, wanted) = (word.moves(), Slopes::BY_MOMENTA);
+        let wanted = Slopes::BY_MOMENTA;
         let stretch = &Stretch { numbers: momenta, first: *first, degrees: from.degrees };
         if H::FACTS.has_one_velocity && !(W::CHANGES && *has_drifted) {
             let mut moved = Moved { strip: *strip, base: *from, next: to, first: *first };
             match WHOLE {
-                true => moves.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut moved),
-                false => moves.add_slopes::<H, T, _, _>(system, number, stretch, wanted, &mut moved),
+                true => word.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut moved),
+                false => word.add_slopes::<H, T, _, _>(system, number, stretch, wanted, &mut moved),
             }
             self.check.look(&to[own]);
         } else {
@@ -282,8 +282,8 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
                 false => Window::empty(*strip, self.sums),
             };
             match WHOLE {
-                true => moves.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut into),
-                false => moves.add_slopes::<H, T, _, _>(system, number, stretch, wanted, &mut into),
+                true => word.add_slopes::<H, T, _, _>(system, number, stretch.numbers, wanted, &mut into),
+                false => word.add_slopes::<H, T, _, _>(system, number, stretch, wanted, &mut into),
             }
             let sums = into.finish();
             match W::ADDS_TERMS {

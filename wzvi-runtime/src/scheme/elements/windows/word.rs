@@ -60,27 +60,6 @@ pub enum Move {
     State,
 }
 
-/// The slopes that the kicks and drifts of a word add.
-pub trait Moves {
-    /// Number of parts.
-    fn count(&self) -> usize;
-
-    /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step, where the force may be reused.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn origin(&self, number: usize) -> Option<Origin> {
-        let _ = number;
-        None
-    }
-
-    /// Adds the slopes by `state`: the coordinates for a kick, the momenta for a drift.
-    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
-    where
-        H: Elements + Sync,
-        T: Number<f64>,
-        V: Given<f64> + ?Sized,
-        A: Sums<f64>;
-}
-
 /// The parts of a step, which move the state one after the other.
 pub trait Word {
     /// The same parts, borrowed for one step, which may be sent to threads.
@@ -101,11 +80,26 @@ pub trait Word {
     where
         Self: Sized;
 
-    /// The number of parts, and the slopes that kicks and drifts add.
-    fn moves(&self) -> &impl Moves;
+    /// Number of parts.
+    fn count(&self) -> usize;
 
     /// The kind of a part.
     fn kind(&self, number: usize) -> Move;
+
+    /// The arguments of the force of a kick other than the coordinates, if the kick is at an end of the step, where the force may be reused.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self, number: usize) -> Option<Origin> {
+        let _ = number;
+        None
+    }
+
+    /// Adds the slopes by `state`: the coordinates for a kick, the momenta for a drift.
+    fn add_slopes<H, T, V, A>(&self, system: &H, number: usize, state: &V, wanted: Slopes, into: &mut A)
+    where
+        H: Elements + Sync,
+        T: Number<f64>,
+        V: Given<f64> + ?Sized,
+        A: Sums<f64>;
 
     /// Changes the momenta of some places one by one, and may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
