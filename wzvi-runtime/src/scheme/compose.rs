@@ -165,38 +165,20 @@ fn of_table<W: Partitioned>() -> Vec<Substep> {
     sequence.map(|(&weight, half)| (half, weight)).collect()
 }
 
-/// Tables for any structure.
-macro_rules! for_all {
-    ($([$($generic:tt)*] $table:ty = $weights:ty;)+) => {$(
+/// Drifts and kicks in turn, as steps of `Verlet` take them.
+type InTurn<K, W> = <Verlet as Symmetric<K>>::Steps<By<Verlet, K, W>>;
+
+/// Tables for the structures `K`: the scheme that takes the steps, the names of the two flows and a note on them, and the parts of a step for the
+/// drifts and kicks of a table.
+macro_rules! for_structures {
+    ($([$($generic:tt)*] $table:ty = $weights:ty: $steps:ty, $names:expr, $note:expr, $splitting:expr $(, $gradient:expr)?;)+) => {$(
         #[diagnostic::do_not_recommend]
-        impl<K, $($generic)*> Composes<Verlet, K> for $table
+        impl<$($generic)*> Composes<Verlet, K> for $table
         where
             Verlet: Symmetric<K>,
         {
             const ORDER: u32 = <$weights as Partitioned>::ORDER;
-            const LISTING: Listing = turns::<$weights>(DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE);
-            type Steps = <Verlet as Symmetric<K>>::Steps<By<Verlet, K, Self>>;
-
-            fn substeps() -> Vec<Substep> {
-                <Verlet as Symmetric<K>>::splitting(&of_table::<$weights>())
-            }
-        }
-    )+};
-}
-
-for_all! {
-    [W: Partitioned] Table<W> = W;
-    [] BlanesMoan4 = BlanesMoan4;
-    [] BlanesMoan6 = BlanesMoan6;
-}
-
-/// Tables whose drifts and kicks are exact flows, of the structures that have them.
-macro_rules! for_flows {
-    ($($table:ty: $structure:ident, $steps:ty, $names:expr, $note:expr $(, $gradient:expr)?;)+) => {$(
-        #[diagnostic::do_not_recommend]
-        impl<K: $structure> Composes<Verlet, K> for $table {
-            const ORDER: u32 = <Self as Partitioned>::ORDER;
-            const LISTING: Listing = turns::<Self>($names, $note);
+            const LISTING: Listing = turns::<$weights>($names, $note);
             $(const GRADIENT: &'static [f64] = {
                 assert!($gradient.len() == Self::SEQUENCE.len(), "a gradient has one factor for each drift and kick");
                 $gradient
@@ -204,16 +186,19 @@ macro_rules! for_flows {
             type Steps = $steps;
 
             fn substeps() -> Vec<Substep> {
-                of_table::<Self>()
+                $splitting(&of_table::<$weights>())
             }
         }
     )+};
 }
 
-for_flows! {
-    Srkn6: QuadraticKinetic, KickDrift<By<Verlet, K, Self>>, DRIFT_KICK, "";
-    Chin4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, Chin4::NOTE, Chin4::GRADIENT;
-    TakahashiImada4: QuadraticKinetic, KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, TakahashiImada4::NOTE, TakahashiImada4::GRADIENT;
-    Aba864: TwoFlows, K::Flows<By<Verlet, K, Self>>, K::PARTS, "";
-    Aba1064: TwoFlows, K::Flows<By<Verlet, K, Self>>, K::PARTS, "";
+for_structures! {
+    [K, W: Partitioned] Table<W> = W: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
+    [K] BlanesMoan4 = Self: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
+    [K] BlanesMoan6 = Self: InTurn<K, Self>, DRIFT_KICK, <Verlet as Symmetric<K>>::NOTE, <Verlet as Symmetric<K>>::splitting;
+    [K: QuadraticKinetic] Srkn6 = Self: InTurn<K, Self>, DRIFT_KICK, "", <[Substep]>::to_vec;
+    [K: QuadraticKinetic] Chin4 = Self: KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
+    [K: QuadraticKinetic] TakahashiImada4 = Self: KickDrift<By<Verlet, K, Self>, true>, DRIFT_KICK, Self::NOTE, <[Substep]>::to_vec, Self::GRADIENT;
+    [K: TwoFlows] Aba864 = Self: K::Flows<By<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
+    [K: TwoFlows] Aba1064 = Self: K::Flows<By<Verlet, K, Self>>, K::PARTS, "", <[Substep]>::to_vec;
 }

@@ -2,7 +2,8 @@
 
 use std::marker::PhantomData;
 
-use super::newton::{Effort, Equations};
+use super::effort::Effort;
+use super::newton::Equations;
 use crate::algebra::scalar::{Constant, Mask, Over, Rounded, Scalar};
 use crate::error::StepFailure;
 

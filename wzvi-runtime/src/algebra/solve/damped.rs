@@ -12,7 +12,8 @@
 
 use super::convergence::{Convergence, Verdict};
 use super::dense::{Factor, is_definite};
-use super::newton::{Doubt, Effort, Equations, astray, larger};
+use super::effort::{Doubt, Effort};
+use super::newton::{Equations, astray, larger};
 use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
 

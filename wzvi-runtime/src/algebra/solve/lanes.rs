@@ -9,7 +9,8 @@ use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, WHO
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
-use super::newton::{Effort, Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
+use super::effort::Effort;
+use super::newton::{Equations, SAFE_DETERMINANT, UPRIGHT, beyond};
 use super::together;
 use crate::algebra::lanes::{LaneMask, Lanes};
 use crate::algebra::scalar::{Mask, Scalar, nearly_inverse};

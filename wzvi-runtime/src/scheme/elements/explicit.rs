@@ -25,82 +25,69 @@ use crate::scheme::system::At;
 pub(super) fn advance_explicit<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     system: &H,
     scheme: &Quadrature,
-    At { t, h, q, p, dw }: At<'_, S>,
+    at: At<'_, S>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    let givens = Givens { system, scheme, t, h, dw };
     if size_of::<S>() == size_of::<f64>() {
-        givens.advance(q, p, memory, carry)
+        advance(system, scheme, at, memory, carry)
     } else {
-        advance_apart(givens, q, p, memory, carry)
+        advance_apart(system, scheme, at, memory, carry)
     }
-}
-
-/// The input of a step other than the state.
-struct Givens<'a, H, S> {
-    system: &'a H,
-    scheme: &'a Quadrature,
-    t: f64,
-    h: f64,
-    dw: &'a [S],
 }
 
 #[inline(never)]
 fn advance_apart<H: Elements + Sync, S: Scalar, C: Carry<S>>(
-    givens: Givens<'_, H, S>,
-    q: &mut [S],
-    p: &mut [S],
+    system: &H,
+    scheme: &Quadrature,
+    at: At<'_, S>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    givens.advance(q, p, memory, carry)
+    advance(system, scheme, at, memory, carry)
 }
 
-impl<H: Elements + Sync, S: Scalar> Givens<'_, H, S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<C: Carry<S>>(
-        self,
-        q: &mut [S],
-        p: &mut [S],
-        memory: &mut Memory<S>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure> {
-        let Self { system, scheme, t, h, dw } = self;
-        if !memory.fits(system, q.len()) {
-            memory.fit(system, scheme, q.len())?;
-        }
-        let [q, p] = super::sized_mut(system, [q, p])?;
-        let dw = super::increments(system, dw)?;
-        if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
-            && takes_windows(scheme, q.len())
-            && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
-        {
-            if !C::CARRIES {
-                let (q, p) = (known_q, known_p);
-                let step = Step { system, scheme, t, h, q, p, dw, increment: None };
-                step.advance_windows(&mut memory.plan)?.copy(q, p);
-                return Ok(Effort::fast(0));
-            }
-            memory.make_room(scheme, q.len());
-        }
-        let step = Step { system, scheme, t, h, q, p, dw, increment: None };
-        let mut lists = memory.work.lists(scheme, step.degrees());
-        if !C::CARRIES && !H::FACTS.kind.is_conformal && scheme.update == MomentumUpdate::Multiple(1.0) {
-            // `P` is the new momentum.
-            if !step.go_on(&mut lists) {
-                return Err(StepFailure::NonFinite);
-            }
-            let Lists { u, momentum, .. } = lists;
-            q.copy_from_slice(u);
-            p.copy_from_slice(momentum);
-        } else {
-            step.assign(&mut lists);
-            step.finish(&mut lists);
-            lists.store(q, p, carry)?;
-        }
-        Ok(Effort::fast(0))
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
+    system: &H,
+    scheme: &Quadrature,
+    At { t, h, q, p, dw }: At<'_, S>,
+    memory: &mut Memory<S>,
+    carry: &mut C,
+) -> Result<Effort, StepFailure> {
+    if !memory.fits(system, q.len()) {
+        memory.fit(system, scheme, q.len())?;
     }
+    let [q, p] = super::sized_mut(system, [q, p])?;
+    let dw = super::increments(system, dw)?;
+    if const { H::FACTS.has_windows && S::MAY_BE_PLAIN }
+        && takes_windows(scheme, q.len())
+        && let (Some(known_q), Some(known_p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+    {
+        if !C::CARRIES {
+            let (q, p) = (known_q, known_p);
+            let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+            step.advance_windows(&mut memory.plan)?.copy(q, p);
+            return Ok(Effort::fast(0));
+        }
+        memory.make_room(scheme, q.len());
+    }
+    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+    let mut lists = memory.work.lists(scheme, step.degrees());
+    if !C::CARRIES && !H::FACTS.kind.is_conformal && scheme.update == MomentumUpdate::Multiple(1.0) {
+        // `P` is the new momentum.
+        if !step.go_on(&mut lists) {
+            return Err(StepFailure::NonFinite);
+        }
+        let Lists { u, momentum, .. } = lists;
+        q.copy_from_slice(u);
+        p.copy_from_slice(momentum);
+    } else {
+        step.assign(&mut lists);
+        step.finish(&mut lists);
+        lists.store(q, p, carry)?;
+    }
+    Ok(Effort::fast(0))
 }
 
 /// [`advance_explicit`] for vectors that may be exchanged for others.
@@ -119,23 +106,6 @@ pub(super) fn advance_explicit_vectors<H: Elements + Sync, C: Carry<f64>>(
 ) -> Result<Effort, StepFailure> {
     let degrees = q.components().len();
     if const { H::FACTS.has_windows && !C::CARRIES } && takes_windows(scheme, degrees) {
-        return Givens { system, scheme, t, h, dw }.exchange(q, p, memory);
-    }
-    let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-    advance_explicit(system, scheme, at, memory, carry)
-}
-
-impl<H: Elements + Sync> Givens<'_, H, f64> {
-    /// The same, window by window.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn exchange(
-        self,
-        q: &mut H::Vector,
-        p: &mut H::Vector,
-        memory: &mut Memory<f64>,
-    ) -> Result<Effort, StepFailure> {
-        let Self { system, scheme, t, h, dw } = self;
-        let degrees = q.components().len();
         if !memory.fits(system, degrees) {
             memory.fit(system, scheme, degrees)?;
         }
@@ -145,8 +115,10 @@ impl<H: Elements + Sync> Givens<'_, H, f64> {
         let dw = super::increments(system, dw)?;
         let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
         step.advance_windows(&mut memory.plan)?.exchange(q, p);
-        Ok(Effort::fast(0))
+        return Ok(Effort::fast(0));
     }
+    let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
+    advance_explicit(system, scheme, at, memory, carry)
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {

@@ -98,7 +98,8 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     gradient
 }
 
-/// `P` of the step between two states. The solver is compiled only where the momenta of the two states do not determine `P`.
+/// `P` of the step between two states, where their momenta do not determine it from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`; NaN if no solution satisfies
+/// `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`. The solver is compiled only there.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn step_momentum<H: Elements>(
     system: &H,
@@ -107,10 +108,15 @@ pub(crate) fn step_momentum<H: Elements>(
     h: f64,
     dw: &[f64],
 ) -> H::Vector {
-    match scheme.factor() {
-        Some(factor) => momentum_between(system, factor, before, after, h),
-        None => momentum_solved(system, scheme, before, after, h, dw),
+    if let Some(factor) = scheme.factor() {
+        return momentum_between(system, factor, before, after, h);
     }
+    let mut momentum = before.p.clone();
+    match momentum_increment(system, scheme, before, after, h, dw) {
+        Some(v) => add(momentum.components_mut(), &v),
+        None => momentum.components_mut().fill(f64::NAN),
+    }
+    momentum
 }
 
 /// `P` if the change of the momenta is `factor` times `v = P - p_i`. NaN if sizes do not fit.
@@ -129,23 +135,6 @@ fn momentum_between<H: Hamiltonian>(
     for (p, end) in momentum.components_mut().iter_mut().zip(end) {
         // Undoes the friction.
         *p += ((end - *p) - decay * *p) / (1.0 + decay) / factor;
-    }
-    momentum
-}
-
-/// `P` from `p_i = -D_1 L_d(q_i, q_{i+1}, P)`; NaN if no solution satisfies `p_{i+1} = D_2 L_d(q_i, q_{i+1}, P)`.
-fn momentum_solved<H: Elements>(
-    system: &H,
-    scheme: &Quadrature,
-    before: &State<H::Vector>,
-    after: &State<H::Vector>,
-    h: f64,
-    dw: &[f64],
-) -> H::Vector {
-    let mut momentum = before.p.clone();
-    match momentum_increment(system, scheme, before, after, h, dw) {
-        Some(v) => add(momentum.components_mut(), &v),
-        None => momentum.components_mut().fill(f64::NAN),
     }
     momentum
 }
