@@ -24,7 +24,7 @@ pub(crate) mod single;
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
 use crate::algebra::scalar::{Mask, Number, Scalar};
-use crate::algebra::solve::{Effort, Equations, lanes, together};
+use crate::algebra::solve::{Effort, Equations, lanes, larger, together};
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -225,12 +225,6 @@ impl<const L: usize> Neg for Lanes<L> {
     fn neg(self) -> Self {
         self.map(f64::neg)
     }
-}
-
-/// The larger of two; NaN if either is, unlike `f64::max`.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
 }
 
 macro_rules! by_lane {

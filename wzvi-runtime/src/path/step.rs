@@ -15,7 +15,7 @@ use crate::scheme::continuation::Hard;
 use crate::scheme::dense::{DenseOutput, copy, copy_state};
 use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{
-    CarryOf, Discretized, Exchange, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
+    CarryOf, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are, mistaken_parameter,
 };
 use account::Ledger;
 use rare::{Arrived, Cause, Rare, Refused};
@@ -483,21 +483,10 @@ pub(crate) const fn checks_starts<H: Discretized<E>, E>() -> bool {
 /// Those of the system, with the name of a parameter that is no number.
 pub(crate) fn prepared<H: Discretized<E>, E>(system: &H, h: f64) -> Result<PreparedOf<H, E>, ConfigError> {
     match system.validate().and_then(|()| SchemeOf::<H, E>::prepare(system, &as_they_are, h)) {
-        Err(ConfigError::Parameter) => Err(mistaken_parameter(system)),
+        Err(ConfigError::Parameter) => Err(mistaken_parameter(system)
+            .map_or(ConfigError::Parameter, |parameter| ConfigError::NotANumber { parameter })),
         prepared => prepared,
     }
-}
-
-/// Which parameter is invalid.
-fn mistaken_parameter(system: &impl Hamiltonian) -> ConfigError {
-    let mut index = 0;
-    while let Some((parameter, value)) = system.parameter(index) {
-        if value.is_nan() {
-            return ConfigError::NotANumber { parameter };
-        }
-        index += 1;
-    }
-    ConfigError::Parameter
 }
 
 /// Zero times a finite number is zero, and NaN otherwise.

@@ -8,6 +8,7 @@ mod table;
 use std::fmt;
 use std::marker::PhantomData;
 
+use crate::algebra::solve::larger;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sum;
 use crate::error::{FileError, PathError, UnknownName};
@@ -429,9 +430,7 @@ impl<V: Vector, E> Trajectory<V, E> {
 
 /// The largest absolute value, 0 of none, NaN if one is.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values
-        .map(f64::abs)
-        .fold(0.0, |largest, value| if value <= largest || largest.is_nan() { largest } else { value })
+    values.map(f64::abs).fold(0.0, larger)
 }
 
 impl<V, E> IntoIterator for Trajectory<V, E> {

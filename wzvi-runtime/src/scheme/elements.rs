@@ -452,7 +452,7 @@ pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is NaN, [`ConfigError::Index`] if an index is out of range.
-pub(crate) fn prepare<H: Elements>(system: &H) -> Result<(), ConfigError> {
+pub(crate) fn check_new<H: Elements>(system: &H) -> Result<(), ConfigError> {
     no_nan(system)?;
     match system.degrees() {
         0 => Ok(()),

@@ -293,17 +293,16 @@ pub(crate) fn check_lengths(
     if increments == expected { Ok(()) } else { Err(StepFailure::Increments { expected, got: increments }) }
 }
 
+/// The first parameter that is not a number.
+pub(crate) fn mistaken_parameter(system: &impl Hamiltonian) -> Option<&'static str> {
+    let mut parameters = (0..).map_while(|index| system.parameter(index));
+    parameters.find(|(_, value)| value.is_nan()).map(|(name, _)| name)
+}
+
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
 pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
-    let mut index = 0;
-    while let Some((_, value)) = system.parameter(index) {
-        if value.is_nan() {
-            return Err(ConfigError::Parameter);
-        }
-        index += 1;
-    }
-    Ok(())
+    mistaken_parameter(system).map_or(Ok(()), |_| Err(ConfigError::Parameter))
 }
 
 /// A system together with one embedding `E`: its discrete Lagrangian and the step derived from it. The bound for generic user code; generated for

@@ -46,7 +46,8 @@ pub(super) fn beyond<const N: usize>(residual: [Rounded; N], relative: [f64; N])
     left.fold(0.0, |most, (_, size)| larger(most, size))
 }
 
-/// The larger of two; NaN if either is.
+/// The larger of two; NaN if either is, unlike `f64::max`.
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }

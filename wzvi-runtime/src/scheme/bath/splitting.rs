@@ -25,7 +25,7 @@ use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
-use crate::scheme::elements::{Elements, Taken};
+use crate::scheme::elements::{Elements, Taken, check_new};
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
@@ -147,7 +147,7 @@ where
     }
 
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
-        stages::check(system)?;
+        check_new(system)?;
         let relaxation = part::prepare(system, h, shares::<W>())?;
         let letters = W::SPELLING.stages();
         let substeps: Vec<Substep> =

@@ -16,7 +16,7 @@ use std::marker::PhantomData;
 use super::Composes;
 use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
-use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, check, follow};
+use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, follow};
 use super::substeps::{By, Half, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
 use crate::algebra::carry::{Carry, Plain};
@@ -25,7 +25,7 @@ use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure, StepPromise};
-use crate::scheme::elements::{Flow, Slopes, add_slopes, nothing};
+use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
 use crate::scheme::gauss::{Field, Shape, gather, parameters};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
@@ -67,7 +67,7 @@ where
         if SQUARES {
             without_derivatives(h)?;
         }
-        check(system)?;
+        check_new(system)?;
         Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<E, T, W>() })
     }
 

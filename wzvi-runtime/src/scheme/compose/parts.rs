@@ -13,14 +13,14 @@ use std::sync::Arc;
 use super::Composes;
 use super::lagrangian::{self, Followed};
 use super::linear::Linear;
-use super::stages::{Memory, Rooms, Stage, Stages, add, advance, check, follow};
+use super::stages::{Memory, Rooms, Stage, Stages, add, advance, follow};
 use super::substeps::{By, Half, Substep, plan};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Elements, Point, Slopes, slopes, value_of_part};
+use crate::scheme::elements::{Elements, Point, Slopes, check_new, slopes, value_of_part};
 use crate::scheme::gauss::Shape;
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{At, Hamiltonian as _, Lift, Properties, Scheme, Segment, without_derivatives};
@@ -135,7 +135,7 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
 
     fn prepare<K: Constant>(system: &F, _: Lift<'_, K>, h: K) -> Result<Prepared, ConfigError> {
         let h = without_derivatives(h)?;
-        check(system)?;
+        check_new(system)?;
         prepare(system, system.degrees(), h, &W::substeps())
     }
 

@@ -9,7 +9,7 @@ use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::are_finite;
 use crate::scheme::gauss::Shape;
@@ -240,24 +240,6 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
             memory.fit(degrees, system.noises());
         }
         memory
-    }
-}
-
-/// Checks the system of a new stepper.
-///
-/// # Errors
-/// [`ConfigError::Parameter`] if a parameter is NaN, [`ConfigError::Index`] if an integer is out of range.
-pub(crate) fn check<F: Hamiltonian>(system: &F) -> Result<(), ConfigError> {
-    let mut parameters = (0..).map_while(|index| system.parameter(index));
-    if parameters.any(|(_, value)| value.is_nan()) {
-        return Err(ConfigError::Parameter);
-    }
-    match system.degrees() {
-        0 => Ok(()),
-        degrees => match system.check(degrees) {
-            Err(StepFailure::Index(error)) => Err(ConfigError::Index(error)),
-            _ => Ok(()),
-        },
     }
 }
 

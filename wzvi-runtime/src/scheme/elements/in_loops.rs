@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::side_by_side::go_side_by_side;
 use super::{
-    CompensationVec, Elements, Memory, Quadrature, Unknowns, discrete_lagrangian,
-    discrete_lagrangian_gradient, iterate, prepare, step_momentum,
+    CompensationVec, Elements, Memory, Quadrature, Unknowns, check_new, discrete_lagrangian,
+    discrete_lagrangian_gradient, iterate, step_momentum,
 };
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
@@ -68,7 +68,7 @@ where
 
     fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
         without_derivatives(h)?;
-        prepare(system)
+        check_new(system)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

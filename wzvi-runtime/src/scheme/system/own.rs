@@ -177,7 +177,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
                 "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise";
             return Err(ConfigError::Setting(wrong.into()));
         }
-        elements::prepare(system)
+        elements::check_new(system)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

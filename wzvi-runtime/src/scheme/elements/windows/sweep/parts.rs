@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::super::layout::Windows;
 use super::super::share::halves;
+use crate::algebra::solve::larger;
 use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
 use crate::scheme::elements::step::nothing;
@@ -61,7 +62,6 @@ impl Found {
         Self { size: 0.0, corrected: 0.0, change: Change::Unseen, is_finite: true };
 
     fn and(self, other: Self) -> Self {
-        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
         Self {
             size: larger(self.size, other.size),
             corrected: larger(self.corrected, other.corrected),
