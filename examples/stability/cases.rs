@@ -4,10 +4,9 @@ use std::time::Instant;
 
 use wzvi::Error;
 use wzvi::error::{StepError, StepFailure};
-use wzvi::increments::NoNoise;
+use wzvi::increments::{Divisible, NoNoise};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
-use wzvi::retry::Serves;
 use wzvi::simulate::{Node, Simulation, Unobserved};
 
 use crate::systems::{
@@ -61,7 +60,7 @@ fn row<'a, H, E, N, R>(
 where
     H: Discretized<E> + 'a,
     E: 'a,
-    N: Noise + Serves<R>,
+    N: Divisible<R>,
     R: 'a,
 {
     let mut worst = 0.0_f64;
@@ -92,7 +91,7 @@ where
     H: Discretized<E> + 'a,
     E: 'a,
     R: 'a,
-    NoNoise: Serves<R>,
+    NoNoise: Divisible<R>,
 {
     let energy = system.energy(start);
     row(

@@ -57,11 +57,11 @@ pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 
 use crate::algebra::state::State;
 use crate::error::ConfigError;
-use crate::increments::Noise;
+use crate::increments::{Divisible, Halved, Noise, Whole};
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 use crate::path::Error;
 use crate::path::options::{self, Observables, OwnObservable, elsewhere, options};
-use crate::path::retry::{Halved, Retry, Serves, Whole};
+use crate::path::retry::Retry;
 pub use crate::saving::table::{Column, Table};
 use crate::scheme::system::{Discretized, Hamiltonian};
 use crate::statistics::AnyStatistic;
@@ -375,7 +375,7 @@ where
     /// * [`Error::Checkpoint`] if a checkpoint cannot be written, or the run cannot resume from it.
     pub fn run(self) -> Result<Statistics, Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         self.run_in::<0>()
     }
@@ -384,7 +384,7 @@ where
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(mut self) -> Result<Statistics, Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         let execution = std::mem::take(&mut self.setup.execution);
         let (control, keeping) =

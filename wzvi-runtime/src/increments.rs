@@ -85,15 +85,26 @@ pub trait Noise {
     }
 }
 
+/// The steps of a run are whole: no [`Retry`](crate::path::retry::Retry) was asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Whole {}
+
+/// The steps of a run may be halved.
+#[derive(Clone, Copy, Debug)]
+pub enum Halved {}
+
 /// A source whose path has increments over any interval. The parts of a step then add up to the step, and a step that fails can be
 /// subdivided ([`Retry`](crate::path::retry::Retry)). Given rows of numbers are not divisible.
+///
+/// Runs take a source `N: Divisible<R>`: every source drives [`Whole`] steps.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
     label = "this noise cannot drive steps that are halved",
     note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
 )]
-pub trait Divisible: Noise {}
+pub trait Divisible<R = Halved>: Noise {}
 
+impl<N: Noise + ?Sized> Divisible<Whole> for N {}
 impl<N: Divisible + ?Sized> Divisible for &mut N {}
 
 /// A system without noise asks for none.

@@ -32,9 +32,8 @@ use super::keeping::described;
 use super::starts::Systems;
 use crate::ensemble::schedule::Queue;
 use crate::error::ConfigError;
-use crate::increments::Noise;
+use crate::increments::{Divisible, Noise};
 use crate::path::Error;
-use crate::path::retry::Serves;
 use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
 
@@ -68,7 +67,7 @@ where
     /// processes of all.
     pub fn run_on<C: Communicator + ?Sized>(mut self, world: &C) -> Result<Option<Statistics>, Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         // Messages of this run are no others'.
         let world = world.duplicate();

@@ -4,10 +4,9 @@ use super::Ensemble;
 use super::group::Group;
 use super::starts::Systems;
 use crate::error::ConfigError;
-use crate::increments::Noise;
+use crate::increments::{Divisible, Noise};
 use crate::path::Error;
 use crate::path::between::{Between, Part};
-use crate::path::retry::Serves;
 use crate::path::simulate::Partial;
 use crate::path::step::StepInfo;
 use crate::path::trajectory::Recorder;
@@ -36,7 +35,7 @@ where
     /// Those of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`] for a path that the ensemble does not have.
     pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         let recorded = self.setup.recorded.clone();
         let job = self.job(&|| false)?;

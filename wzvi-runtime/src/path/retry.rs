@@ -17,7 +17,8 @@ use crate::algebra::carry::Carry;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
-use crate::increments::{Divisible, Interval, Noise};
+pub use crate::increments::{Divisible as Serves, Halved, Whole};
+use crate::increments::{Interval, Noise};
 use crate::path::Error;
 use crate::path::step::{StepInfo, Stepper};
 use crate::path::steps::{Single, Step};
@@ -47,25 +48,6 @@ impl Retry {
         self.most
     }
 }
-
-/// The steps of a run are whole: no [`Retry`] was asked for.
-#[derive(Clone, Copy, Debug)]
-pub enum Whole {}
-
-/// The steps of a run may be halved.
-#[derive(Clone, Copy, Debug)]
-pub enum Halved {}
-
-/// A source of increments that drives runs whose steps are [`Whole`], or that may be [`Halved`] too: those take a [`Divisible`] one.
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` has no increments between the nodes, which `.retry(...)` needs",
-    label = "this noise cannot drive steps that are halved",
-    note = "use `Wiener`, `WongZakai` or `StepNormals` (`.seed(number)`), or leave `.retry(...)` out"
-)]
-pub trait Serves<R> {}
-
-impl<N: Noise> Serves<Whole> for N {}
-impl<N: Divisible> Serves<Halved> for N {}
 
 /// How the steps of a run are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

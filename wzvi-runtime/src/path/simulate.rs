@@ -12,12 +12,12 @@ use crate::algebra::state::State;
 use crate::error::ConfigError;
 use crate::ground::handle::Handle;
 use crate::ground::numbers::Tape;
-use crate::increments::{NoNoise, Noise};
+use crate::increments::{Divisible, Halved, NoNoise, Noise, Whole};
 use crate::path::Error;
 use crate::path::checkpoint::Keeping;
 use crate::path::options::{Setup, options};
 use crate::path::recording::Request;
-use crate::path::retry::{Halved, Retry, Serves, Whole};
+use crate::path::retry::Retry;
 use crate::path::series::Averaged;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::{Discretized, Hamiltonian};
@@ -219,7 +219,7 @@ where
     /// fails. [`Simulation::run_partial`] keeps what was computed before.
     pub fn run(self) -> Result<Trajectory<H::Vector, E>, Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         match self.run_partial()? {
             (trajectory, None) => Ok(trajectory),
@@ -235,7 +235,7 @@ where
     /// trajectory.
     pub fn run_partial(self) -> Result<Partial<H::Vector, E>, Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         self.run_until(None).map(|(path, _)| path)
     }

@@ -6,9 +6,8 @@ use super::BatchMeans;
 use super::tally::{Averaged, Tally, Targets};
 use crate::algebra::state::State;
 use crate::error::{FileError, UnknownName};
-use crate::increments::Noise;
+use crate::increments::Divisible;
 use crate::path::Error;
-use crate::path::retry::Serves;
 use crate::path::simulate::{Observer, Simulation};
 use crate::scheme::system::{Discretized, Exchange};
 
@@ -99,7 +98,7 @@ impl<H: Discretized<E>, E, N, O, R> fmt::Debug for TimeAveraging<'_, H, E, N, O,
 impl<'a, H, E, N, O, R> TimeAveraging<'a, H, E, N, O, R>
 where
     H: Discretized<E>,
-    N: Noise + Serves<R>,
+    N: Divisible<R>,
     O: Observer<H::Vector>,
 {
     /// Leaves out the nodes of the first `time` (time units), until the path has forgotten its start.

@@ -9,12 +9,12 @@ use crate::algebra::sum::Sums;
 use crate::error::StoppedError;
 use crate::ground::due::Due;
 use crate::ground::progress::StepsShown;
-use crate::increments::{Interval, Noise};
+use crate::increments::{Divisible, Interval, Noise};
 use crate::path::Error;
 use crate::path::between::{Between, Part};
 use crate::path::checkpoint::Keeper;
 use crate::path::options::{Execution, Setup};
-use crate::path::retry::{Serves, Subdivision};
+use crate::path::retry::Subdivision;
 use crate::path::span::Grid;
 use crate::path::step::StepInfo;
 use crate::path::steps::{Advance, Single, take_steps};
@@ -35,7 +35,7 @@ where
         stop: Option<&dyn Fn() -> bool>,
     ) -> Result<(Partial<H::Vector, E>, O), Error>
     where
-        N: Serves<R>,
+        N: Divisible<R>,
     {
         let Self { setup, noise, mut observer, .. } = self;
         let Setup {
@@ -135,7 +135,7 @@ where
     O: Observer<H::Vector>,
 {
     let (grid, mut steps) = (nodes.grid, first..nodes.grid.whole());
-    // The loop is called in one place, so that what it calls is inlined.
+    // One call for both: with two, what they call would not be inlined (4 to 8 % more instructions in steps of small systems).
     loop {
         take_steps(&mut (&mut *path, &mut *nodes), steps.clone())?;
         match grid.shorter {
