@@ -138,7 +138,7 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
 
     /// Halves steps that fail ([`crate::path::retry`]): `Retry::halving(8)` allows 256 parts. The default is not to.
     ///
-    /// The noise must know its path between the nodes ([`Divisible`](crate::increments::Divisible)), as all but `Increments` do. A run that
+    /// The noise must know its path between the nodes ([`Divisible`]), as all but `Increments` do. A run that
     /// restarts with shorter steps shows its observer all nodes again, from step 0. A run with checkpoints does not restart.
     pub fn retry(mut self, retry: Retry) -> Simulation<'a, H, E, N, O, Halved> {
         self.setup.retry = retry;
