@@ -41,7 +41,7 @@ pub struct StepInfo {
 ///
 /// Its steps allocate nothing. After `n` consecutive steps of one state the time is `t_0 + n h`; it is not accumulated.
 ///
-/// The energy of these steps is not monitored, unlike that of runs ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`] with its
+/// The energy of these steps is not monitored, unlike that of runs ([`StepFailure::Unresolved`]): compare [`Hamiltonian::energy`](crate::scheme::system::Hamiltonian::energy) with its
 /// value at the start.
 #[derive(Debug)]
 pub struct Stepper<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
