@@ -91,6 +91,19 @@ fn every_level_has_the_mean_of_its_step_size() {
             );
         }
     }
+    // The slope of their logarithms is a sum with known weights, so that it has a known error.
+    let differences = estimate.levels()[1..].iter().map(|level| {
+        let exact = (scheme_mean(level.h()) - scheme_mean(2.0 * level.h())).abs();
+        [level.h().ln(), exact.ln(), (level.variance() / level.paths() as f64).sqrt() / exact]
+    });
+    let differences: Vec<[f64; 3]> = differences.collect();
+    let centre = differences.iter().map(|[x, ..]| x).sum::<f64>() / differences.len() as f64;
+    let size: f64 = differences.iter().map(|[x, ..]| (x - centre).powi(2)).sum();
+    let slope: f64 = differences.iter().map(|[x, y, _]| (x - centre) / size * y).sum();
+    let error = differences.iter().map(|[x, _, e]| ((x - centre) / size * e).powi(2)).sum::<f64>().sqrt();
+    let found = estimate.mean_slope().unwrap();
+    println!("{found} for {slope} ± {error}");
+    assert!(error < 0.2 && (found - slope).abs() < 5.0 * error, "{found} for {slope} ± {error}");
 }
 
 /// Strong order one: variances fall by four from level to level.

@@ -55,6 +55,41 @@ fn estimators_are_the_textbook_ones() {
     );
 }
 
+/// A free particle that noise kicks: `q = q_0 + p_0 t - σ ∫ W`.
+#[hamiltonian(drift = |_q, p| 0.5 * p * p, noise = [|q, _p| sigma * q], embedding = Midpoint)]
+struct Kicked {
+    sigma: f64,
+}
+
+/// The mid-point takes `h ΔW / 2` for the area under the path in a step, which misses it by a variance of `h³ / 12`: at `t` the coordinate is wrong by
+/// `σ h √(t / 12)`, the momentum by nothing.
+#[test]
+fn an_exact_solution_may_depend_on_the_whole_path() {
+    let (system, t, paths) = (Kicked { sigma: 0.7 }, 2.0_f64, 400);
+    let report = system
+        .work_precision()
+        .start(State::new([0.0], [1.0]))
+        .until(t)
+        .step_sizes([0.25, 0.0625])
+        .paths(paths)
+        .seed(4)
+        .repetitions(0)
+        .exact_on_path(|t, wiener| {
+            let kick = system.sigma * wiener.value(0, t)?;
+            Ok(State::new([t - system.sigma * wiener.integral(0, 0.0, t)?], [1.0 - kick]))
+        })
+        .scheme::<Midpoint>()
+        .run()
+        .unwrap();
+    assert_eq!(report.of("Midpoint").count(), 2);
+    for cell in report.of("Midpoint") {
+        let exact = system.sigma * cell.h * (t / 12.0).sqrt();
+        let found = cell.strong;
+        // A root of n Gaussian squares is known to 1/√(2n).
+        assert!((found.value / exact - 1.0).abs() < 5.0 / (2.0 * paths as f64).sqrt(), "{found:?} {exact}");
+    }
+}
+
 /// `E z(t) = e^{-sigma^2 t / 2} R(a t) z(0)`; the strong error of the mid-point embedding to leading order in h.
 #[test]
 fn kubo_has_its_moments_and_its_strong_error() {

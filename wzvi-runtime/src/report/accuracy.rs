@@ -170,6 +170,12 @@ where
                     Ok(exact(plan.end, &ends.collect::<Result<Vec<f64>, _>>()?))
                 })
                 .collect(),
+            Reference::OnPath(exact) => paths
+                .map(|path| {
+                    wiener.set_path(path);
+                    exact(plan.end, &mut wiener)
+                })
+                .collect(),
             Reference::Finer(method, h) => {
                 let (seen, number) = (AllSeen::new(paths.end - paths.start), paths.end - paths.start);
                 let noise = self.shifted(wiener.copy(), paths.start, start);

@@ -11,11 +11,13 @@ use crate::path::span::{End, Span};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
 type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
+type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
 type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
 type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver + 'a> + Send + Sync + 'a>;
 
 pub(super) enum Reference<'a, H: Hamiltonian> {
     Exact(Exact<'a, H::Vector>),
+    OnPath(ExactOnPath<'a, H::Vector>),
     Finer(Method<H>, f64),
     Value(State<H::Vector>),
 }
@@ -125,6 +127,15 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`: those of the noises, and then those of a bath.
     pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + Send + Sync + 'a) -> Self {
         self.reference = Some(Reference::Exact(Box::new(exact)));
+        self
+    }
+
+    /// Compares with an exact solution that depends on the path at more than its end.
+    pub fn exact_on_path(
+        mut self,
+        exact: impl Fn(f64, &mut Wiener) -> Result<State<H::Vector>, Error> + Send + Sync + 'a,
+    ) -> Self {
+        self.reference = Some(Reference::OnPath(Box::new(exact)));
         self
     }
 

@@ -80,7 +80,9 @@ where
 
     fn reference_in_words(&self) -> String {
         match &self.reference {
-            Some(Reference::Exact(_)) => "exact solution on the same Wiener path".into(),
+            Some(Reference::Exact(_) | Reference::OnPath(_)) => {
+                "exact solution on the same Wiener path".into()
+            }
             Some(Reference::Finer(method, h)) => {
                 format!("{} with h = {} on the same Wiener path", method.name, number(*h))
             }

@@ -199,6 +199,11 @@ impl MultilevelEstimate {
         slope(self.levels.iter().map(Level::variance))
     }
 
+    /// The same for the means of the differences: the weak order, where they are larger than their errors.
+    pub fn mean_slope(&self) -> Option<f64> {
+        slope(self.levels.iter().map(|level| level.mean().abs()))
+    }
+
     /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](super::super::Ensemble::stop_when), before it was done.
     pub fn is_partial(&self) -> bool {
         self.is_partial
