@@ -31,6 +31,7 @@ macro_rules! both_ways {
         struct $sized { $($field: $ty),* }
 
         #[hamiltonian(
+            __strategy = inline,
             drift = |$q: [$point; 6], $p: [$point; 6]| { let $n = $q.len(); $drift },
             $(noise = [|$nq: [$point; 6], $np: [$point; 6]| $noise],)?
             embedding = [$($embedding),*],

@@ -45,23 +45,25 @@ pub(crate) struct Scheme {
     pub(crate) consistent: bool,
 }
 
-/// Multiplications of a dense elimination up to which a step is written in straight lines, if there is no noise: seven sites. For chains, rings and pairs with
-/// the mid-point a path in straight lines takes 0.6 to 0.95 of the time of loops at five sites, about as long at six, and 1.2 to 2.0 at eight; in
-/// ensembles, whose paths run in lanes only in straight lines, 0.3 to 0.4, 0.4 to 0.55 and 0.65 to 0.7. The largest loss is then about 1.6 for either.
+/// Multiplications of a dense elimination up to which a step is written in straight lines, if one half of the phase space is unknown: five sites. For chains
+/// without and with noise, rings and pairs with the mid-point a path in straight lines takes 0.4 of the instructions of loops at five sites and 0.9 to
+/// 1.5 at six; in ensembles, whose paths run in lanes either way, 1.1 to 1.3 and 0.9 to 1.7.
 /// (`cargo bench --bench seam` has literal sizes beside const generics, which are always loops.)
-const SWEPT: usize = 114;
+const SWEPT: usize = 41;
 
-/// The same with noise: straight-line code runs paths in lanes, loops do not.
-const SWEPT_IN_LANES: usize = 256;
+/// The same where both halves are: three sites.
+const SWEPT_IN_BOTH: usize = 114;
 
 impl Scheme {
     /// Whether Newton's method with dense elimination, which takes `n³/3` multiplications, costs more than iterations
     /// with no elimination, or a banded one.
-    pub(crate) fn is_cheaper_swept(&self, noise: NoiseClass) -> bool {
-        let most = if noise == NoiseClass::None { SWEPT } else { SWEPT_IN_LANES };
-        self.structure.blocks.iter().any(|block| match block.solution {
-            Solution::Newton { .. } => block.iterates.len().pow(3) / 3 > most,
-            _ => false,
+    pub(crate) fn is_cheaper_swept(&self) -> bool {
+        let degrees = self.lagrangian.symbols.degrees();
+        self.structure.blocks.iter().any(|Block { iterates, solution, .. }| {
+            let coordinates = iterates.iter().filter(|&&unknown| unknown < degrees).count();
+            let is_half = coordinates == 0 || coordinates == iterates.len();
+            let most = if is_half { SWEPT } else { SWEPT_IN_BOTH };
+            matches!(solution, Solution::Newton { .. }) && iterates.len().pow(3) / 3 > most
         })
     }
 }

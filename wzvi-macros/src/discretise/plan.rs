@@ -45,7 +45,7 @@ impl Step {
     pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
         let System { graph, line, emission, .. } = system;
         let scheme = line.clone().map(|line| (discretise(graph, &line, facts, embedding), line));
-        let pays = |scheme: &Scheme| emission.is_some() || !scheme.is_cheaper_swept(facts.noise);
+        let pays = |scheme: &Scheme| emission.is_some() || !scheme.is_cheaper_swept();
         match scheme.filter(|(scheme, _)| pays(scheme)) {
             Some((scheme, line)) => Self::StraightLine(line, Box::new(scheme)),
             None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),
