@@ -51,7 +51,8 @@ pub(crate) struct Scheme {
 /// (`cargo bench --bench seam` has literal sizes beside const generics, which are always loops.)
 const SWEPT: usize = 41;
 
-/// The same where both halves are: three sites.
+/// The same where both halves are: three sites. There straight lines take 0.9 to 1.2 of the time of loops, at four sites 1.4 to 1.7; in ensembles 0.7 to 0.9,
+/// and 1.1 to 1.4.
 const SWEPT_IN_BOTH: usize = 114;
 
 impl Scheme {
