@@ -113,6 +113,19 @@ struct PushedSprings {
     s: f64,
 }
 
+/// The same in a bath.
+#[derive(Clone)]
+#[hamiltonian(
+    drift = |q: [f64; 12], p: [f64; 12]| {
+        let v = |d: f64| 0.5 * d * d + 0.25 * d.powi(4);
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + (1..q.len()).map(|i| v(q[i] - q[i - 1])).sum::<f64>() + v(q[0]) + v(q[11])
+    },
+    friction = 0.3,
+    temperature = 0.2,
+    embedding = Thermostat<Midpoint>,
+)]
+struct HeatedSprings;
+
 type Twelve = SVector<f64, 12>;
 
 /// Steps of each path.
@@ -176,6 +189,15 @@ fn paths_of_loops_have_the_same_bits_in_lanes() {
     assert!(by_newton.iter().all(|&paths| paths > 2) && failed > 0, "{by_newton:?} {failed}");
     let [paths, errors] = compare::<_, Midpoint, 12>(&Springs);
     assert!(errors < paths);
+}
+
+/// Where some paths need Newton's method, and where all do.
+#[test]
+fn compositions_and_baths_of_loops_have_the_same_bits_in_lanes() {
+    for (h, amplitude) in [(0.15, 2.5), (0.6, 1.0)] {
+        check_widths::<Composed<Midpoint, Yoshida4>, _>(&Springs, h, amplitude);
+        check_widths::<Thermostat<Midpoint>, _>(&HeatedSprings, h, amplitude);
+    }
 }
 
 /// Starts of orbits of semi-axis one, at their apocentres.
