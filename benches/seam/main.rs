@@ -5,6 +5,8 @@
 //! stands the largest ratio of neighbours in the table. Then it times ensembles beside steppers, in nanoseconds per path,
 //! site and step. A name after `--` picks closures: `cargo bench --bench seam -- chain`.
 //!
+//! Literal sizes from 5 to 7 are forced to straight lines: beside const generics, which are always loops, they show where the choice between the two lies.
+//!
 //! * `kubo`: oscillators with one multiplicative noise each, which are not coupled.
 //! * `chain`: Fermi-Pasta between walls.
 //! * `pairs`: every site repels every other one; work per site grows with N.
@@ -75,6 +77,9 @@ macro_rules! spellings {
                 fixtures::$system!(Sites1, [], [f64; 1], 1);
                 fixtures::$system!(Sites2, [], [f64; 2], 2);
                 fixtures::$system!(Sites3, [], [f64; 3], 3);
+                fixtures::$system!(Sites5, [], [f64; 5], 5, inline);
+                fixtures::$system!(Sites6, [], [f64; 6], 6, inline);
+                fixtures::$system!(Sites7, [], [f64; 7], 7, inline);
                 fixtures::$system!(Sites8, [], [f64; 8], 8);
                 fixtures::$system!(Sites15, [], [f64; 15], 15);
                 fixtures::$system!(Sites16, [], [f64; 16], 16);
@@ -88,14 +93,14 @@ macro_rules! spellings {
             let mut cases = Vec::new();
             $($(
                 spellings!(@sizes cases, $system, $scheme, ($($lanes)?), Sites1 1 alone, Sites2 2 alone, Sites3 3 alone,
-                    Sites8 8 alone, Sites15 15 alone, Sites16 16 lanes, Sites17 17 lanes, Sites18 18 alone, Sites64 64 alone);
+                    Sites5 5 lanes, Sites6 6 lanes, Sites7 7 lanes, Sites8 8 alone, Sites15 15 alone, Sites16 16 lanes, Sites17 17 lanes, Sites18 18 alone, Sites64 64 alone);
             )*)*
             cases
         }
     };
     (@sizes $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $($literal:ident $sites:literal $literals:ident),*) => {$(
         spellings!(@case $cases, $system, $scheme, ($lanes $literals), "literal", $sites, [$system::$literal]);
-        spellings!(@case $cases, $system, $scheme, ($lanes alone), "generic", $sites, [$system::Generic::<$sites>]);
+        spellings!(@case $cases, $system, $scheme, ($lanes $literals), "generic", $sites, [$system::Generic::<$sites>]);
         spellings!(@case $cases, $system, $scheme, ($lanes lanes), "slice", $sites, [$system::Slices]);
     )*};
     (@case $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $spelling:literal, $sites:literal, [$($type:tt)*]) => {{
@@ -122,9 +127,9 @@ macro_rules! spellings {
 
 spellings! {
     kubo: Midpoint in lanes;
-    chain: DeltaPlus, Midpoint;
-    pairs: DeltaPlus, Midpoint;
-    pushed: DeltaPlus in lanes, Midpoint;
+    chain: DeltaPlus, Midpoint in lanes;
+    pairs: DeltaPlus, Midpoint in lanes;
+    pushed: DeltaPlus in lanes, Midpoint in lanes;
 }
 
 fn main() {
