@@ -98,7 +98,7 @@ where
     let every = (3.0 / h).round();
     let run = system.ensemble::<E>(h).start(State::new([0.5], [0.5])).paths(4096).seed(11);
     let run = run.observe("q2", |state| state.q[0].powi(2)).covariances(false);
-    let run = run.record_every(every as u64).steps(60 * every as u64).run().expect("an ensemble");
+    let run = run.record_every(every as u64).steps(60 * every as u64).run_in::<8>().expect("an ensemble");
     let nodes = &run.nodes()[5..];
     let mean = nodes.iter().map(|node| node.mean(0)).sum::<f64>() / nodes.len() as f64;
     let error = nodes.iter().map(|node| node.standard_error(0)).sum::<f64>() / nodes.len() as f64;
@@ -131,7 +131,7 @@ fn one_site_in_the_bath_heats_all() {
     let start = State::new(vec![0.0; 4], vec![0.0; 4]);
     let run = chain.ensemble::<Baoab>(0.1).start(start).paths(4000).seed(3).until(150.0);
     let run = (0..4).fold(run, |run, i| run.observe(format!("p{i}"), move |state| state.p[i].powi(2)));
-    let statistics = run.run().expect("an ensemble");
+    let statistics = run.run_in::<8>().expect("an ensemble");
     for i in 0..4 {
         let name = format!("p{i}");
         let (mean, error) =

@@ -36,7 +36,7 @@ const NODES: usize = 100;
 fn changes<E, H: Discretized<E> + Sync>(system: &H, h: f64, starts: Vec<State<H::Vector>>) -> [[f64; 2]; 2] {
     let run = system.ensemble::<E>(h).starts_from(starts).steps(EVERY * NODES as u64).record_every(EVERY);
     let run = run.observe("energy", |state| system.energy(state)).keep_paths(1 << 20);
-    let statistics = run.run().unwrap();
+    let statistics = run.run_in::<8>().unwrap();
     let paths = statistics.paths().unwrap();
     let energy = |path: usize, node: usize| paths.at(path, node).unwrap()[0];
     [1, NODES].map(|node| {

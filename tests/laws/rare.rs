@@ -9,7 +9,7 @@ fn an_error_that_one_path_dominates_meets_no_target() {
     let (mut met, mut dominated, mean) = (0, 0, 4.5_f64.exp());
     for seed in 0..40 {
         let run = walkers!(1.0, seed).paths(1 << 14).observe("x", |state| (3.0 * state.p[0]).exp());
-        let run = run.until_error("x", 0.3 * mean).run().expect("an ensemble");
+        let run = run.until_error("x", 0.3 * mean).run_in::<8>().expect("an ensemble");
         let end = run.nodes().last().expect("the end");
         let is_small = end.error_bound(0) <= 0.3 * mean;
         match run.target("x").expect("a target") {
@@ -27,7 +27,8 @@ fn an_error_that_one_path_dominates_meets_no_target() {
     println!("met {met}, dominated {dominated}");
     assert!(dominated > met, "{met} {dominated}");
     // No path has a share in the variance of a normal.
-    let run = walkers!(1.0, 1).paths(1 << 14).observe("p", |state| state.p[0]).until_error("p", 0.02).run();
+    let run =
+        walkers!(1.0, 1).paths(1 << 14).observe("p", |state| state.p[0]).until_error("p", 0.02).run_in::<8>();
     let run = run.expect("an ensemble");
     assert_eq!(run.target("p").expect("a target"), TargetStatus::Met);
 }
@@ -55,7 +56,7 @@ fn targets_that_are_met_cover() {
         while runs < 1000 && paths < 40_000_000 {
             runs += 1;
             let run = walkers!(1.0, runs).paths(1 << 18).observe("x", move |state| of(state.p[0]));
-            let run = run.until_error("x", target).run().expect("an ensemble");
+            let run = run.until_error("x", target).run_in::<8>().expect("an ensemble");
             paths += run.last().expect("the end").count();
             match run.target("x").expect("a target") {
                 TargetStatus::Met => {
@@ -79,7 +80,7 @@ fn the_error_of_a_rate_covers_any_law_of_the_times() {
     let run = |paths, seed| {
         let run = walkers!(0.25, seed).until(20.0).paths(paths);
         let run = run.first_passage("one", |state| state.p[0] - 1.0);
-        let statistics = run.run().expect("an ensemble");
+        let statistics = run.run_in::<8>().expect("an ensemble");
         let passages = statistics.passage("one").expect("an event");
         (passages.rate(), passages.rate_error())
     };
