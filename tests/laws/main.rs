@@ -1,6 +1,8 @@
 //! Laws of many paths, orders of convergence, long runs and large stiff systems: minutes without optimisation, moments with it.
 //!
 //! `cargo test --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
+//!
+//! Ensembles ask for eight lanes: code for the lanes of every machine takes a seventh longer to compile, and has the same results.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
