@@ -2,5 +2,6 @@
 
 mod damage;
 mod killed;
+mod levels;
 mod other_run;
 mod resume;

@@ -50,11 +50,14 @@ pub(super) fn open<H: Discretized<E>, E>(
         return Err(CheckpointError::Noise.into());
     }
     let extent = Extent { kind: Kind::Ensemble, all: job.paths, unit: job.chunk() };
-    keeping.open(extent, described(job)?, &mut |tape| statistics.pass(tape))
+    keeping.open(extent, described(job, [])?, &mut |tape| statistics.pass(tape))
 }
 
-/// What makes this run another than others.
-pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Described, Error> {
+/// What makes this run another than others, with further settings of its kind.
+pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
+    job: &Job<'_, H, E>,
+    more: [(&str, String); MORE],
+) -> Result<Described, Error> {
     let (empty, names) = (&job.empty, job.empty.observables());
     let nodes: Vec<u64> = job.recorded.iter().map(|recorded| recorded.node).collect();
     let listed = match nodes.len() {
@@ -86,7 +89,8 @@ pub(super) fn described<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Des
         ("the halvings allowed", job.retry.most().to_string()),
         ("energies are watched", job.is_watched.to_string()),
     ];
-    let mut settings: Vec<(String, String)> = settings.map(|(name, value)| (name.to_owned(), value)).into();
+    let mut settings: Vec<(String, String)> =
+        settings.into_iter().chain(more).map(|(name, value)| (name.to_owned(), value)).collect();
     settings.extend(starts(job)?);
     let inside = job.recorded.iter().filter(|recorded| recorded.is_inside);
     let inside: Vec<u64> = inside.map(|recorded| recorded.t.to_bits()).collect();

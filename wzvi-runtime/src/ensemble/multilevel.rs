@@ -22,50 +22,38 @@
 //! step size: `P_{l-1}` has the same law on both levels where it occurs, and the sum telescopes exactly.
 
 mod estimate;
+mod run;
 
 use std::marker::PhantomData;
-use std::ops::ControlFlow;
 
 pub use crate::error::{LevelError, LevelFailure};
-use estimate::{FINE, bias, variance_bounds, variance_slope};
 pub use estimate::{Level, MultilevelEstimate};
+use run::{LEAST_LEVELS, Limits, Run};
 
-use super::chunk::{BESIDE, in_chunks};
 use super::control::Control;
-use super::halt::Halt;
 use super::job::Job;
 use super::source::{Settings, Source};
 use super::starts::Paired;
 use super::{Ensemble, Extras, Many, Setup};
-use crate::algebra::lanes::instructions::InstructionSet;
 use crate::algebra::state::State;
-use crate::error::{ConfigError, InternalError};
+use crate::error::ConfigError;
 use crate::ground::digits::Brief;
-use crate::ground::progress::ProgressLine;
 use crate::increments::Whole;
 use crate::noise::{StepNormals, Truncation};
 use crate::path::Error;
+use crate::path::checkpoint::{self, Checkpoint, Keeping, Suits};
 use crate::path::options::options;
 use crate::path::recording::Request;
 use crate::path::span::{End, Grid};
 use crate::scheme::plan::NoiseClass;
 use crate::scheme::system::{Discretized, Hamiltonian};
-use crate::statistics::{Nodes, Statistics, StatisticsNode};
 
-/// The part `θ` of the squared error that is allowed for the bias.
-const BIAS_PART: f64 = 0.25;
-/// Paths of a new level at least, to learn its variance from.
-const FIRST_PATHS: u64 = 256;
-/// A bias is not estimated from fewer levels.
-const LEAST_LEVELS: usize = 3;
 /// The default of the finest level: steps a million times shorter than the coarsest.
 const MOST_LEVELS: u32 = 20;
 /// The default of the largest number of paths of a level.
 const MOST_PATHS: u64 = 1 << 50;
 /// Paths of the coarsest level after which an observable with one value throughout is given up, unless the user sets the number.
 const MOST_CONSTANT: u64 = 1 << 20;
-/// Numbers of paths this close to the best ones are good enough.
-const TOLERANCE: f64 = 0.01;
 
 /// Nothing is observed yet.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +67,7 @@ pub enum Observed {}
 /// `h, h/2, h/4, ...`. [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) begins it, [`Multilevel::run`] runs it.
 ///
 /// A run needs a start, an end, a seed, one observable and a target. `O` says whether there is an observable. Other settings of an
-/// [`Ensemble`], such as quantiles or checkpoints, have no meaning here.
+/// [`Ensemble`], such as quantiles, have no meaning here.
 #[must_use = "nothing happens before `run`"]
 pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
     setup: Setup<'a, H>,
@@ -161,6 +149,13 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         self
     }
 
+    /// Resumes from the checkpoint if its file exists and belongs to this run, and writes checkpoints during the run and at its end, as
+    /// [`Ensemble::checkpoint`] does. The target, the weak order and the largest numbers of levels and paths are part of what makes two runs the same.
+    pub fn checkpoint<C: Suits<checkpoint::Paths>>(mut self, checkpoint: Checkpoint<C>) -> Self {
+        self.setup.keeping = Keeping::to(checkpoint);
+        self
+    }
+
     /// Sets the finest level, 20 by default. Its steps are `2^-level` times the coarsest.
     pub fn finest(mut self, level: u32) -> Self {
         self.levels.finest = level;
@@ -176,7 +171,7 @@ where
     ///
     /// # Errors
     /// [`Error::Config`] if a setting is missing or invalid, or if a level has no step. [`Error::Level`] if a path fails or its observable
-    /// is not finite, since the mean without it would be biased.
+    /// is not finite, since the mean without it would be biased. [`Error::Checkpoint`] if the file is not a checkpoint of this run.
     pub fn run(self) -> Result<MultilevelEstimate, Error> {
         self.run_in::<0>()
     }
@@ -190,21 +185,14 @@ where
         let stop = || execution.is_stopped();
         let (end, paths) = (self.setup.span.end, self.setup.more.paths);
         self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));
+        let keeping = std::mem::take(&mut self.setup.keeping);
         let job = Ensemble::<H, E, StepNormals, Whole, Paired> { setup: self.setup, types: PhantomData }
             .job(&stop)?;
         check_end(end, &job)?;
-        let progress = execution.progress("steps");
-        Run {
-            levels: vec![Stage::coarsest(job)],
-            hands: (execution.threads()?, execution.instructions()),
-            most_paths: paths.unwrap_or(MOST_PATHS),
-            most_constant: paths.unwrap_or(MOST_CONSTANT),
-            target,
-            weak_order,
-            finest: finest as usize,
-            progress,
-        }
-        .run::<WIDTH>()
+        let [most_paths, most_constant] = [MOST_PATHS, MOST_CONSTANT].map(|most| paths.unwrap_or(most));
+        let limits = Limits { target, weak_order, finest, most_paths, most_constant };
+        let hands = (execution.threads()?, execution.instructions());
+        Run::begun(job, limits, keeping, hands, execution.progress("steps"))?.run::<WIDTH>()
     }
 
     /// The target, of a run that makes sense.
@@ -248,12 +236,12 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
         h: _,
         span,
         recorded,
-        observables: _,
+        observables,
         sections,
         retry,
         is_watched,
         execution: _,
-        keeping,
+        keeping: _,
         more,
     } = setup;
     let Many { starts, systems, paths: _, source, settings, own, events, wanted, inspector, control } = more;
@@ -261,6 +249,7 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
     let (Settings { is_antithetic, truncation: _ }, Control { targets, losses }) = (settings, control);
     let Request { every, times } = recorded;
     let refused = [
+        (observables.len() > 1, "a second observable"),
         (*is_antithetic || source.as_ref().is_some_and(Source::is_antithetic), "antithetic paths"),
         (
             source.as_ref().is_some_and(|source| source.normals().is_none()),
@@ -277,7 +266,6 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
         (most_bytes.is_some() || *most_crossings > 0, "kept paths and crossings"),
         (every.is_some() || !times.is_empty(), "recorded times"),
         (inspector.is_some(), "`inspect`"),
-        (keeping.is_set(), "`checkpoint`"),
         (*has_work, "work and heat"),
         (!added.is_empty(), "statistics of its own"),
         (retry.most() > 0, "`retry`"),
@@ -311,190 +299,4 @@ fn check_end<H: Discretized<E>, E>(end: Option<End>, job: &Job<'_, H, E>) -> Res
         "steps of {h} do not end at t = {end}, but at {reached}: take a coarsest step that fits a whole number of times, {} for one",
         span / steps as f64
     )))
-}
-
-/// A checked run.
-struct Run<'a, H: Discretized<E>, E> {
-    levels: Vec<Stage<'a, H, E>>,
-    hands: (usize, InstructionSet),
-    most_paths: u64,
-    /// Paths of the first level, at most, as long as the observable is the same on all.
-    most_constant: u64,
-    target: f64,
-    weak_order: f64,
-    finest: usize,
-    progress: ProgressLine,
-}
-
-/// One level: an ensemble of pairs, with what is known of it.
-struct Stage<'a, H: Discretized<E>, E> {
-    job: Job<'a, H, E>,
-    found: Statistics,
-}
-
-impl<'a, H: Discretized<E>, E> Stage<'a, H, E> {
-    /// From the ensemble in the coarsest steps, of which the end counts.
-    fn coarsest(mut job: Job<'a, H, E>) -> Self {
-        job.recorded.drain(..job.recorded.len().saturating_sub(1));
-        // All chunks are whole: a level goes on after its last one.
-        job.paths = u64::MAX;
-        let node = StatisticsNode::new(2, false, (false, false), Vec::new());
-        let nodes = Nodes::new(&[job.grid.time(job.steps)], &node, Vec::new());
-        job.empty = Statistics::new(["fine", "difference"].map(str::to_owned).into(), nodes);
-        Self { found: job.empty.clone(), job }
-    }
-
-    fn count(&self) -> u64 {
-        self.found.begun()
-    }
-
-    /// Whether the observable is the same number on all paths.
-    fn is_constant(&self) -> bool {
-        self.found.last().is_some_and(|end| end.is_constant(FINE))
-    }
-
-    /// Steps of a path: of a fine one, and of the coarse one beside it.
-    fn steps(&self) -> u64 {
-        let Job { steps, level, .. } = self.job;
-        if level == 0 { steps } else { steps + steps / 2 }
-    }
-
-    /// Of so many paths.
-    fn cost(&self, paths: u64) -> u64 {
-        paths.saturating_mul(self.steps())
-    }
-}
-
-/// Paths after which a level may end: few on the finest, which need few; on the coarsest as many as make the steps about as many.
-fn least_paths(level: u32) -> u64 {
-    BESIDE << 4u32.saturating_sub(level)
-}
-
-impl<H, E> Run<'_, H, E>
-where
-    H: Discretized<E> + Sync,
-{
-    fn run<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
-        while self.levels.len() < LEAST_LEVELS {
-            self.add_level()?;
-        }
-        let mut wanted = vec![FIRST_PATHS; LEAST_LEVELS];
-        loop {
-            if self.sample::<WIDTH>(&wanted)?.is_break() {
-                return Ok(self.estimate(true));
-            }
-            if let Some(base) = self.levels.first().filter(|base| base.is_constant()) {
-                // Nothing says how far others may be from it: look for them.
-                let count = base.count();
-                if count >= self.most_constant {
-                    return Ok(self.estimate(false));
-                }
-                wanted = vec![0; self.levels.len()];
-                wanted[0] = count.saturating_mul(2).min(self.most_constant);
-                continue;
-            }
-            let best = self.best_numbers();
-            let counts = || self.levels.iter().map(Stage::count);
-            let is_enough = best.iter().zip(counts()).all(|(best, count)| {
-                count >= self.most_paths || *best as f64 <= count as f64 * (1.0 + TOLERANCE)
-            });
-            // The bound of what has not been seen falls with the number of paths: no level more than doubles before the next look, or a first look that
-            // saw nothing would ask for far too many.
-            wanted =
-                best.iter().zip(counts()).map(|(best, count)| count.saturating_mul(2).min(*best)).collect();
-            if is_enough {
-                let left = bias(&self.ends(), self.weak_order);
-                if left <= BIAS_PART.sqrt() * self.target || self.levels.len() > self.finest {
-                    return Ok(self.estimate(false));
-                }
-                self.add_level()?;
-                wanted.push(FIRST_PATHS);
-            }
-        }
-    }
-
-    fn add_level(&mut self) -> Result<(), Error> {
-        if let Some(Stage { job, .. }) = self.levels.last() {
-            let job = job.finer()?;
-            self.levels.push(Stage { found: job.empty.clone(), job });
-        }
-        Ok(())
-    }
-
-    /// Runs paths of each level until there are so many; breaks if the run was stopped.
-    fn sample<const WIDTH: usize>(&mut self, wanted: &[u64]) -> Result<ControlFlow<()>, Error> {
-        let Self { levels, progress, hands, most_paths, .. } = self;
-        let cost = |(stage, paths): (&Stage<'_, H, E>, &u64)| stage.cost(*paths);
-        let all = levels.iter().zip(wanted).map(cost).fold(0, u64::saturating_add);
-        let mut before = 0u64;
-        for (level, wanted) in wanted.iter().enumerate() {
-            let (coarser, finer) = levels.split_at_mut(level);
-            let missing = || InternalError::new("a level that has paths is there", level);
-            let stage = finer.first_mut().ok_or_else(missing)?;
-            let coarse = coarser.last().map(|stage| &stage.job);
-            let first = stage.count() / BESIDE;
-            let end = wanted.min(most_paths).next_multiple_of(least_paths(stage.job.level)) / BESIDE;
-            let steps = stage.steps();
-            let Stage { job, found } = &mut *stage;
-            let mut outcome = Ok(ControlFlow::Continue(()));
-            in_chunks::<H, E, Paired, WIDTH>(job, coarse, first..end.max(first), *hands, |chunk| {
-                match chunk.and_then(|chunk| Ok(found.merge(&chunk).map_err(Error::from)?)) {
-                    Ok(()) => {
-                        progress.show(before.saturating_add(found.begun().saturating_mul(steps)), all);
-                        return ControlFlow::Continue(());
-                    }
-                    Err(Halt::Stopped) => outcome = Ok(ControlFlow::Break(())),
-                    Err(Halt::Failed(error)) => outcome = Err(error),
-                }
-                ControlFlow::Break(())
-            });
-            if outcome?.is_break() {
-                return Ok(ControlFlow::Break(()));
-            }
-            before = before.saturating_add(stage.cost(stage.count()));
-        }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// The numbers of paths that reach the target at the least cost, as far as the variances are known.
-    fn best_numbers(&self) -> Vec<u64> {
-        let ends = self.ends();
-        let slope = variance_slope(&ends).unwrap_or(1.0).clamp(0.5, 4.0);
-        let mut variances: Vec<f64> = Vec::new();
-        for (level, mut variance) in variance_bounds(&ends).into_iter().enumerate() {
-            if let Some(coarser) = variances.last().filter(|_| level >= 2) {
-                // A few paths may miss rare events.
-                variance = variance.max(0.5 * coarser / 2f64.powf(slope));
-            }
-            variances.push(variance);
-        }
-        let costs: Vec<f64> = self.levels.iter().map(|stage| stage.steps() as f64).collect();
-        let sum: f64 = variances.iter().zip(&costs).map(|(variance, cost)| (variance * cost).sqrt()).sum();
-        let scale = sum / ((1.0 - BIAS_PART) * self.target * self.target);
-        let number = |(variance, cost): (&f64, &f64)| {
-            // Infinite numbers become the largest integer.
-            let best = ((variance / cost).sqrt() * scale).ceil() as u64;
-            best.max(FIRST_PATHS).min(self.most_paths)
-        };
-        variances.iter().zip(&costs).map(number).collect()
-    }
-
-    /// What is known of each level.
-    fn ends(&self) -> Vec<&StatisticsNode> {
-        self.levels.iter().filter_map(|stage| stage.found.last()).collect()
-    }
-
-    fn estimate(&self, is_partial: bool) -> MultilevelEstimate {
-        let is_constant = self.levels.first().is_none_or(Stage::is_constant);
-        let known = self.levels.iter().filter(|stage| stage.count() > 0);
-        let known = known.filter_map(|stage| Some((stage.job.h, stage.steps(), stage.found.last()?)));
-        let met = |error: f64, bias: f64| {
-            !is_partial
-                && !is_constant
-                // What the tolerance on the numbers of paths may add.
-                && error * error <= (1.0 + TOLERANCE) * (1.0 - BIAS_PART) * self.target * self.target
-                && bias <= BIAS_PART.sqrt() * self.target
-        };
-        MultilevelEstimate::new(known, self.weak_order, is_partial, is_constant, met)
-    }
 }

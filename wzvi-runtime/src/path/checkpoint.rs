@@ -65,6 +65,9 @@
 //! Observables and events are compared by their names and by their values at the start and at the next three nodes of path 0. The file grows
 //! with the number of recorded times, observables and bins, and with that of the paths only if they are kept.
 //!
+//! A [`Multilevel`](crate::ensemble::Multilevel) run saves the statistics of all its levels (`wzvi-multilevel`), which are a few kilobytes. Its
+//! target and limits cannot change, since the numbers of paths depend on them.
+//!
 //! # Sources of noise
 //!
 //! [`Wiener`](crate::noise::Wiener), [`WongZakai`](crate::noise::WongZakai) and given increments need no state: the file identifies them,
@@ -91,7 +94,7 @@ pub(crate) use keeper::Keeper;
 pub(crate) use keeper::{Described, Extent};
 
 /// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run counts, `C`. A [`Simulation`]
-/// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) counts [`Paths`]; both accept a checkpoint without a number.
+/// counts [`Steps`], an [`Ensemble`](crate::ensemble::Ensemble) or [`Multilevel`](crate::ensemble::Multilevel) run counts [`Paths`]; all accept a checkpoint without a number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "give it to the `checkpoint` of a `Simulation` or an `Ensemble`"]
 pub struct Checkpoint<C = Anything> {

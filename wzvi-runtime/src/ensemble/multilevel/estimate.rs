@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::error::FileError;
 use crate::ground::digits::estimate;
 use crate::statistics::StatisticsNode;
 
@@ -118,6 +119,7 @@ pub struct MultilevelEstimate {
     is_partial: bool,
     is_constant: bool,
     met_target: bool,
+    pub(super) unsaved: Option<FileError>,
 }
 
 impl MultilevelEstimate {
@@ -140,7 +142,7 @@ impl MultilevelEstimate {
             variance_bounds(&ends).into_iter().zip(&levels).map(|(bound, level)| bound / level.paths as f64);
         let error_bound = squares.sum::<f64>().sqrt();
         let met_target = met(error_bound, bias);
-        Self { levels, bias, error_bound, is_partial, is_constant, met_target }
+        Self { levels, bias, error_bound, is_partial, is_constant, met_target, unsaved: None }
     }
 
     /// The mean: the sum of those of all levels; NaN if there is none.
@@ -207,6 +209,11 @@ impl MultilevelEstimate {
     /// Whether the run was stopped, by Ctrl-C or [`Ensemble::stop_when`](super::super::Ensemble::stop_when), before it was done.
     pub fn is_partial(&self) -> bool {
         self.is_partial
+    }
+
+    /// Why the last checkpoint could not be written, if it could not: see [`crate::path::checkpoint`].
+    pub fn unsaved(&self) -> Option<&FileError> {
+        self.unsaved.as_ref()
     }
 
     /// Whether standard error and bias meet the target; if not, the limit on paths or levels was reached first.

@@ -18,10 +18,16 @@ pub(crate) enum Kind {
     Path,
     #[cfg(feature = "ensemble")]
     Ensemble,
+    #[cfg(feature = "ensemble")]
+    Multilevel,
 }
 
 /// How the first line begins in every version, and the kind of run that it marks.
-const KINDS: [(&str, &str); 2] = [("wzvi-checkpoint ", "a single path"), ("wzvi-ensemble ", "an ensemble")];
+const KINDS: [(&str, &str); 3] = [
+    ("wzvi-checkpoint ", "a single path"),
+    ("wzvi-ensemble ", "an ensemble"),
+    ("wzvi-multilevel ", "a multilevel run"),
+];
 
 impl Kind {
     pub(super) fn magic(self) -> &'static str {

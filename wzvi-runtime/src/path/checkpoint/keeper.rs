@@ -233,7 +233,7 @@ impl Kept {
             return Err(match kind {
                 Kind::Path => CheckpointError::Beyond { path, step: saved.done, steps: all },
                 #[cfg(feature = "ensemble")]
-                Kind::Ensemble => {
+                Kind::Ensemble | Kind::Multilevel => {
                     let done = saved.done.saturating_mul(self.extent.unit);
                     CheckpointError::MorePaths { path, done, paths: all }
                 }
