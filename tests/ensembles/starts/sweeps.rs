@@ -1,5 +1,6 @@
 //! Systems by path in lanes: each path is the one that a stepper of its system takes.
 
+use wzvi::ensemble::Statistics;
 use wzvi::error::Error;
 use wzvi::increments::NoNoise;
 use wzvi::nalgebra::SVector;
@@ -161,4 +162,46 @@ where
     };
     assert!(same(run().run_in::<1>().unwrap()) && same(run().run_in::<32>().unwrap()));
     hard
+}
+
+/// A constant force, which leaves a path at rest where there is none.
+#[hamiltonian(drift = |q, p| 0.5 * p * p - f * q, embedding = Verlet)]
+struct Pushed {
+    f: f64,
+}
+
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() - f * q.iter().sum::<f64>(),
+    embedding = Verlet,
+)]
+struct PushedSites {
+    f: f64,
+}
+
+/// Where one path ends the next one begins, and no force of the last system is kept: `p = f t`.
+#[test]
+fn no_force_of_another_system_is_kept() {
+    const PATHS: u64 = 256;
+    let f = |path: u64| (path / 32 % 2) as f64;
+    let check = |statistics: &Statistics| {
+        for path in 0..PATHS {
+            let [_, p, ..] = statistics.paths().unwrap().at(path as usize, 1).unwrap() else {
+                panic!("two numbers")
+            };
+            // Twelve kicks at most, each with a rounding.
+            assert!((p - f(path)).abs() <= 12.0 * f64::EPSILON, "path {path}: {p}");
+        }
+    };
+    macro_rules! run {
+        ($scheme:ty, $system:ident, $start:expr) => {{
+            let run = $system { f: 0.0 };
+            let run =
+                || run.ensemble::<$scheme>(0.25).systems(|draw| $system { f: f(draw.path()) }).start($start);
+            let run = || run().paths(PATHS).steps(4).threads(1).keep_paths(1 << 20);
+            [run().run_in::<1>(), run().run_in::<8>()].into_iter().for_each(|run| check(&run.unwrap()));
+        }};
+    }
+    run!(Verlet, Pushed, State::new([0.0], [0.0]));
+    run!(Composed<Verlet, Yoshida4>, Pushed, State::new([0.0], [0.0]));
+    run!(Verlet, PushedSites, State::new(vec![0.0], vec![0.0]));
 }

@@ -151,15 +151,21 @@ impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
     }
 }
 
-/// Stores nothing: a force that is evaluated again is the same.
+/// Stores nothing: a force that is evaluated again is the same. What is read belongs to another run, whose system may have other parameters.
 impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
-    fn pass(&mut self, _: &mut Tape) {}
+    fn pass(&mut self, tape: &mut Tape) {
+        if tape.is_reading() {
+            self.kept = None;
+        }
+    }
 }
 
 impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
     fn tell(&mut self, request: &Request) {
-        if let Request::Share(threads) = request {
-            self.windows.share(*threads);
+        match request {
+            Request::Forget => self.kept = None,
+            Request::Share(threads) => self.windows.share(*threads),
+            _ => {}
         }
     }
 
