@@ -2,7 +2,7 @@
 
 use fixtures::bath::Oscillator;
 use serde_json::Value;
-use wzvi::error::{BathError, ConfigError};
+use wzvi::error::{BathError, ConfigError, StepFailure};
 use wzvi::prelude::*;
 
 /// Quartic oscillators beside each other.
@@ -49,6 +49,17 @@ pub struct Shaken {
     pub s: f64,
     pub gamma: f64,
     pub kt: f64,
+}
+
+/// Friction of the first site, and of the others unless it has it alone.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.5 * q[i] * q[i]).sum::<f64>(),
+    friction = |q: &[f64]| (0..q.len()).map(|i| if i == 0 { gamma } else { gamma * (1.0 - only) }),
+    embedding = GjI,
+)]
+struct Rates {
+    gamma: f64,
+    only: f64,
 }
 
 fn number(value: &Value) -> f64 {
@@ -179,6 +190,17 @@ fn friction_matrices_are_taken_by_cayley_s_map() {
     }
     let error = plane.stepper::<GjI>(h).expect_err("two rates");
     assert_eq!(error, ConfigError::Bath(BathError::Rates));
+    // The first site is not all that is asked where only the state says how many there are.
+    let mut state = State::new(vec![0.1; 3], vec![0.0; 3]);
+    let falls = |only: bool| Rates { gamma: 1.0, only: f64::from(u8::from(only)) };
+    let mut step = |only| {
+        let (system, before) = (falls(only), state.clone());
+        let outcome = system.stepper::<GjI>(h).expect("one rate so far").step(&mut state, &[]);
+        assert_eq!(outcome.is_err(), state == before);
+        outcome.map_err(|error| error.cause)
+    };
+    assert_eq!(step(true).unwrap_err(), StepFailure::Bath(BathError::Rates));
+    assert!(step(false).is_ok());
     let shaken = Shaken { s: 0.1, gamma: 1.0, kt: 1.0 };
     assert!(shaken.stepper::<GjI>(h).is_err() && shaken.stepper::<Gjf>(h).is_ok());
 }

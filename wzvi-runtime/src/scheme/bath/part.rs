@@ -10,7 +10,7 @@ use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
-use crate::error::{ConfigError, StepFailure, StepPromise};
+use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::Elements;
 use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 
@@ -19,12 +19,28 @@ use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 pub(super) struct Shares {
     pub(super) parts: usize,
     pub(super) decay: Decay,
+    /// Whether kicks and drifts are shortened by a factor that depends on the rate, of which there is one.
+    pub(super) is_shortened: bool,
 }
 
 impl Shares {
     fn of_one(self) -> (f64, Decay) {
         (1.0 / self.parts as f64, self.decay)
     }
+}
+
+/// The rate of all degrees of freedom.
+///
+/// # Errors
+/// [`BathError::Rates`] if they have several, or rates that depend on the state.
+pub(super) fn rate<T: Elements>(system: &T, degrees: usize) -> Result<f64, BathError> {
+    let (mut rates, friction) = (vec![f64::NAN; degrees], Damped::<T>::FRICTION);
+    if !friction.is_matrix && !friction.is_per_state {
+        friction.damping(system, &vec![0.0; degrees], &mut rates);
+    }
+    let rate = rates.first().copied().unwrap_or(0.0);
+    let is_one = rate >= 0.0 && rates.iter().all(|other| *other == rate);
+    if is_one { Ok(rate) } else { Err(BathError::Rates) }
 }
 
 /// The constants of the O parts of steps of size `h`; `None` for a system whose size only its state knows.
@@ -69,6 +85,9 @@ impl Own {
     #[cold]
     fn new<T: Elements>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
         system.check(degrees)?;
+        if shares.is_shortened {
+            rate(system, degrees).map_err(StepFailure::Bath)?;
+        }
         let relaxation = Relaxation::new(system, Damped::<T>::FRICTION, degrees, h, shares.of_one());
         let relaxation = relaxation.map_err(StepFailure::Bath)?;
         Ok(Self { h, degrees, relaxation })

@@ -19,7 +19,7 @@ use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{BathError, ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
@@ -62,7 +62,7 @@ impl Letters for GjI {
 
 /// The O parts of a word.
 const fn shares<W: Letters>() -> Shares {
-    Shares { parts: W::SPELLING.parts, decay: W::DECAY }
+    Shares { parts: W::SPELLING.parts, decay: W::DECAY, is_shortened: W::IS_SHORTENED }
 }
 
 /// The steps of a word.
@@ -258,16 +258,8 @@ fn shortened<T: Elements>(system: &T, h: f64) -> Result<f64, ConfigError> {
         let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
         return Err(ConfigError::Setting(wrong.into()));
     }
-    // If the size is unknown, one degree of freedom is enough to read the rate.
-    let mut rates = vec![f64::NAN; system.degrees().max(1)];
-    let friction = Damped::<T>::FRICTION;
-    if !friction.is_matrix && !friction.is_per_state {
-        friction.damping(system, &vec![0.0; rates.len()], &mut rates);
-    }
-    let rate = rates[0];
-    if !(rate >= 0.0 && rates.iter().all(|other| *other == rate)) {
-        return Err(ConfigError::Bath(BathError::Rates));
-    }
+    // If the size is unknown, one degree of freedom is enough to read the rate; the first step compares it with the others.
+    let rate = part::rate(system, system.degrees().max(1)).map_err(ConfigError::Bath)?;
     let x = 0.5 * h * rate;
     Ok(if x == 0.0 { 1.0 } else { (x.tanh() / x).sqrt() })
 }

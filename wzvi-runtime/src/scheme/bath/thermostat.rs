@@ -23,7 +23,7 @@ use crate::scheme::system::{
 };
 
 /// The O parts before and after a step.
-const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential };
+const SHARES: Shares = Shares { parts: 2, decay: Decay::Exponential, is_shortened: false };
 
 /// Steps of `E`, of the system without its bath, between two O parts.
 #[derive(Clone, Copy, Debug)]
