@@ -333,6 +333,16 @@ fn systems_that_are_none_are_refused() {
     assert_eq!(both(3, 3).run().unwrap().last().unwrap().count(), 3);
 }
 
+/// More systems than memory holds are refused, not begun.
+#[test]
+fn there_is_room_for_all_systems_before_the_run() {
+    let base = Duffing { a: 1.0, b: 1.0, sigma: 0.0 };
+    let run = base.ensemble::<Midpoint>(0.1).systems(|_| Duffing { a: 1.0, b: 1.0, sigma: 0.0 });
+    let run = run.start(State::new([0.1], [0.0])).paths(1 << 60).seed(3).steps(1);
+    let error = run.run().unwrap_err().to_string();
+    assert!(error.contains("no memory for the systems"), "{error}");
+}
+
 /// What is drawn for starts and for systems is independent.
 #[test]
 fn systems_and_starts_draw_different_numbers() {

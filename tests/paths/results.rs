@@ -295,5 +295,9 @@ mod plots {
         let [first, second, third] = starts[..] else { panic!("{starts:?}") };
         assert_eq!((second.0 - first.0, second.1 - first.1), (400, 0));
         assert_eq!((third.0 - first.0, third.1 - first.1), (0, 300));
+        // Too small to see, but not to draw.
+        for size in [(1, 1), (90, 400), (139, 20)] {
+            assert!(Sheet::new(1, size).with(figure()).svg().is_ok(), "{size:?}");
+        }
     }
 }

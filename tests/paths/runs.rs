@@ -273,6 +273,14 @@ fn questions_without_an_answer_are_typed_errors() {
     assert_eq!(run(10).euler_lagrange_residual(&KUBO), Err(PathError::Gaps { every: 10 }));
     assert_eq!(run(0).euler_lagrange_residual(&KUBO), Err(PathError::Gaps { every: 0 }));
     assert_eq!(run(7).time_scale(), Err(PathError::Uneven { every: 7, steps: 1000 }));
+    // The last step is half as long as the others; one step alone is even, and its own.
+    let exact =
+        |end| PENDULUM.simulate::<Midpoint>(0.1).start(State::new([1.0], [0.5])).until(end).exactly().run();
+    assert_eq!(exact(1.05).unwrap().time_scale(), Err(PathError::Uneven { every: 1, steps: 11 }));
+    let single = exact(0.05).unwrap();
+    assert_eq!(single.time_scale().unwrap().step_size(), 0.05);
+    let residual = single.euler_lagrange_residual(&PENDULUM).unwrap();
+    assert!(residual <= 4.0 * f64::EPSILON, "{residual}");
     let none =
         KUBO.simulate::<Midpoint>(H).start(start()).noise(Increments::from([0.1])).until(0.0).run().unwrap();
     assert_eq!((none.len(), none.last()), (1, &start()));

@@ -88,6 +88,15 @@ fn every_degree_of_freedom_has_the_temperature() {
             (statistics.mean(name).expect("a mean"), statistics.standard_error(name).expect("an error"));
         assert!((mean - WELL.kt).abs() < 4.0 * error + WELL.kt * x, "{name} {mean} {error}");
     }
+    // The size of a slice is that of the start.
+    let chain = fixtures::bath::Chain { gamma: 1.0, kt: 0.7 };
+    let run = || chain.ensemble::<Baoab>(H).paths(8).seed(3).steps(2);
+    let start = || State::new(vec![0.5; 3], vec![0.0; 3]);
+    assert!(
+        run().start(start()).observe_equipartition().run().unwrap().mean("kinetic temperature 2").is_ok()
+    );
+    let early = run().observe_equipartition().start(start()).run().unwrap_err().to_string();
+    assert!(early.contains("call it after `.start(...)`"), "{early}");
 }
 
 #[test]
@@ -162,7 +171,9 @@ fn a_function_stops_a_path() {
 fn what_cannot_be_estimated_is_an_error() {
     let short = Autocorrelation::of(&[1.0, 2.0, 3.0, 2.0], 0.1);
     assert_eq!(short, Err(SeriesError::Short { length: 4 }));
-    assert_eq!(Autocorrelation::of(&[1.0; 100], 0.1), Err(SeriesError::Constant));
+    for constant in [1.0, 0.1] {
+        assert_eq!(Autocorrelation::of(&[constant; 100], 0.1), Err(SeriesError::Constant));
+    }
     assert_eq!(Autocorrelation::of(&[1.0, f64::NAN], 0.1), Err(SeriesError::NonFinite { index: 1 }));
     let uneven: [&[f64]; 2] = [&[1.0, 2.0], &[1.0]];
     assert_eq!(Autocorrelation::of_many(&uneven, 0.1), Err(SeriesError::Lengths { expected: 2, got: 1 }));

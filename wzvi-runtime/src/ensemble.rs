@@ -176,7 +176,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// Sets the first state of each path; all have the same time. It may depend on [`Draw::path`], or be drawn at random by the seed of the
-    /// ensemble (0 if it has none). The function is called once for each path, from several threads, and must depend on its argument alone.
+    /// ensemble (0 if it has none). The function is called from several threads, for some paths more than once, and must depend on its argument alone.
     ///
     /// ```ignore
     /// // A Gaussian cloud of path after path, whatever the scheme and the step size.

@@ -170,7 +170,8 @@ pub enum PathError {
         /// What `record_every` was.
         every: u64,
     },
-    /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the start.
+    /// The recorded nodes are not evenly spaced: the last is not a multiple of `record_every` steps from the start, other nodes are recorded,
+    /// or the last step is shorter.
     Uneven {
         /// What `record_every` was.
         every: u64,
@@ -203,8 +204,8 @@ messages! { PathError:
     Self::Gaps { every } =>
         "this needs every step of the path, but it was run with record_every({every}); use 1";
     Self::Uneven { every, steps } =>
-        "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, or `record_at` \
-         added others";
+        "the recorded nodes are not evenly spaced: record_every({every}) does not divide the {steps} steps, `record_at` added others, \
+         or `exactly` made the last step shorter";
     Self::Empty => "the path has no step";
     Self::System { path, system } =>
         "the path has {} degrees of freedom and {} noises, but the system has {} and {}",

@@ -83,7 +83,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             [starts.as_ref().and_then(ByPath::listed), more.systems.as_ref().and_then(ByPath::listed)];
         let paths = number_of_paths(more.paths, listed)?;
         let systems = more.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
-        let systems = systems.unwrap_or_default();
+        let systems = systems.transpose()?.unwrap_or_default();
         starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
         if !end.is_finite() {
@@ -215,7 +215,8 @@ impl Extras {
             ));
         }
         let (observables, has_covariances) = (names.len(), self.covariances.unwrap_or(true));
-        let bytes = StatisticsNode::bytes(observables, has_covariances, has_pairs, &histograms);
+        let bytes =
+            StatisticsNode::bytes(observables, has_covariances, (has_pairs, self.quantiles), &histograms);
         let bytes = times.len() as u128 * bytes;
         if bytes > MOST_BYTES {
             return wrong(format!(
@@ -232,6 +233,9 @@ impl Extras {
 
 /// The passages of events, each with a histogram over the whole time.
 fn passages(names: Vec<String>, grid: &Grid, are_kept: bool) -> Result<Vec<Passages>, ConfigError> {
+    if names.is_empty() {
+        return Ok(Vec::new());
+    }
     let (Grid { start, h, steps, .. }, end) = (*grid, grid.time(grid.steps));
     // Without a step there is no time to count.
     let [lower, upper] = if steps == 0 { [start, start + h.abs()] } else { [start.min(end), start.max(end)] };

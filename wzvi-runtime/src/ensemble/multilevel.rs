@@ -136,7 +136,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         self
     }
 
-    /// How many paths of each level, at most.
+    /// How many paths of each level, at most, rounded up to what a level takes at once: 1024 on the coarsest, 64 from the fifth on.
     pub fn paths(mut self, paths: u64) -> Self {
         self.setup.more.paths = Some(paths);
         self

@@ -75,6 +75,6 @@ where
             recorder.reach(&reached);
             Ok(())
         });
-        Ok((recorder.finish(reached), taken.err()))
+        Ok((recorder.finish(reached, &job.grid), taken.err()))
     }
 }

@@ -72,11 +72,22 @@ impl<T> ByPath<'_, T> {
     }
 
     /// Those of so many paths; fewer if the list is shorter.
-    pub(super) fn into_list(self, drawn: Drawn, seed: u64, paths: u64) -> Vec<T> {
+    ///
+    /// # Errors
+    /// If there is no memory for them.
+    pub(super) fn into_list(self, drawn: Drawn, seed: u64, paths: u64) -> Result<Vec<T>, ConfigError> {
         match self {
-            Self::Listed(list) => list,
+            Self::Listed(list) => Ok(list),
             Self::Drawn(sampler) => {
-                (0..paths).map(|path| sampler(&mut Draw::new(drawn, seed, path))).collect()
+                let mut list = Vec::new();
+                let room = usize::try_from(paths).ok().and_then(|paths| list.try_reserve_exact(paths).ok());
+                room.ok_or_else(|| {
+                    ConfigError::Setting(format!(
+                        "there is no memory for the systems of {paths} paths, which are all made before the run: ask for fewer `.paths(...)`"
+                    ))
+                })?;
+                list.extend((0..paths).map(|path| sampler(&mut Draw::new(drawn, seed, path))));
+                Ok(list)
             }
         }
     }

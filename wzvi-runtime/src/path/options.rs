@@ -272,7 +272,7 @@ macro_rules! options {
         }
 
         /// The same of each degree of freedom, numbered from 0: `kinetic temperature 0`, ..., `configurational temperature 0`, ... Their
-        /// number is that of the start, or of a system that knows its size.
+        /// number is that of a system that knows its size, or of the start, which is then given before.
         pub fn observe_equipartition(mut self) -> Self
         where
             H: Sync,
@@ -280,6 +280,7 @@ macro_rules! options {
             let system = self.setup.system;
             let of_start = |start: &crate::algebra::state::State<H::Vector>| crate::algebra::state::Vector::components(&start.q).len();
             let degrees = self.setup.span.start.as_ref().map_or(system.degrees(), of_start);
+            self.setup.span.was_asked_early |= degrees == 0;
             for i in 0..degrees {
                 self = self.observe_own(format!("kinetic temperature {i}"), move |system, state| {
                     crate::path::series::kinetic_of(system, state, i)

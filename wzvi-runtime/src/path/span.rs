@@ -27,11 +27,13 @@ pub(crate) struct Span<V> {
     pub(crate) end: Option<End>,
     /// Whether the last node is at the end, wherever that is.
     pub(crate) is_exact: bool,
+    /// Whether something was asked of each degree of freedom before their number was known.
+    pub(crate) was_asked_early: bool,
 }
 
 impl<V> Default for Span<V> {
     fn default() -> Self {
-        Self { start: None, end: None, is_exact: false }
+        Self { start: None, end: None, is_exact: false, was_asked_early: false }
     }
 }
 
@@ -154,6 +156,9 @@ impl<V: Vector> Span<V> {
         system: &H,
         h: f64,
     ) -> Result<(State<V>, Grid), ConfigError> {
+        if self.was_asked_early {
+            return Err(ConfigError::Missing(SIZE));
+        }
         let start = checked(system, self.start)?;
         let grid = grid(self.end, self.is_exact, start.t, h)?;
         Ok((start, grid))
@@ -162,6 +167,8 @@ impl<V: Vector> Span<V> {
 
 const START: &str = "a start: add `.start(State::new(q, p))`";
 const END: &str = "an end: add `.until(time)` or `.steps(number)`";
+const SIZE: &str =
+    "the number of degrees of freedom for `.observe_equipartition()`: call it after `.start(...)`";
 const TIME: &str = "a time to end at exactly: `.until(time).exactly()`; a number of steps ends at a node";
 
 /// Refuses states of another number of degrees of freedom than the system has.

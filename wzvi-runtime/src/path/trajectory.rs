@@ -73,6 +73,9 @@ struct Path<V> {
     /// Nodes that are recorded besides the `every`-th.
     #[cfg_attr(feature = "serde", serde(default))]
     chosen: u64,
+    /// The size of the last step, if it is shorter than the others.
+    #[cfg_attr(feature = "serde", serde(default))]
+    shorter: Option<f64>,
     /// What was observed at the recorded nodes, by name.
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
     observed: Vec<(String, Vec<f64>)>,
@@ -340,11 +343,12 @@ impl<V: Vector, E> Trajectory<V, E> {
     /// The time scale T of the recorded nodes.
     ///
     /// # Errors
-    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if the last interval is shorter.
+    /// [`PathError::Empty`] for a path without steps, [`PathError::Uneven`] if intervals differ, such as a last one that is shorter.
     pub fn time_scale(&self) -> Result<TimeScale, PathError> {
-        let Path { every, steps, states, last, chosen, .. } = &self.path;
+        let Path { every, steps, states, last, chosen, shorter, .. } = &self.path;
         let [first, .., _] = states.as_slice() else { return Err(PathError::Empty) };
-        if *chosen > 0 || *every > 1 && states.len() > 2 && steps % every != 0 {
+        let ends_short = shorter.is_some() || *every > 1 && steps % every != 0;
+        if *chosen > 0 || ends_short && states.len() > 2 {
             return Err(PathError::Uneven { every: *every, steps: *steps });
         }
         Ok(TimeScale::new(first.t, last.t, states.len() - 1)?)
@@ -385,7 +389,7 @@ impl<V: Vector, E> Trajectory<V, E> {
     }
 
     /// The largest absolute residual of the discrete Euler-Lagrange equations: `|D_2 L_d(step i-1) + D_1 L_d(step i)|` over the interior
-    /// nodes, and `|∂L_d/∂P|` over all steps. It is at rounding level on any path that the scheme computed. It is NaN if a residual is, and
+    /// nodes, and `|∂L_d/∂P|` over all steps. It is at rounding level on any path that the scheme computed without halved steps, which have two equations each. It is NaN if a residual is, and
     /// with a [bath](crate::scheme::bath), whose steps follow from no Lagrangian.
     ///
     /// # Errors
@@ -419,7 +423,8 @@ impl<V: Vector, E> Trajectory<V, E> {
     where
         H: Discretized<E, Vector = V>,
     {
-        let h = self.step_size();
+        // A shorter step is alone here: no path with others has a time scale.
+        let h = self.path.shorter.unwrap_or(self.step_size());
         let ends = self.states().iter().zip(self.states().iter().skip(1));
         ends.zip(self.increments()).map(move |((before, after), dw)| {
             let p = system.step_momentum(before, after, h, dw);

@@ -63,7 +63,8 @@ impl Layout {
         let top = if legend.is_empty() { y - 4 } else { y + ROW };
         let name = |name: &String| (name.chars().count() as f64 * LETTER).ceil() as i32 + 30;
         let left = figure.y.names.iter().map(name).max().unwrap_or(70);
-        let frame = [left.clamp(70, width / 2), top, width - 20, (height - 56).max(top + 20)];
+        let left = left.min(width / 2).max(70);
+        let frame = [left, top, (width - 20).max(left + 20), (height - 56).max(top + 20)];
         Self { size: (width, height), frame, title, legend }
     }
 

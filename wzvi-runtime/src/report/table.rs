@@ -71,7 +71,7 @@ impl Report {
         let strong = "strong error: the root mean square over paths of the distance between the end of the run and the solution, with its \
                       standard error";
         let weak = "weak error: the mean of the observable minus that of the solution, with its 95 % confidence interval";
-        let energy = "trend: the change of the energy over the run, by a linear fit; oscillation: the largest distance from that line";
+        let energy = "trend: the change of the energy over the run, by a linear fit; oscillation: the root mean square distance from that line";
         let rest = "failed: paths whose step had no solution; Newton: mean iterations in a step; time of steps, of noise: the median for one \
                     path, with half the distance of the quartiles";
         let has_weak = self.cells.first().is_some_and(|cell| !cell.weak.is_empty());

@@ -57,6 +57,9 @@ impl PartialEq for Quantiles {
 }
 
 impl Quantiles {
+    /// Bytes of memory before samples are counted.
+    pub(crate) const LEAST_BYTES: usize = size_of::<Self>() + MOST_LISTED * size_of::<i32>();
+
     /// Half a bin: `2^-10`.
     pub const RELATIVE_ERROR: f64 = 1.0 / 1024.0;
 

@@ -76,7 +76,7 @@ impl Autocorrelation {
         }
         let all = || series.iter().flat_map(|values| values.as_ref());
         let mean = all().sum::<f64>() / count as f64;
-        if all().all(|value| value == &mean) {
+        if all().zip(all().skip(1)).all(|(value, next)| value == next) {
             return Err(SeriesError::Constant);
         }
         let centred: Vec<Vec<f64>> =

@@ -110,9 +110,9 @@ where
                 }
             }
         };
-        let Nodes { observer, account, keeper, .. } = nodes;
+        let Nodes { observer, account, keeper, grid, .. } = nodes;
         let exchanged = stepper.stepper.exchanged();
-        let trajectory = account.recorder.finish(state).observing(names, &functions);
+        let trajectory = account.recorder.finish(state, &grid).observing(names, &functions);
         let trajectory =
             trajectory.accounted(system, &start, exchanged).suspecting(stepper.watch.suspected());
         let trajectory = trajectory.named(system.variables()).saved_but_for(keeper.unsaved());

@@ -10,6 +10,7 @@ use crate::algebra::sum::Sum;
 use crate::error::ConfigError;
 use crate::path::recording::{Moment, Recording};
 use crate::path::section::Crossing;
+use crate::path::span::Grid;
 use crate::path::step::StepInfo;
 use crate::scheme::system::Exchange;
 
@@ -61,6 +62,7 @@ impl<V: Vector> Recorder<V> {
             states,
             last,
             chosen: 0,
+            shorter: None,
             observed: Vec::new(),
             crossings: Vec::new(),
             exchanged: Exchange::default(),
@@ -146,8 +148,9 @@ impl<V: Vector> Recorder<V> {
         };
     }
 
-    /// The trajectory, which ends at `last`.
-    pub(crate) fn finish<E>(self, last: State<V>) -> Trajectory<V, E> {
+    /// The trajectory on these nodes, which ends at `last`.
+    pub(crate) fn finish<E>(mut self, last: State<V>, grid: &Grid) -> Trajectory<V, E> {
+        self.path.shorter = grid.shorter.filter(|_| self.path.steps == grid.steps);
         Trajectory { path: self.path(last), variables: None, unsaved: None, scheme: PhantomData }
     }
 

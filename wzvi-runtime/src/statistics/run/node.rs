@@ -217,12 +217,13 @@ impl StatisticsNode {
     pub(crate) fn bytes(
         observables: usize,
         has_covariances: bool,
-        has_pairs: bool,
+        (has_pairs, has_quantiles): (bool, bool),
         histograms: &[Histogram],
     ) -> u128 {
         let bins: u128 = histograms.iter().map(|empty| 8 * empty.counts().len() as u128).sum();
         let samples = if has_pairs { 2 } else { 1 };
-        samples * Moments::bytes(observables, has_covariances) + bins
+        let quantiles = if has_quantiles { observables * Quantiles::LEAST_BYTES } else { 0 };
+        samples * Moments::bytes(observables, has_covariances) + bins + quantiles as u128
     }
 
     fn merge(&mut self, other: &Self) {

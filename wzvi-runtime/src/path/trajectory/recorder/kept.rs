@@ -21,6 +21,7 @@ impl<V: Vector> Recorder<V> {
             states,
             last: _,
             chosen: _,
+            shorter: _,
             observed: _,
             crossings: _,
             exchanged: _,
