@@ -3,9 +3,7 @@
 use std::ops::Range;
 
 #[cfg(feature = "report")]
-use crate::saving::table::Cell::{Number, Text};
-#[cfg(feature = "report")]
-use crate::saving::table::{NUMBER, TEXT, Table};
+use crate::saving::table::Rows;
 
 /// One axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -246,15 +244,15 @@ impl Figure {
     /// The same as CSV.
     #[cfg(feature = "report")]
     pub fn csv(&self) -> Vec<u8> {
-        let columns =
-            [("series", TEXT), (self.x.label.as_str(), NUMBER), (&self.y.label, NUMBER), ("note", TEXT)];
-        let mut table = Table::new(self.id.as_str(), columns, []);
-        for series in &self.series {
-            for (index, &(x, y)) in series.points.iter().enumerate() {
-                let note = series.notes.get(index).map_or("", String::as_str);
-                table.row([Text(&series.name), Number(x), Number(y), Text(note)]);
-            }
-        }
-        table.csv()
+        let rows = self.series.iter().flat_map(|series| {
+            series.points.iter().enumerate().map(move |(index, point)| (series, index, point))
+        });
+        Rows::of(rows)
+            .column("series", |(series, ..)| series.name.clone())
+            .column(&self.x.label, |(.., (x, _))| *x)
+            .column(&self.y.label, |(.., (_, y))| *y)
+            .column("note", |&(series, index, _)| series.notes.get(index).cloned().unwrap_or_default())
+            .table(&self.id)
+            .csv()
     }
 }

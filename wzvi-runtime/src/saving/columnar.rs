@@ -88,19 +88,17 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    use super::*;
-    use crate::saving::table::Cell::{Count, Number, Text};
+    use crate::saving::table::Rows;
 
     /// Every entry comes back, to the last bit.
     #[test]
     fn files_are_read_back() {
-        let columns = [("name", Column::Text(Vec::new())), ("count", Column::Count(Vec::new()))];
-        let mut table = Table::new("mixed", columns, ["number"]);
         let numbers = [0.1, -0.0, f64::NAN, f64::INFINITY, 5e-324, f64::MAX];
-        for (i, &number) in numbers.iter().enumerate() {
-            let name = format!("é, \"{i}\"");
-            table.row([Text(&name), Count(10_u64.pow(3 * i as u32)), Number(number)]);
-        }
+        let table = Rows::of(numbers.iter().enumerate())
+            .column("name", |(i, _)| format!("é, \"{i}\""))
+            .column("count", |(i, _)| 10_u64.pow(3 * *i as u32))
+            .column("number", |(_, number)| **number)
+            .table("mixed");
         let path = std::env::temp_dir().join(format!("wzvi-columnar-{}.parquet", std::process::id()));
         crate::saving::file::replace(&path, |file| table.write_parquet(file)).unwrap();
         let file = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 #[cfg(feature = "ensemble")]
-pub(crate) use rows::{COUNT, Cell, NUMBER, TEXT};
+pub(crate) use rows::{Parts, Rows};
 
 /// Columns of one length.
 #[derive(Clone, Debug, PartialEq)]

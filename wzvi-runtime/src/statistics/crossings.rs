@@ -5,8 +5,7 @@ use super::statistic::{Seen, Statistic, Tables};
 use crate::algebra::crossing::Direction;
 use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Cell::{Count, Number, Text};
-use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
+use crate::saving::table::{Parts, Rows};
 
 /// How often paths crossed a section, and the states there, as far as they are kept: see [`crate::algebra::crossing`].
 ///
@@ -159,29 +158,7 @@ impl Statistic for EachSection {
     }
 
     fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
-        let degrees = self.0.first().map_or(0, |crossings| crossings.degrees);
-        let empty = move || {
-            let columns = [("section", COUNT), ("path", COUNT), ("direction", TEXT), ("time", NUMBER)];
-            let letters = ["q", "p"].iter();
-            let names: Vec<String> =
-                letters.flat_map(|letter| (0..degrees).map(move |i| format!("{letter}{i}"))).collect();
-            Table::new("crossing_states", columns, names.iter().map(String::as_str))
-        };
-        let each = (0..).zip(&self.0);
-        let each =
-            each.flat_map(|(section, crossings)| crossings.iter().map(move |crossing| (section, crossing)));
-        Tables::made([Box::new(|| self.counts())]).with(
-            empty,
-            each,
-            |table, (section, PathCrossing { path, direction, t, q, p })| {
-                let direction = match direction {
-                    Direction::Rising => "rising",
-                    Direction::Falling => "falling",
-                };
-                let place = [Count(section), Count(path), Text(direction), Number(t)];
-                table.row(place.into_iter().chain(q.iter().chain(p).map(|&x| Number(x))));
-            },
-        )
+        Tables(vec![self.counts(), self.states()])
     }
 }
 
@@ -192,20 +169,37 @@ impl Numbers for EachSection {
 }
 
 impl EachSection {
-    fn counts(&self) -> Table {
-        let columns = [("section", COUNT), ("count", COUNT), ("rising", COUNT), ("falling", COUNT)];
-        let mut table = Table::new("crossings", columns, ["mean", "standard_error", "variance"]);
-        for (section, crossings) in (0..).zip(&self.0) {
-            table.row([
-                Count(section),
-                Count(crossings.count()),
-                Count(crossings.count_towards(Direction::Rising)),
-                Count(crossings.count_towards(Direction::Falling)),
-                Number(crossings.mean()),
-                Number(crossings.standard_error()),
-                Number(crossings.variance()),
-            ]);
+    fn counts(&self) -> Parts<'_> {
+        Rows::of((0..).zip(&self.0))
+            .column("section", |&(section, _)| section)
+            .column("count", |(_, crossings)| crossings.count())
+            .column("rising", |(_, crossings)| crossings.count_towards(Direction::Rising))
+            .column("falling", |(_, crossings)| crossings.count_towards(Direction::Falling))
+            .column("mean", |(_, crossings)| crossings.mean())
+            .column("standard_error", |(_, crossings)| crossings.standard_error())
+            .column("variance", |(_, crossings)| crossings.variance())
+            .parts("crossings")
+    }
+
+    fn states(&self) -> Parts<'_> {
+        let degrees = self.0.first().map_or(0, |crossings| crossings.degrees);
+        let each = (0..)
+            .zip(&self.0)
+            .flat_map(|(section, crossings)| crossings.iter().map(move |crossing| (section, crossing)));
+        let mut rows = Rows::of(each)
+            .column("section", |&(section, _)| section)
+            .column("path", |(_, crossing)| crossing.path)
+            .column("direction", |(_, crossing)| match crossing.direction {
+                Direction::Rising => "rising".to_owned(),
+                Direction::Falling => "falling".to_owned(),
+            })
+            .column("time", |(_, crossing)| crossing.t);
+        for i in 0..degrees {
+            rows = rows.column(format!("q{i}"), move |(_, crossing)| crossing.q[i]);
         }
-        table
+        for i in 0..degrees {
+            rows = rows.column(format!("p{i}"), move |(_, crossing)| crossing.p[i]);
+        }
+        rows.parts("crossing_states")
     }
 }

@@ -6,8 +6,7 @@ use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::error::{StepError, StepFailure, messages};
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Cell::{Count, Number, Text};
-use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
+use crate::saving::table::Rows;
 
 /// Failed paths that are kept with their errors; further ones are only counted.
 const MOST_FAILURES: usize = 1000;
@@ -56,13 +55,14 @@ impl Statistic for Losses {
     }
 
     fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
-        let columns = [("path", COUNT), ("step", COUNT), ("time", NUMBER), ("cause", TEXT)];
-        let mut table = Table::new("failures", columns, []);
-        for PathFailure { path, error } in &self.failures {
-            let cause = error.cause.to_string();
-            table.row([Count(*path), Count(error.step), Number(error.t), Text(&cause)]);
-        }
-        table.into()
+        Tables(vec![
+            Rows::of(self.failures.iter())
+                .column("path", |failure| failure.path)
+                .column("step", |failure| failure.error.step)
+                .column("time", |failure| failure.error.t)
+                .column("cause", |failure| failure.error.cause.to_string())
+                .parts("failures"),
+        ])
     }
 }
 

@@ -6,8 +6,7 @@ use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Cell::{Count, Number, Text};
-use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
+use crate::saving::table::{Parts, Rows};
 
 /// When paths first crossed a zero of a function of the state.
 ///
@@ -228,26 +227,7 @@ impl Statistic for Events {
     }
 
     fn rows<'s>(&'s self, _run: &'s Statistics) -> Tables<'s> {
-        let of_paths = || {
-            let columns = [("path", COUNT), ("event", TEXT), ("outcome", TEXT), ("time", NUMBER)];
-            Table::new("path_passages", columns, [])
-        };
-        let each = self.0.iter().flat_map(|passages| {
-            let kept = (0..).zip(passages.by_path().unwrap_or_default());
-            kept.map(move |(path, passage)| (path, passages.name(), *passage))
-        });
-        Tables::made([Box::new(|| self.counts()), Box::new(|| self.times())]).with(
-            of_paths,
-            each,
-            |table, (path, event, passage)| {
-                let (outcome, time) = match passage {
-                    Passage::At(time) => ("passed", time),
-                    Passage::Censored => ("censored", f64::NAN),
-                    Passage::Lost(time) => ("lost", time),
-                };
-                table.row([Count(path), Text(event), Text(outcome), Number(time)]);
-            },
-        )
+        Tables(vec![self.counts(), self.times(), self.of_paths()])
     }
 }
 
@@ -258,33 +238,49 @@ impl Numbers for Events {
 }
 
 impl Events {
-    fn counts(&self) -> Table {
-        let columns = [("event", TEXT), ("passed", COUNT), ("censored", COUNT), ("lost", COUNT)];
-        let mut table = Table::new("passages", columns, ["mean", "standard_error", "rate", "rate_error"]);
-        for passages in &self.0 {
-            table.row([
-                Text(passages.name()),
-                Count(passages.passed()),
-                Count(passages.censored()),
-                Count(passages.lost()),
-                Number(passages.mean()),
-                Number(passages.standard_error()),
-                Number(passages.rate()),
-                Number(passages.rate_error()),
-            ]);
-        }
-        table
+    fn counts(&self) -> Parts<'_> {
+        Rows::of(self.0.iter())
+            .column("event", |passages| passages.name().to_owned())
+            .column("passed", |passages| passages.passed())
+            .column("censored", |passages| passages.censored())
+            .column("lost", |passages| passages.lost())
+            .column("mean", |passages| passages.mean())
+            .column("standard_error", |passages| passages.standard_error())
+            .column("rate", |passages| passages.rate())
+            .column("rate_error", |passages| passages.rate_error())
+            .parts("passages")
     }
 
-    fn times(&self) -> Table {
-        let columns = [("event", TEXT), ("count", COUNT)];
-        let mut table = Table::new("passage_times", columns, ["lower", "upper", "density"]);
-        for passages in &self.0 {
-            for (count, numbers) in passages.histogram().bins() {
-                table.row([Text(passages.name()), Count(count)].into_iter().chain(numbers.map(Number)));
-            }
-        }
-        table
+    fn times(&self) -> Parts<'_> {
+        let bins = self
+            .0
+            .iter()
+            .flat_map(|passages| passages.histogram().bins().map(move |bin| (passages.name(), bin)));
+        Rows::of(bins)
+            .column("event", |(event, _)| (*event).to_owned())
+            .column("count", |&(_, (count, _))| count)
+            .column("lower", |&(_, (_, [lower, ..]))| lower)
+            .column("upper", |&(_, (_, [_, upper, _]))| upper)
+            .column("density", |&(_, (_, [.., density]))| density)
+            .parts("passage_times")
+    }
+
+    fn of_paths(&self) -> Parts<'_> {
+        let each = self.0.iter().flat_map(|passages| {
+            let kept = (0..).zip(passages.by_path().unwrap_or_default());
+            kept.map(move |(path, passage)| (path, passages.name(), *passage))
+        });
+        let outcome = |passage| match passage {
+            Passage::At(time) => ("passed", time),
+            Passage::Censored => ("censored", f64::NAN),
+            Passage::Lost(time) => ("lost", time),
+        };
+        Rows::of(each)
+            .column("path", |&(path, ..)| path)
+            .column("event", |(_, event, _)| (*event).to_owned())
+            .column("outcome", move |&(.., passage)| outcome(passage).0.to_owned())
+            .column("time", move |&(.., passage)| outcome(passage).1)
+            .parts("path_passages")
     }
 }
 

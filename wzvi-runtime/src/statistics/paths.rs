@@ -2,8 +2,7 @@
 
 use crate::error::ConfigError;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Cell::{Count, Number};
-use crate::saving::table::{COUNT, NUMBER, Table};
+use crate::saving::table::Rows;
 use crate::statistics::run::Statistics;
 use crate::statistics::statistic::{Seen, Statistic, Tables};
 use crate::statistics::table::beside;
@@ -75,23 +74,24 @@ impl Statistic for Option<Paths> {
 
     fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s> {
         let varying = run.origin.as_ref().map_or(&[][..], |origin| &origin.varying);
-        let empty = move || {
-            let columns = [("path", COUNT), ("time", NUMBER)];
-            let known = columns.iter().map(|(name, _)| (*name).to_owned());
-            let known = known.chain(run.observables().iter().cloned());
-            let parameters = beside(known, varying.iter().map(|(name, _)| name));
-            Table::new("paths", columns, parameters.iter().chain(run.observables()).map(String::as_str))
-        };
         let each = self.iter().flat_map(move |paths| {
             let nodes = move |path| run.nodes().iter().enumerate().map(move |node| (paths, path, node));
             (0..paths.count()).flat_map(nodes)
         });
-        Tables::made([]).with(empty, each, move |table, (paths, path, (number, node))| {
-            let values = paths.at(path, number).unwrap_or_default().iter();
-            let values = values.map(|&value| Number(value));
-            let own = varying.iter().map(|(_, own)| Number(own.get(path).copied().unwrap_or(f64::NAN)));
-            table.row([Count(path as u64), Number(node.time())].into_iter().chain(own).chain(values));
-        })
+        let mut rows = Rows::of(each)
+            .column("path", |&(_, path, _)| path as u64)
+            .column("time", |(.., (_, node))| node.time());
+        let known = rows.names().chain(run.observables().iter().map(String::as_str));
+        let parameters = beside(known, varying.iter().map(|(name, _)| name));
+        for (name, (_, own)) in parameters.into_iter().zip(varying) {
+            rows = rows.column(name, |&(_, path, _)| own.get(path).copied().unwrap_or(f64::NAN));
+        }
+        for (index, name) in run.observables().iter().enumerate() {
+            rows = rows.column(name, move |&(paths, path, (node, _))| {
+                paths.at(path, node).map_or(f64::NAN, |values| values[index])
+            });
+        }
+        Tables(vec![rows.parts("paths")])
     }
 }
 

@@ -14,11 +14,12 @@ use super::loss::{Losses, PathFailure};
 use super::origin::Origin;
 use super::passage::{Events, Passages};
 use super::paths::Paths;
-use super::statistic::{AnyStatistic, Parts, Seen, Statistic};
+use super::statistic::{AnyStatistic, Seen, Statistic};
 use crate::error::StatisticsError;
 use crate::error::{FileError, InternalError, UnknownName};
 use crate::ground::digits::estimate;
 use crate::ground::numbers::{Numbers, Tape};
+use crate::saving::table::Parts;
 
 const NO_HISTOGRAM: StatisticsError = StatisticsError::NotComputed {
     what: "histogram of this observable",

@@ -10,7 +10,7 @@ use crate::algebra::crossing::Direction;
 use crate::error::{InternalError, StepError};
 use crate::ground::names::short_name;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Table;
+use crate::saving::table::{Parts, Table};
 
 /// What a [`Statistic`] sees of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,9 +83,6 @@ pub trait Statistic: Numbers + Clone + fmt::Debug + PartialEq + Send + Sync + 's
 /// Tables, each whole or in parts with the same columns.
 pub struct Tables<'s>(pub(super) Vec<Parts<'s>>);
 
-/// The rows of a table, some at a time; the first part is always there.
-pub(super) type Parts<'s> = Box<dyn Iterator<Item = Table> + 's>;
-
 impl fmt::Debug for Tables<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Tables").field("count", &self.0.len()).finish_non_exhaustive()
@@ -97,35 +94,6 @@ impl From<Table> for Tables<'_> {
         Self(vec![Box::new(iter::once(table))])
     }
 }
-
-impl<'s> Tables<'s> {
-    /// Tables that are made on request.
-    pub(super) fn made<const N: usize>(tables: [Box<dyn Fn() -> Table + 's>; N]) -> Self {
-        Self(tables.into_iter().map(|table| Box::new(iter::once_with(table)) as Parts<'s>).collect())
-    }
-
-    /// One more, with a row for each of these, in parts.
-    pub(super) fn with<T>(
-        mut self,
-        empty: impl Fn() -> Table + 's,
-        rows: impl Iterator<Item = T> + 's,
-        write: impl Fn(&mut Table, T) + 's,
-    ) -> Self {
-        let (mut rows, mut is_first) = (rows.peekable(), true);
-        self.0.push(Box::new(iter::from_fn(move || {
-            let is_wanted = std::mem::take(&mut is_first) || rows.peek().is_some();
-            is_wanted.then(|| {
-                let mut table = empty();
-                rows.by_ref().take(PART).for_each(|row| write(&mut table, row));
-                table
-            })
-        })));
-        self
-    }
-}
-
-/// Rows of a part: some megabytes of numbers.
-const PART: usize = 1 << 15;
 
 /// A [`Statistic`] of any type.
 pub(crate) trait AnyStatistic: fmt::Debug + Send + Sync {

@@ -4,13 +4,10 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::origin::Origin;
 use super::run::Statistics;
-use super::statistic::Parts;
 use crate::error::FileError;
 use crate::saving::file::{self, Staged};
-use crate::saving::table::Cell::{Count, Number, Text};
-use crate::saving::table::{COUNT, NUMBER, TEXT, Table, escaped};
+use crate::saving::table::{Parts, Rows, Table, escaped};
 
 impl Statistics {
     /// One file `<table>.csv` for each of [`Statistics::tables`] in a folder, which is made if it is not there.
@@ -105,53 +102,35 @@ impl Statistics {
 
     /// The tables, each in parts that are made on request: writing a file takes the memory of one part.
     fn in_parts(&self) -> Vec<Parts<'_>> {
-        let run: Parts<'_> = Box::new(std::iter::once_with(|| self.run()));
-        std::iter::once(run).chain(self.rows()).collect()
+        std::iter::once(self.run()).chain(self.rows()).collect()
     }
 
-    fn run(&self) -> Table {
-        let columns = [
-            ("system", TEXT),
-            ("scheme", TEXT),
-            ("version", TEXT),
-            ("step_size", NUMBER),
-            ("start", NUMBER),
-            ("steps", COUNT),
-            ("seed", COUNT),
-            ("noise", TEXT),
-            ("paths_wanted", COUNT),
-            ("paths", COUNT),
-            ("failed", COUNT),
-            ("extent", TEXT),
-            ("targets", TEXT),
-        ];
-        let Some(origin) = &self.origin else { return Table::new("run", columns, []) };
-        let Origin { system, scheme, h, start, steps, seed, noise, paths, parameters, varying: _ } = origin;
-        let known = columns.iter().map(|(name, _)| (*name).to_owned());
-        let names = beside(known, parameters.iter().map(|(name, _)| name));
-        let mut table = Table::new("run", columns, names.iter().map(String::as_str));
+    fn run(&self) -> Parts<'_> {
         let targets = match self.met_targets() {
             Some(true) => "met",
             Some(false) => "missed",
             None => "none",
         };
-        let own = [
-            Text(system),
-            Text(scheme),
-            Text(env!("CARGO_PKG_VERSION")),
-            Number(*h),
-            Number(*start),
-            Count(*steps),
-            Count(*seed),
-            Text(noise),
-            Count(*paths),
-            Count(self.begun()),
-            Count(self.failed()),
-            Text(if self.is_partial() { "partial" } else { "whole" }),
-            Text(targets),
-        ];
-        table.row(own.into_iter().chain(parameters.iter().map(|(_, value)| Number(*value))));
-        table
+        let mut rows = Rows::of(&self.origin)
+            .column("system", |origin| origin.system.clone())
+            .column("scheme", |origin| origin.scheme.clone())
+            .column("version", |_| env!("CARGO_PKG_VERSION").to_owned())
+            .column("step_size", |origin| origin.h)
+            .column("start", |origin| origin.start)
+            .column("steps", |origin| origin.steps)
+            .column("seed", |origin| origin.seed)
+            .column("noise", |origin| origin.noise.clone())
+            .column("paths_wanted", |origin| origin.paths)
+            .column("paths", |_| self.begun())
+            .column("failed", |_| self.failed())
+            .column("extent", |_| if self.is_partial() { "partial" } else { "whole" }.to_owned())
+            .column("targets", move |_| targets.to_owned());
+        let parameters = self.origin.as_ref().map_or(&[][..], |origin| &origin.parameters);
+        let names = beside(rows.names(), parameters.iter().map(|(name, _)| name));
+        for (name, (_, value)) in names.into_iter().zip(parameters) {
+            rows = rows.column(name, |_| *value);
+        }
+        rows.parts("run")
     }
 }
 
@@ -173,10 +152,10 @@ fn write_json<P: Iterator<Item = Table>>(parts: impl Fn() -> P, to: &mut impl Wr
 
 /// Names of columns beside those that are known.
 pub(super) fn beside<'n>(
-    known: impl Iterator<Item = String>,
+    known: impl Iterator<Item = &'n str>,
     names: impl Iterator<Item = &'n String>,
 ) -> Vec<String> {
-    let mut all: Vec<String> = known.collect();
+    let mut all: Vec<String> = known.map(str::to_owned).collect();
     let first = all.len();
     for name in names {
         let mut name = name.clone();

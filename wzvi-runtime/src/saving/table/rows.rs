@@ -1,30 +1,72 @@
-//! Tables that are made row by row.
+//! Tables that are made of rows.
+
+use std::borrow::Cow;
+use std::iter::{self, Peekable};
+use std::mem::take;
 
 use super::{Column, Table};
-use Cell::{Count, Number, Text};
 
-/// An entry of a row.
-pub(crate) enum Cell<'a> {
-    Number(f64),
-    Count(u64),
-    Text(&'a str),
+/// Rows of a part: some megabytes of numbers.
+const PART: usize = 1 << 15;
+
+/// The rows of a table, some at a time; the first part is always there.
+pub(crate) type Parts<'r> = Box<dyn Iterator<Item = Table> + 'r>;
+
+/// The entries of some rows.
+type Entries<'r, R> = Box<dyn Fn(&[R]) -> Column + 'r>;
+
+/// The rows `R` of a table, and its columns: the name of each, and its entries.
+pub(crate) struct Rows<'r, R> {
+    rows: Peekable<Box<dyn Iterator<Item = R> + 'r>>,
+    columns: Vec<(Cow<'r, str>, Entries<'r, R>)>,
 }
 
-pub(crate) const NUMBER: Column = Column::Number(Vec::new());
-pub(crate) const COUNT: Column = Column::Count(Vec::new());
-pub(crate) const TEXT: Column = Column::Text(Vec::new());
-
-impl Table {
-    /// Without rows: columns of given types, and columns of numbers.
-    pub(crate) fn new<'n>(
-        name: impl Into<String>,
-        columns: impl IntoIterator<Item = (&'n str, Column)>,
-        numbers: impl IntoIterator<Item = &'n str>,
-    ) -> Self {
-        let columns = columns.into_iter().chain(numbers.into_iter().map(|name| (name, NUMBER)));
-        Self { name: name.into(), columns: columns.map(|(name, column)| (name.to_owned(), column)).collect() }
+impl<'r, R: 'r> Rows<'r, R> {
+    /// Without columns.
+    pub(crate) fn of(rows: impl IntoIterator<Item = R, IntoIter: 'r>) -> Self {
+        let rows: Box<dyn Iterator<Item = R> + 'r> = Box::new(rows.into_iter());
+        Self { rows: rows.peekable(), columns: Vec::new() }
     }
 
+    /// One more column: numbers, counts or texts.
+    pub(crate) fn column<T>(mut self, name: impl Into<Cow<'r, str>>, entry: impl Fn(&R) -> T + 'r) -> Self
+    where
+        Column: From<Vec<T>>,
+    {
+        let entries = move |rows: &[R]| rows.iter().map(&entry).collect::<Vec<T>>().into();
+        self.columns.push((name.into(), Box::new(entries)));
+        self
+    }
+
+    /// The names of the columns.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|(name, _)| &**name)
+    }
+
+    /// The next rows, this many at most.
+    fn some(&mut self, name: &str, most: usize) -> Table {
+        let rows: Vec<R> = self.rows.by_ref().take(most).collect();
+        let columns = self.columns.iter().map(|(name, entries)| (name.clone().into_owned(), entries(&rows)));
+        Table { name: name.to_owned(), columns: columns.collect() }
+    }
+
+    /// The table of this name, in parts that are made on request.
+    pub(crate) fn parts(mut self, name: &'r str) -> Parts<'r> {
+        let mut is_first = true;
+        Box::new(iter::from_fn(move || {
+            let is_wanted = take(&mut is_first) || self.rows.peek().is_some();
+            is_wanted.then(|| self.some(name, PART))
+        }))
+    }
+
+    /// The whole table.
+    #[cfg(any(test, feature = "report"))]
+    pub(crate) fn table(mut self, name: &str) -> Table {
+        self.some(name, usize::MAX)
+    }
+}
+
+impl Table {
     /// The rows of another table with the same columns, behind those of this one.
     pub(crate) fn append(&mut self, other: Self) {
         for ((_, ours), (_, theirs)) in self.columns.iter_mut().zip(other.columns) {
@@ -32,20 +74,6 @@ impl Table {
                 (Column::Number(ours), Column::Number(theirs)) => ours.extend(theirs),
                 (Column::Count(ours), Column::Count(theirs)) => ours.extend(theirs),
                 (Column::Text(ours), Column::Text(theirs)) => ours.extend(theirs),
-                (Column::Number(_) | Column::Count(_) | Column::Text(_), _) => {
-                    debug_assert!(false, "the types of the table `{}`", self.name);
-                }
-            }
-        }
-    }
-
-    /// One more row, whose entries have the types of the columns.
-    pub(crate) fn row<'a>(&mut self, cells: impl IntoIterator<Item = Cell<'a>>) {
-        for ((_, column), cell) in self.columns.iter_mut().zip(cells) {
-            match (column, cell) {
-                (Column::Number(entries), Number(entry)) => entries.push(entry),
-                (Column::Count(entries), Count(entry)) => entries.push(entry),
-                (Column::Text(entries), Text(entry)) => entries.push(entry.to_owned()),
                 (Column::Number(_) | Column::Count(_) | Column::Text(_), _) => {
                     debug_assert!(false, "the types of the table `{}`", self.name);
                 }

@@ -1,8 +1,7 @@
 //! All paths of an ensemble at one time.
 
 use crate::ground::numbers::{Numbers, Tape};
-use crate::saving::table::Cell::{Count, Number, Text};
-use crate::saving::table::{COUNT, NUMBER, TEXT, Table};
+use crate::saving::table::{Parts, Rows};
 use crate::statistics::histogram::Histogram;
 use crate::statistics::moments::Moments;
 use crate::statistics::quantiles::Quantiles;
@@ -78,11 +77,12 @@ impl Statistic for Nodes {
     }
 
     fn rows<'s>(&'s self, run: &'s Statistics) -> Tables<'s> {
-        Tables::made([
-            Box::new(|| self.moments(run)),
-            Box::new(|| self.covariances(run)),
-            Box::new(|| self.quantiles(run)),
-            Box::new(|| self.histograms(run)),
+        let names = run.observables();
+        Tables(vec![
+            self.moments(names),
+            self.covariances(names),
+            self.quantiles(names),
+            self.histograms(names),
         ])
     }
 }
@@ -101,82 +101,63 @@ impl Numbers for Nodes {
 
 impl Nodes {
     /// Every node with every observable.
-    fn each<'s>(
-        &'s self,
-        run: &'s Statistics,
-    ) -> impl Iterator<Item = (&'s StatisticsNode, usize, &'s String)> {
-        let names = run.observables();
-        self.all
-            .iter()
-            .flat_map(|node| names.iter().enumerate().map(move |(index, name)| (node, index, name)))
+    fn each<'s>(&'s self, names: &'s [String]) -> impl Iterator<Item = (&'s StatisticsNode, usize)> {
+        self.all.iter().flat_map(|node| (0..names.len()).map(move |index| (node, index)))
     }
 
-    fn moments(&self, run: &Statistics) -> Table {
-        let columns = [
-            ("time", NUMBER),
-            ("observable", TEXT),
-            ("count", COUNT),
-            ("lost", COUNT),
-            ("not_finite", COUNT),
-        ];
-        let numbers = ["mean", "standard_error", "error_bound", "largest_share", "variance"];
-        let mut table = Table::new("moments", columns, numbers);
-        for (node, index, name) in self.each(run) {
-            table.row([
-                Number(node.time()),
-                Text(name),
-                Count(node.count()),
-                Count(node.lost()),
-                Count(node.not_finite(index)),
-                Number(node.mean(index)),
-                Number(node.standard_error(index)),
-                Number(node.error_bound(index)),
-                Number(node.largest_share(index)),
-                Number(node.variance(index)),
-            ]);
-        }
-        table
+    fn moments<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        Rows::of(self.each(names))
+            .column("time", |(node, _)| node.time())
+            .column("observable", |&(_, index)| names[index].clone())
+            .column("count", |(node, _)| node.count())
+            .column("lost", |(node, _)| node.lost())
+            .column("not_finite", |&(node, index)| node.not_finite(index))
+            .column("mean", |&(node, index)| node.mean(index))
+            .column("standard_error", |&(node, index)| node.standard_error(index))
+            .column("error_bound", |&(node, index)| node.error_bound(index))
+            .column("largest_share", |&(node, index)| node.largest_share(index))
+            .column("variance", |&(node, index)| node.variance(index))
+            .parts("moments")
     }
 
-    fn covariances(&self, run: &Statistics) -> Table {
-        let columns = [("time", NUMBER), ("first", TEXT), ("second", TEXT)];
-        let mut table = Table::new("covariances", columns, ["covariance"]);
-        for (node, a, first) in self.each(run) {
-            let partners = if node.has_covariances() { run.observables().len() } else { a + 1 };
-            for (b, second) in run.observables().iter().enumerate().take(partners).skip(a) {
-                let covariance = node.covariance(a, b);
-                table.row([Number(node.time()), Text(first), Text(second), Number(covariance)]);
-            }
-        }
-        table
+    fn covariances<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        let pairs = self.each(names).flat_map(|(node, a)| {
+            let partners = if node.has_covariances() { names.len() } else { a + 1 };
+            (a..partners).map(move |b| (node, a, b))
+        });
+        Rows::of(pairs)
+            .column("time", |(node, ..)| node.time())
+            .column("first", |&(_, a, _)| names[a].clone())
+            .column("second", |&(.., b)| names[b].clone())
+            .column("covariance", |&(node, a, b)| node.covariance(a, b))
+            .parts("covariances")
     }
 
-    fn quantiles(&self, run: &Statistics) -> Table {
-        let columns = [("time", NUMBER), ("observable", TEXT)];
-        let mut table = Table::new("quantiles", columns, ["fraction", "quantile"]);
-        for (node, index, name) in self.each(run) {
-            let Some(quantiles) = node.quantiles(index) else { continue };
-            for fraction in FRACTIONS {
-                let quantile = quantiles.at(fraction);
-                table.row([Number(node.time()), Text(name), Number(fraction), Number(quantile)]);
-            }
-        }
-        table
+    fn quantiles<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        let each = self.each(names).filter_map(|(node, i)| Some((node.time(), i, node.quantiles(i)?)));
+        let each = each.flat_map(|(time, i, all)| FRACTIONS.map(|at| (time, i, at, all.at(at))));
+        Rows::of(each)
+            .column("time", |&(time, ..)| time)
+            .column("observable", |&(_, index, ..)| names[index].clone())
+            .column("fraction", |&(.., fraction, _)| fraction)
+            .column("quantile", |&(.., quantile)| quantile)
+            .parts("quantiles")
     }
 
-    fn histograms(&self, run: &Statistics) -> Table {
-        let columns = [("time", NUMBER), ("observable", TEXT), ("count", COUNT)];
-        let mut table = Table::new("histograms", columns, ["lower", "upper", "density"]);
-        for node in &self.all {
-            for (histogram, &observable) in node.histograms().iter().zip(&self.histogrammed) {
-                let name = &run.observables()[observable];
-                for (count, numbers) in histogram.bins() {
-                    let place = [Number(node.time()), Text(name), Count(count)];
-                    table.row(place.into_iter().chain(numbers.map(Number)));
-                }
-            }
-        }
-        table
+    fn histograms<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        let each = self.all.iter().flat_map(|node| {
+            node.histograms().iter().zip(&self.histogrammed).map(move |of| (node.time(), of))
+        });
+        let each =
+            each.flat_map(|(time, (histogram, &index))| histogram.bins().map(move |bin| (time, index, bin)));
+        Rows::of(each)
+            .column("time", |&(time, ..)| time)
+            .column("observable", |&(_, index, _)| names[index].clone())
+            .column("count", |&(.., (count, _))| count)
+            .column("lower", |&(.., (_, [lower, ..]))| lower)
+            .column("upper", |&(.., (_, [_, upper, _]))| upper)
+            .column("density", |&(.., (_, [.., density]))| density)
+            .parts("histograms")
     }
 }
 
