@@ -23,7 +23,6 @@ pub mod cluster;
 mod control;
 mod draws;
 mod group;
-mod halt;
 mod increments;
 mod job;
 mod keeping;

@@ -3,7 +3,6 @@
 use std::ops::{ControlFlow, Range};
 
 use super::control::{Control, Targets, unless_lost};
-use super::halt::Halt;
 use super::job::Job;
 use super::keeping;
 use crate::ground::numbers::Numbers as _;
@@ -74,15 +73,14 @@ impl Account {
     }
 
     /// The next chunk, or why it has no result; breaks if that was the last one.
-    pub(super) fn take(&mut self, chunk: Result<Statistics, Halt>) -> ControlFlow<()> {
-        let merged = chunk.and_then(|chunk| Ok(self.statistics.merge(&chunk).map_err(Error::from)?));
-        match merged {
+    pub(super) fn take(&mut self, chunk: Result<Statistics, Error>) -> ControlFlow<()> {
+        match chunk.and_then(|chunk| Ok(self.statistics.merge(&chunk)?)) {
             Ok(()) => {}
-            Err(Halt::Stopped) => {
+            Err(Error::Stopped(_)) => {
                 self.statistics.is_partial = true;
                 return ControlFlow::Break(());
             }
-            Err(Halt::Failed(error)) => {
+            Err(error) => {
                 self.error = Some(error);
                 return ControlFlow::Break(());
             }

@@ -4,12 +4,12 @@ use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};
 
 use super::group::Group;
-use super::halt::Halt;
 use super::job::Job;
 use super::observation::Observation;
 use super::starts::Systems;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::ensemble::schedule::in_order;
+use crate::path::Error;
 use crate::path::steps::take_steps;
 use crate::scheme::system::Discretized;
 use crate::statistics::Statistics;
@@ -36,7 +36,7 @@ pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: us
     coarse: Option<&Job<'_, H, E>>,
     chunks: Range<u64>,
     (threads, instructions): (usize, InstructionSet),
-    mut take: impl FnMut(Result<Statistics, Halt>) -> ControlFlow<()> + Send,
+    mut take: impl FnMut(Result<Statistics, Error>) -> ControlFlow<()> + Send,
 ) {
     let Range { start, end } = chunks;
     let number = end - start;
@@ -46,9 +46,7 @@ pub(super) fn in_chunks<H: Discretized<E> + Sync, E, P: Systems, const WIDTH: us
         let chunks = Chunks::<H, E, P, WIDTH>::new(job, coarse, first..end.min(first + row));
         chunks.instructions(instructions).run(chunks)
     };
-    in_order(0..number.div_ceil(row), threads, work, |_, (found, halt)| {
-        found.into_iter().map(Ok).chain(halt.map(Err)).try_for_each(&mut take)
-    });
+    in_order(0..number.div_ceil(row), threads, work, |_, found| found.into_iter().try_for_each(&mut take));
 }
 
 /// Chunks that follow each other, as many paths at a time as the instructions ask for (half as many if a path has more than one degree of freedom,
@@ -61,8 +59,8 @@ pub(super) struct Chunks<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> {
     systems: PhantomData<P>,
 }
 
-/// What chunks found out, in their order, and why there are no more of them, if one has no result.
-pub(super) type Found = (Vec<Statistics>, Option<Halt>);
+/// What chunks found out, in their order; one without a result, because it failed or was stopped, is the last one.
+pub(super) type Found = Vec<Result<Statistics, Error>>;
 
 impl<'j, 'a, H: Discretized<E>, E, P, const WIDTH: usize> Chunks<'j, 'a, H, E, P, WIDTH> {
     /// With these numbers.
@@ -112,14 +110,14 @@ impl<H: Discretized<E>, E, P: Systems, const WIDTH: usize> Kernel for Chunks<'_,
 impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H, E, P, WIDTH> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_width<const L: usize>(self) -> Found {
-        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job, self.coarse), Vec::new());
+        let (mut group, mut found) = (Group::<H, E, P, L>::new(self.job, self.coarse), Found::new());
         for number in self.numbers.clone() {
-            match self.of_chunk(&mut group, self.paths(&(number..number + 1))) {
-                Ok(statistics) => found.push(statistics),
-                Err(halt) => return (found, Some(halt)),
+            found.push(self.of_chunk(&mut group, self.paths(&(number..number + 1))));
+            if found.last().is_some_and(Result::is_err) {
+                break;
             }
         }
-        (found, None)
+        found
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -127,7 +125,7 @@ impl<'a, H: Discretized<E>, E, P: Systems, const WIDTH: usize> Chunks<'_, 'a, H,
         &self,
         group: &mut Group<'_, 'a, H, E, P, L>,
         paths: Range<u64>,
-    ) -> Result<Statistics, Halt> {
+    ) -> Result<Statistics, Error> {
         let (job, Range { start: mut path, end }) = (self.job, paths);
         let mut observation = Observation::new(job);
         while path < end {

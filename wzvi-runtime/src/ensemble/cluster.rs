@@ -27,11 +27,10 @@ use serve::Hands;
 use super::Ensemble;
 use super::account::Account;
 use super::chunk::Chunks;
-use super::halt::Halt;
 use super::keeping::described;
 use super::starts::Systems;
 use crate::ensemble::schedule::Queue;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, StoppedError};
 use crate::increments::{Divisible, Noise};
 use crate::path::Error;
 use crate::scheme::system::Discretized;
@@ -87,13 +86,13 @@ where
         let account = agree(&world, account)?;
         let failed = OnceLock::new();
         let work = |number| {
-            let (mut found, halt) =
-                instructions.run(Chunks::<H, E, P, 0>::new(&job, None, number..number + 1));
-            if let Some(Halt::Failed(error)) = halt {
+            match instructions.run(Chunks::<H, E, P, 0>::new(&job, None, number..number + 1)).pop()? {
+                Ok(statistics) => return Some(statistics),
+                Err(Error::Stopped(_)) => {}
                 // One of the reasons is enough.
-                let _ = failed.set(error);
+                Err(error) => drop(failed.set(error)),
             }
-            found.pop()
+            None
         };
         // No longer all together: who has stalled is not waited for.
         let Some(mut account) = account else {
@@ -107,12 +106,13 @@ where
         let all = threads.saturating_mul(world.size().unsigned_abs() as usize);
         let queue = Queue::new(account.chunks(), all);
         let hands = Hands { threads, work, stop: &stop };
+        let stopped = StoppedError { done: 0, all: job.steps };
         let served = serve::serve(
             &world,
             queue,
             hands,
             || job.empty.clone(),
-            |chunk| account.take(chunk.ok_or(Halt::Stopped)),
+            |chunk| account.take(chunk.ok_or(stopped.into())),
         );
         let statistics = served.outcome.and_then(|()| match failed.get() {
             Some(error) => Err(error.clone()),

@@ -1,11 +1,11 @@
 //! What paths beside each other show at the nodes of a run: observables, events, and what became of each.
 
 use super::group::Group;
-use super::halt::Halt;
 use super::job::Job;
 use super::pace::Pace;
 use super::starts::Systems;
 use crate::algebra::state::{State, Vector};
+use crate::error::StoppedError;
 use crate::path::Error;
 use crate::path::recording::Recorded;
 use crate::path::section::{Crossing, Sections, Watch, first_zero};
@@ -84,7 +84,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     ///
     /// # Errors
     /// If the run was stopped on the way.
-    pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Halt> {
+    pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Error> {
         (self.seen, self.next) = (0, 0);
         for lane in if self.job.events.is_empty() { 0..0 } else { 0..L } {
             let start = group.state_at(lane, 0);
@@ -174,9 +174,16 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         Ok(())
     }
 
+    /// This much more work is done, at a node.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn work(&mut self, pieces: u64, node: u64) -> Result<(), StoppedError> {
+        let stopped = StoppedError { done: node, all: self.job.steps };
+        if self.pace.ends_after(pieces) { Err(stopped) } else { Ok(()) }
+    }
+
     /// Adds the paths that are still there to the statistics of all recorded times that belong to this node.
     #[inline(never)]
-    fn record<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Halt> {
+    fn record<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
         while let Some(recorded) = self.job.recorded.get(self.next).filter(|recorded| recorded.node == node) {
             self.record_at(group, recorded)?;
             self.next += 1;
@@ -188,10 +195,10 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
         &mut self,
         group: &mut Group<'_, '_, H, E, P, L>,
         &Recorded { node, t, is_inside }: &Recorded,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Error> {
         let (job, place) = (self.job, self.next);
         for lane in 0..L {
-            self.pace.done(1)?;
+            self.work(1, node)?;
             if !group.is_path(lane) {
                 continue;
             }
@@ -271,11 +278,9 @@ fn have_passed<const L: usize>(passed: &[[f64; L]], lane: usize) -> bool {
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
     for (&mut Group<'_, '_, H, E, P, L>, &mut Observation<'_, '_, H, E, L>)
 {
-    type Error = Halt;
-
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance(&mut self, step: u64) -> Result<(), Halt> {
-        Ok(self.0.advance(step)?)
+    fn advance(&mut self, step: u64) -> Result<(), Error> {
+        self.0.advance(step)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -291,9 +296,9 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look(&mut self, node: u64) -> Result<(), Halt> {
+    fn look(&mut self, node: u64) -> Result<(), Error> {
         let (group, observation) = self;
-        observation.pace.done(node - observation.seen)?;
+        observation.work(node - observation.seen, node)?;
         observation.seen = node;
         if !observation.job.events.is_empty() {
             observation.watch(group, node)?;

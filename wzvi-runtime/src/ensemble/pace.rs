@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use super::halt::Halt;
 use super::job::Stop;
 use crate::ground::clock::{self, Moment};
 
@@ -30,19 +29,16 @@ impl<'s> Pace<'s> {
         u64::from(self.left)
     }
 
-    /// So many pieces of work are done, [`Pace::left`] at most.
-    ///
-    /// # Errors
-    /// [`Halt::Stopped`] if it is time to ask, and the answer is to stop.
+    /// Whether the run ends here, where so many more pieces of work are done, [`Pace::left`] at most: if it is time to ask, and the answer is to stop.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn done(&mut self, pieces: u64) -> Result<(), Halt> {
+    pub(super) fn ends_after(&mut self, pieces: u64) -> bool {
         debug_assert!(
             pieces <= self.left(),
             "{pieces} pieces where the question was due after {}",
             self.left
         );
         self.left = self.left.saturating_sub(pieces as u32);
-        if self.left == 0 && self.ask() { Err(Halt::Stopped) } else { Ok(()) }
+        self.left == 0 && self.ask()
     }
 
     #[cold]
@@ -76,14 +72,14 @@ mod tests {
         };
         let mut pace = Pace::new(&stop);
         for _ in 0..1_000_000 {
-            pace.done(1).unwrap();
+            assert!(!pace.ends_after(1));
         }
         let fast = asked.swap(0, Ordering::Relaxed);
         assert!(fast < 50_000, "{fast}");
         let mut pace = Pace::new(&stop);
         for _ in 0..10 {
             sleep(Duration::from_millis(12));
-            pace.done(1).unwrap();
+            assert!(!pace.ends_after(1));
         }
         // The second question may come after two pieces of work, the others after each.
         assert!(asked.into_inner() >= 9);

@@ -15,14 +15,11 @@ use crate::scheme::system::Discretized;
 
 /// One path or several, whose nodes are looked at.
 pub(crate) trait Advance {
-    /// What ends the run.
-    type Error;
-
     /// Draws the increments of the step with this number, and takes it. Steps are taken in order.
     ///
     /// # Errors
     /// If the run cannot go on; where it was before, it still is.
-    fn advance(&mut self, step: u64) -> Result<(), Self::Error>;
+    fn advance(&mut self, step: u64) -> Result<(), Error>;
 
     /// The next node, after this one, to look at. The last node of the run is looked at in any case.
     fn next(&self, node: u64) -> u64;
@@ -31,7 +28,7 @@ pub(crate) trait Advance {
     ///
     /// # Errors
     /// To end the run there.
-    fn look(&mut self, node: u64) -> Result<(), Self::Error>;
+    fn look(&mut self, node: u64) -> Result<(), Error>;
 }
 
 /// Takes the steps with these numbers, and looks at the nodes that are wanted.
@@ -39,7 +36,7 @@ pub(crate) trait Advance {
 /// # Errors
 /// The first one, of a step or of a look.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn take_steps<A: Advance>(run: &mut A, steps: Range<u64>) -> Result<(), A::Error> {
+pub(crate) fn take_steps<A: Advance>(run: &mut A, steps: Range<u64>) -> Result<(), Error> {
     let mut node = steps.start;
     while node < steps.end {
         let until = run.next(node).min(steps.end);
@@ -123,8 +120,6 @@ mod tests {
     }
 
     impl Advance for Seen {
-        type Error = Error;
-
         fn advance(&mut self, step: u64) -> Result<(), Error> {
             if self.bad == Some(step) {
                 return Err(wrong("step"));

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use super::estimate::{FINE, MultilevelEstimate, bias, variance_bounds, variance_slope};
 use crate::algebra::lanes::instructions::InstructionSet;
 use crate::ensemble::chunk::{BESIDE, in_chunks};
-use crate::ensemble::halt::Halt;
 use crate::ensemble::job::Job;
 use crate::ensemble::keeping::described;
 use crate::ensemble::starts::Paired;
@@ -220,8 +219,8 @@ where
             let mut outcome = Ok(ControlFlow::Continue(()));
             in_chunks::<H, E, Paired, WIDTH>(job, coarse, first..end.max(first), *hands, |chunk| {
                 let take = || {
-                    let found = reached.found.get_mut(level).ok_or_else(|| Error::from(missing()))?;
-                    found.merge(&chunk?).map_err(Error::from)?;
+                    let found = reached.found.get_mut(level).ok_or_else(missing)?;
+                    found.merge(&chunk?)?;
                     progress.show(before.saturating_add(cost((job, &found.begun()))), all);
                     if keeper.is_due(reached.chunks()) {
                         keeper.save(reached.chunks(), &mut |tape| reached.pass(tape))?;
@@ -230,8 +229,8 @@ where
                 };
                 outcome = match take() {
                     Ok(()) => return ControlFlow::Continue(()),
-                    Err(Halt::Stopped) => Ok(ControlFlow::Break(())),
-                    Err(Halt::Failed(error)) => Err(error),
+                    Err(Error::Stopped(_)) => Ok(ControlFlow::Break(())),
+                    Err(error) => Err(error),
                 };
                 ControlFlow::Break(())
             });

@@ -276,8 +276,6 @@ where
     N: Noise,
     O: Observer<H::Vector>,
 {
-    type Error = Error;
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, step: u64) -> Result<(), Error> {
         let (path, nodes) = self;
