@@ -73,8 +73,8 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
     }
 }
 
-/// As long as those for which the standard library has `Default` and `Debug`, which a memory needs as well.
-/// For all tuples that generated code has, by names and places of their parts.
+/// For all tuples that generated code has, by names and places of their parts: as long as those for which the standard library has `Default` and
+/// `Debug`, which a memory needs as well.
 macro_rules! for_tuples {
     ($implement:ident) => {
         $implement! {
@@ -110,37 +110,21 @@ for_tuples!(tuples);
 
 /// A list of 64-bit words. A number is its bits, so that zeros keep their sign and NaN its payload.
 #[derive(Debug)]
-pub enum Tape {
+pub struct Tape {
+    way: Way,
+    /// The one lane of what is passed that it records, as that lane would be recorded alone, or replaces.
+    lane: Option<usize>,
+}
+
+#[derive(Debug)]
+enum Way {
     /// Records what is passed.
     Writing(Vec<u64>),
     /// Replaces what is passed.
     Reading {
-        /// What was taken down.
-        words: std::vec::IntoIter<u64>,
+        /// What was recorded: one list, or one of each lane. What does not belong to a lane must be equal in all.
+        lists: Vec<std::vec::IntoIter<u64>>,
         /// Whether more was passed than was recorded, or the record is inconsistent.
-        short: bool,
-    },
-    /// Records one lane of what is passed, as that lane would be recorded alone.
-    Splitting {
-        /// Which one.
-        lane: usize,
-        /// What was taken down.
-        words: Vec<u64>,
-    },
-    /// Replaces one lane of what is passed. Numbers that do not belong to a lane must be equal.
-    Placing {
-        /// Which one.
-        lane: usize,
-        /// What was taken down.
-        words: std::vec::IntoIter<u64>,
-        /// As for reading, or whether it differs where it must not.
-        short: bool,
-    },
-    /// Replaces every lane of what is passed. Numbers that do not belong to a lane must be equal in all of them.
-    Joining {
-        /// What was taken down, by lane.
-        lanes: Vec<std::vec::IntoIter<u64>>,
-        /// As for reading, or whether the lanes differ where they must not.
         short: bool,
     },
 }
@@ -148,78 +132,62 @@ pub enum Tape {
 impl Tape {
     /// The words of everything that `pass` shows.
     pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
-        let mut tape = Self::Writing(Vec::new());
+        Self::recorded(None, pass)
+    }
+
+    /// The words of one lane of everything that `pass` shows.
+    pub(crate) fn split(lane: usize, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        Self::recorded(Some(lane), pass)
+    }
+
+    fn recorded(lane: Option<usize>, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+        let mut tape = Self { way: Way::Writing(Vec::new()), lane };
         pass(&mut tape);
-        match tape {
-            Self::Writing(words) | Self::Splitting { words, .. } => words,
-            Self::Reading { words, .. } | Self::Placing { words, .. } => words.collect(),
-            Self::Joining { .. } => Vec::new(),
+        match tape.way {
+            Way::Writing(words) => words,
+            Way::Reading { lists, .. } => lists.into_iter().flatten().collect(),
         }
     }
 
     /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
     pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
-        let mut tape = Self::Reading { words: words.into_iter(), short: false };
-        pass(&mut tape);
-        match tape {
-            Self::Reading { words, short } => (!short && words.len() == 0).then_some(()),
-            _ => None,
-        }
-    }
-
-    /// The words of one lane of everything that `pass` shows.
-    pub(crate) fn split(lane: usize, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
-        let mut tape = Self::Splitting { lane, words: Vec::new() };
-        pass(&mut tape);
-        match tape {
-            Self::Splitting { words, .. } => words,
-            _ => Vec::new(),
-        }
+        Self::replaced(None, vec![words], pass)
     }
 
     /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or not each other.
     #[cfg(feature = "ensemble")]
     pub(crate) fn join(lanes: Vec<Vec<u64>>, pass: impl FnOnce(&mut Self)) -> Option<()> {
-        let lanes = lanes.into_iter().map(Vec::into_iter).collect();
-        let mut tape = Self::Joining { lanes, short: false };
-        pass(&mut tape);
-        match tape {
-            Self::Joining { lanes, short } => {
-                (!short && lanes.iter().all(|words| words.len() == 0)).then_some(())
-            }
-            _ => None,
-        }
+        Self::replaced(None, lanes, pass)
     }
 
     /// Replaces one lane of everything that `pass` shows by the words; `None` if they do not fit.
     pub(crate) fn place(lane: usize, words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
-        let mut tape = Self::Placing { lane, words: words.into_iter(), short: false };
+        Self::replaced(Some(lane), vec![words], pass)
+    }
+
+    fn replaced(lane: Option<usize>, lists: Vec<Vec<u64>>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+        let lists = lists.into_iter().map(Vec::into_iter).collect();
+        let mut tape = Self { way: Way::Reading { lists, short: false }, lane };
         pass(&mut tape);
-        match tape {
-            Self::Placing { words, short, .. } => (!short && words.len() == 0).then_some(()),
-            _ => None,
-        }
+        let Way::Reading { lists, short } = tape.way else { return None };
+        (!short && lists.iter().all(|words| words.len() == 0)).then_some(())
     }
 
     /// Records or replaces a word.
     pub fn word(&mut self, word: &mut u64) {
-        match self {
-            Self::Writing(words) | Self::Splitting { words, .. } => words.push(*word),
-            Self::Reading { words, short } => match words.next() {
-                Some(read) => *word = read,
-                None => *short = true,
-            },
-            Self::Placing { words, short, .. } => *short |= words.next() != Some(*word),
-            Self::Joining { lanes, short } => {
-                let mut read = lanes.iter_mut().map(Iterator::next);
+        match &mut self.way {
+            Way::Writing(words) => words.push(*word),
+            Way::Reading { lists, short } => {
+                // The other lanes keep theirs.
+                let is_own = |first: u64| self.lane.is_none() || first == *word;
+                let mut read = lists.iter_mut().map(Iterator::next);
                 match read.next().flatten() {
-                    Some(first) if read.all(|other| other == Some(first)) => *word = first,
+                    Some(first) if is_own(first) && read.all(|other| other == Some(first)) => *word = first,
                     _ => *short = true,
                 }
             }
         }
     }
-
     /// Records or replaces a number of each lane.
     pub fn lanes(&mut self, numbers: &mut [f64]) {
         self.words_of_lanes(numbers, |number| number.to_bits(), |word| Some(f64::from_bits(word)));
@@ -243,28 +211,18 @@ impl Tape {
         write: impl Fn(&T) -> u64,
         read: impl Fn(u64) -> Option<T>,
     ) {
-        let count = list.len();
-        match self {
-            Self::Writing(words) => words.extend(list.iter().map(write)),
-            Self::Splitting { lane, words } => words.extend(list.get(*lane).map(write)),
-            Self::Reading { words, short } => {
-                for entry in list {
-                    match words.next().and_then(&read) {
-                        Some(read) => *entry = read,
-                        None => *short = true,
-                    }
-                }
-            }
-            Self::Placing { lane, words, short } => {
-                match (words.next().and_then(&read), list.get_mut(*lane)) {
-                    (Some(read), Some(entry)) => *entry = read,
-                    _ => *short = true,
-                }
-            }
-            Self::Joining { lanes, short } => {
-                *short |= lanes.len() != count;
-                for (words, entry) in lanes.iter_mut().zip(list) {
-                    match words.next().and_then(&read) {
+        let list = match self.lane {
+            Some(lane) => list.get_mut(lane..=lane).unwrap_or_default(),
+            None => list,
+        };
+        match &mut self.way {
+            Way::Writing(words) => words.extend(list.iter().map(write)),
+            Way::Reading { lists, short } => {
+                let is_joined = lists.len() != 1;
+                *short |= is_joined && lists.len() != list.len();
+                for (lane, entry) in list.iter_mut().enumerate() {
+                    let words = lists.get_mut(if is_joined { lane } else { 0 });
+                    match words.and_then(Iterator::next).and_then(&read) {
                         Some(read) => *entry = read,
                         None => *short = true,
                     }
@@ -277,13 +235,8 @@ impl Tape {
     pub fn length(&mut self, length: usize) -> usize {
         let mut word = length as u64;
         self.word(&mut word);
-        let (left, short) = match self {
-            Self::Writing(_) | Self::Splitting { .. } => return length,
-            Self::Reading { words, short } | Self::Placing { words, short, .. } => (words.len(), short),
-            Self::Joining { lanes, short } => {
-                (lanes.iter().map(ExactSizeIterator::len).min().unwrap_or(0), short)
-            }
-        };
+        let Way::Reading { lists, short } = &mut self.way else { return length };
+        let left = lists.iter().map(ExactSizeIterator::len).min().unwrap_or(0);
         let read = usize::try_from(word).ok().filter(|&read| read <= left);
         *short |= read.is_none();
         read.unwrap_or(0)
@@ -291,13 +244,17 @@ impl Tape {
 
     /// Whether it replaces what is passed.
     pub fn is_reading(&self) -> bool {
-        matches!(self, Self::Reading { .. } | Self::Placing { .. } | Self::Joining { .. })
+        matches!(self.way, Way::Reading { .. })
+    }
+
+    /// Whether it replaces what is passed in all lanes.
+    pub(crate) fn replaces_all(&self) -> bool {
+        self.is_reading() && self.lane.is_none()
     }
 
     /// Marks what was read as inconsistent: reading then fails.
     pub fn refuse(&mut self) {
-        if let Self::Reading { short, .. } | Self::Placing { short, .. } | Self::Joining { short, .. } = self
-        {
+        if let Way::Reading { short, .. } = &mut self.way {
             *short = true;
         }
     }

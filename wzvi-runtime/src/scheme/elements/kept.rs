@@ -101,7 +101,7 @@ impl<S: Scalar> Clone for Kept<S> {
 
 impl<S: Scalar> Numbers for Kept<S> {
     fn pass(&mut self, tape: &mut Tape) {
-        if matches!(tape, Tape::Reading { .. } | Tape::Joining { .. }) {
+        if tape.replaces_all() {
             self.lose();
         }
         tape.word(&mut self.vain);
