@@ -47,7 +47,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Of so many processes in steps of size `h`.
     pub(super) fn new(source: &'j Source<'_>, processes: usize, h: f64) -> Self {
         let keys = source
-            .normals()
+            .normals
+            .as_ref()
             .map(|normals| (0..processes).map(|k| normals.key(k as u64, h)).collect::<Vec<_>>());
         let origin = match keys {
             Some(keys) if source.is_antithetic() => Origin::Pairs(keys, vec![[[0.0; L]; STEPS]; processes]),

@@ -121,9 +121,8 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
             return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h }.into());
         }
         let first = Interval { start: start.t, h, step: 0 };
-        let source = Source::Normals(
-            source.normals().cloned().unwrap_or_else(|| StepNormals::seed(0)).on_level(level),
-        );
+        let normals = source.normals.clone().unwrap_or_else(|| StepNormals::seed(0));
+        let source = Source::new(normals.on_level(level));
         Ok(Self {
             system,
             prepared: crate::path::step::prepared(*system, h)?,

@@ -251,10 +251,7 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
     let refused = [
         (observables.len() > 1, "a second observable"),
         (*is_antithetic || source.as_ref().is_some_and(Source::is_antithetic), "antithetic paths"),
-        (
-            source.as_ref().is_some_and(|source| source.normals().is_none()),
-            "a noise that is not `StepNormals`",
-        ),
+        (source.as_ref().is_some_and(|source| source.normals.is_none()), "a noise that is not `StepNormals`"),
         (systems.is_some(), "paths that have systems of their own"),
         (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
         (!own.is_empty(), "observables of each path's own system"),

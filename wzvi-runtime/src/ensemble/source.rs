@@ -1,24 +1,21 @@
 //! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each member.
 
-use crate::increments::{Identity, Interval, Noise};
+use crate::increments::{Identity, Interval};
 use crate::noise::{Driver, Paths, StepNormals, Truncation};
 use crate::path::Error;
 use crate::scheme::plan::Plan;
 
 /// Where the increments of an ensemble come from.
-pub(super) enum Source<'a> {
-    /// Drawn in lanes.
-    Normals(StepNormals),
+pub(super) struct Source<'a> {
     /// Queried path by path.
-    Paths(Box<dyn Driver + 'a>),
+    noise: Box<dyn Driver + 'a>,
+    /// The same noise, if lanes draw it.
+    pub(super) normals: Option<StepNormals>,
 }
 
 impl<'a> Source<'a> {
     pub(super) fn new(noise: impl Paths + Clone + Send + Sync + 'a) -> Self {
-        match noise.step_normals() {
-            Some(normals) => Self::Normals(normals),
-            None => Self::Paths(Box::new(noise)),
-        }
+        Self { normals: noise.step_normals(), noise: Box::new(noise) }
     }
 
     /// With what the builder says of it, and ready for a run of so many steps from `first` on.
@@ -30,60 +27,38 @@ impl<'a> Source<'a> {
         (processes, steps): (usize, u64),
     ) -> Result<Self, Error> {
         let Settings { truncation, is_antithetic } = settings;
-        match self {
-            Self::Normals(mut normals) => {
-                normals = normals.with_truncation(truncation);
-                if is_antithetic {
-                    normals = normals.antithetic();
-                }
-                normals.prepare(plan, first.h, processes, first.start)?;
-                Ok(Self::Normals(normals))
-            }
-            Self::Paths(mut noise) => {
-                noise.prepare(plan, first.h, processes, first.start)?;
-                // A source that ends too early is an error before the run.
-                if let Some(step) = steps.checked_sub(1) {
-                    noise.increments(&Interval { step, ..first }, &mut vec![0.0; processes])?;
-                }
-                Ok(Self::Paths(noise))
-            }
+        let mut noise = self.noise;
+        if let Some(normals) = self.normals {
+            let normals = normals.with_truncation(truncation);
+            noise = Box::new(if is_antithetic { normals.antithetic() } else { normals });
         }
+        noise.prepare(plan, first.h, processes, first.start)?;
+        // A source that ends too early is an error before the run.
+        if let Some(step) = steps.checked_sub(1) {
+            noise.increments(&Interval { step, ..first }, &mut vec![0.0; processes])?;
+        }
+        Ok(Self { normals: noise.step_normals(), noise })
     }
 
     /// The noise of one path, which drives a [`Simulation`](crate::path::simulate::Simulation) just so.
     pub(super) fn path(&self, path: u64) -> Box<dyn Paths + '_> {
-        let mut noise: Box<dyn Paths + '_> = match self {
-            Self::Normals(normals) => Box::new(normals.clone()),
-            Self::Paths(noise) => (**noise).copy(),
-        };
+        let mut noise = self.noise.copy();
         noise.set_path(path);
         noise
     }
 
-    /// The normals, if lanes draw them.
-    pub(super) fn normals(&self) -> Option<&StepNormals> {
-        match self {
-            Self::Normals(normals) => Some(normals),
-            Self::Paths(_) => None,
-        }
-    }
-
     pub(super) fn is_antithetic(&self) -> bool {
-        self.normals().is_some_and(StepNormals::is_antithetic)
+        self.normals.as_ref().is_some_and(StepNormals::is_antithetic)
     }
 
     /// The largest normal for steps of size `h`, in absolute value; infinite for other noises, which truncate by themselves.
     pub(super) fn clip(&self, h: f64) -> f64 {
-        self.normals().map_or(f64::INFINITY, |normals| normals.clip(h))
+        self.normals.as_ref().map_or(f64::INFINITY, |normals| normals.clip(h))
     }
 
     /// The seed; 0 of a noise that has none.
     pub(super) fn seed(&self) -> u64 {
-        let seed = match self {
-            Self::Normals(normals) => normals.seed_number(),
-            Self::Paths(noise) => noise.seed_number(),
-        };
-        seed.unwrap_or(0)
+        self.noise.seed_number().unwrap_or(0)
     }
 
     /// What it is, for people.
@@ -93,11 +68,7 @@ impl<'a> Source<'a> {
 
     /// What it is; `None` if it does not promise to be the same again.
     pub(super) fn identity(&self) -> Option<Identity> {
-        match self {
-            // Of all paths, not of one.
-            Self::Normals(normals) => Noise::identity(normals),
-            Self::Paths(noise) => noise.identity(),
-        }
+        self.noise.identity()
     }
 }
 
