@@ -16,7 +16,6 @@ use crate::ground::calculus::{Function, Interior, Nodes, TimeScale};
 use crate::ground::variables::Variables;
 use crate::path::options::Observable;
 use crate::path::section::Crossing;
-#[cfg(doc)]
 use crate::path::step::StepInfo;
 use crate::scheme::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
 use crate::scheme::system::{Discretized, EulerLagrangeResidual, Exchange, Hamiltonian, Segment, fits};
@@ -44,6 +43,19 @@ pub struct Iterations {
     /// run that was [`unwatched`](crate::path::simulate::Simulation::unwatched).
     #[cfg_attr(feature = "serde", serde(default))]
     pub suspected: u64,
+}
+
+impl Iterations {
+    /// A step was taken.
+    #[inline]
+    pub(crate) fn count(&mut self, info: &StepInfo) {
+        self.total += u64::from(info.iterations);
+        self.largest = self.largest.max(info.iterations);
+        self.hard += u64::from(info.is_hard);
+        self.doubtful += u64::from(info.is_doubtful);
+        self.halved += u64::from(info.halvings > 0);
+        self.halvings = self.halvings.max(info.halvings);
+    }
 }
 
 /// A path by the scheme `E`: never empty, its first state is the start.

@@ -214,8 +214,8 @@ where
         if found.good.is_empty() && found.failures == 0 {
             return Ok(None);
         }
-        let weak = self.observables.iter().enumerate().map(|(place, observable)| Weak {
-            observable: observable.name.clone(),
+        let weak = self.observables.0.iter().enumerate().map(|(place, ((name, _), _))| Weak {
+            observable: name.clone(),
             bias: Estimate::mean(&found.each(|path| path.weak[place])),
         });
         let (errors, span) = (found.each(|path| path.error), plan.end - plan.start.t);
@@ -280,16 +280,13 @@ where
                 found.failures += 1;
                 continue;
             };
-            let weak = self.observables.iter().map(|observable| {
-                let f = &observable.value;
-                f(&last) - observable.expectation.unwrap_or_else(|| f(exact))
-            });
-            let weak = weak.collect();
+            let weak = self.observables.0.iter();
+            let weak = weak.map(|((_, expectation), f)| f(&last) - expectation.unwrap_or_else(|| f(exact)));
             found.good.push(Good {
                 number: path,
                 error: distance(&last, exact),
                 trend: Trend::of(&seen.energies),
-                weak,
+                weak: weak.collect(),
             });
         }
         Ok(Some(found))

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{ReportError, create_folder, number, write_file};
+use super::{ReportError, number, write_file};
 use crate::plot::{Figure, Layout, Plot};
+use crate::saving::file;
 
 /// A table is cut to about so many rows on the page; its file has all.
 const ROWS: usize = 120;
@@ -130,13 +131,13 @@ impl Document {
     /// [`ReportError::File`] with the path that could not be written, [`ReportError::Plot`].
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), ReportError> {
         let folder = folder.as_ref();
-        create_folder(folder)?;
+        file::create_folder(folder)?;
         for part in &self.parts {
             if let Part::Figure(figure) = part {
-                let file = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
-                figure.write(file("svg"))?;
-                figure.write(file("png"))?;
-                write_file(&file("csv"), &figure.csv())?;
+                let path = |ending: &str| folder.join(format!("{}.{ending}", figure.id));
+                figure.write(path("svg"))?;
+                figure.write(path("png"))?;
+                write_file(&path("csv"), &figure.csv())?;
             }
         }
         write_file(&folder.join("index.html"), self.html()?.as_bytes())

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::document::Document;
 use super::fit::Slope;
-use super::{Cell, Report, ReportError, create_folder, duration, number, write_file};
+use super::{Cell, Report, ReportError, duration, number, write_file};
 use crate::plot::{Axis, Figure, Look, Series};
+use crate::saving::file;
 
 impl Report {
     /// Error against run time and error against step size, log-log, with the fitted slopes.
@@ -81,7 +82,7 @@ impl Report {
     /// [`ReportError::File`] with the path that could not be written. A file is there complete or not at all.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), ReportError> {
         let folder = folder.as_ref();
-        create_folder(folder)?;
+        file::create_folder(folder)?;
         write_file(&folder.join("measurements.csv"), &self.csv())?;
         write_file(&folder.join("measurements.json"), self.json()?.as_bytes())?;
         self.append_to(Document::new(self.title.clone()), "error").write(folder)

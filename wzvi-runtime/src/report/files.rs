@@ -6,14 +6,6 @@ use std::path::Path;
 use super::ReportError;
 use crate::saving::file;
 
-/// Creates a folder and its parents.
-///
-/// # Errors
-/// [`ReportError::File`].
-pub fn create_folder(path: &Path) -> Result<(), ReportError> {
-    Ok(file::create_folder(path)?)
-}
-
 /// Writes a file under a temporary name in the same folder and renames it: a reader, or a run that was killed, sees the old file or the new one.
 /// Symbolic links are followed; anything but a regular file is refused.
 ///

@@ -6,13 +6,12 @@ use crate::algebra::state::State;
 use crate::ground::names::short_name;
 use crate::noise::{Driver, Paths, Wiener};
 use crate::path::Error;
-use crate::path::options::{Execution, options};
+use crate::path::options::{Execution, Functions, options};
 use crate::path::span::{End, Span};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
 type Exact<'a, V> = Box<dyn Fn(f64, &[f64]) -> State<V> + Send + Sync + 'a>;
 type ExactOnPath<'a, V> = Box<dyn Fn(f64, &mut Wiener) -> Result<State<V>, Error> + Send + Sync + 'a>;
-type Value<'a, V> = Box<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
 type DriverOf<'a> = Box<dyn Fn(Wiener) -> Box<dyn Driver + 'a> + Send + Sync + 'a>;
 
 pub(super) enum Reference<'a, H: Hamiltonian> {
@@ -20,13 +19,6 @@ pub(super) enum Reference<'a, H: Hamiltonian> {
     OnPath(ExactOnPath<'a, H::Vector>),
     Finer(Method<H>, f64),
     Value(State<H::Vector>),
-}
-
-pub(super) struct Observable<'a, V> {
-    pub(super) name: String,
-    pub(super) value: Value<'a, V>,
-    /// `E f(z(T))`, if known; otherwise the reference on the same path is compared with.
-    pub(super) expectation: Option<f64>,
 }
 
 /// What a measurement has in common with other runs.
@@ -51,7 +43,8 @@ pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) repetitions: usize,
     pub(super) driver: DriverOf<'a>,
     pub(super) reference: Option<Reference<'a, H>>,
-    pub(super) observables: Vec<Observable<'a, H::Vector>>,
+    /// By name and with `E f(z(T))`, if known; otherwise the reference on the same path is compared with.
+    pub(super) observables: Functions<'a, H::Vector, (String, Option<f64>)>,
     pub(super) methods: Vec<Method<H>>,
     pub(super) overlay: Vec<Overlay>,
     pub(super) failed: Option<Error>,
@@ -70,7 +63,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             repetitions: 7,
             driver: Box::new(|wiener| Box::new(wiener)),
             reference: None,
-            observables: vec![],
+            observables: Functions::default(),
             methods: vec![],
             overlay: vec![],
             failed: None,
@@ -160,7 +153,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         name: impl Into<String>,
         f: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
     ) -> Self {
-        self.observables.push(Observable { name: name.into(), value: Box::new(f), expectation: None });
+        self.observables.push((name.into(), None), f);
         self
     }
 
@@ -171,8 +164,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         f: impl Fn(&State<H::Vector>) -> f64 + Send + Sync + 'a,
         expectation: f64,
     ) -> Self {
-        let (name, value) = (name.into(), Box::new(f));
-        self.observables.push(Observable { name, value, expectation: Some(expectation) });
+        self.observables.push((name.into(), Some(expectation)), f);
         self
     }
 

@@ -12,8 +12,9 @@ use crate::ground::names::short_name;
 use crate::increments::{Interval, Noise};
 use crate::path::Error;
 use crate::path::simulate::{Node, Simulation};
-use crate::path::step::{StepInfo, Stepper};
+use crate::path::step::Stepper;
 use crate::path::steps::Single;
+use crate::path::trajectory::Iterations;
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -93,23 +94,6 @@ impl Noise for Rows<'_> {
                 available: self.0.len().checked_div(dw.len()).unwrap_or(0),
             }),
         }
-    }
-}
-
-/// Newton iterations of some steps.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Iterations {
-    pub(super) steps: u64,
-    pub(super) total: u64,
-    pub(super) largest: u32,
-}
-
-impl Iterations {
-    #[inline]
-    fn count(&mut self, info: &StepInfo) {
-        self.steps += 1;
-        self.total += u64::from(info.iterations);
-        self.largest = self.largest.max(info.iterations);
     }
 }
 

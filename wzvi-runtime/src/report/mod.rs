@@ -47,7 +47,7 @@ mod write;
 pub use crate::error::ReportError;
 pub use data::{Cell, Report, Weak};
 pub use document::Document;
-pub use files::{create_folder, write_file};
+pub use files::write_file;
 pub use machine::Machine;
 pub use measure::WorkPrecision;
 pub use overlay::Overlay;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::data::{Cell, Report};
 use super::machine::Machine;
 use super::measure::{Reference, WorkPrecision};
-use super::method::{Given, Iterations, Method};
+use super::method::{Given, Method};
 use super::noise::Shifted;
 use super::number;
 use super::statistics::Spread;
@@ -16,6 +16,7 @@ use crate::increments::{Interval, Noise as _};
 use crate::noise::{Driver, Paths as _, Wiener};
 use crate::path::Error;
 use crate::path::span::{End, sized, steps_between};
+use crate::path::trajectory::Iterations;
 use crate::scheme::system::Hamiltonian;
 
 /// Steps that one timing takes at least, if there are paths enough.
@@ -184,7 +185,7 @@ where
                 let (steps, iterations, drawing) = self.time(plan, run, numbers, *passes)?;
                 work.advance(run.batch_steps());
                 if round == 0 {
-                    cell.iterations = iterations.total as f64 / iterations.steps.max(1) as f64;
+                    cell.iterations = iterations.total as f64 / (paths * run.steps as f64).max(1.0);
                     cell.largest_iterations = iterations.largest;
                     let once = steps.as_secs_f64().max(1e-7);
                     *passes = (TIMED.as_secs_f64() / once).ceil().clamp(1.0, 10_000.0) as u32;

@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::path::series::NORMAL;
+
 /// A number and its standard error (zero for a single deterministic value).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
@@ -14,13 +16,10 @@ pub struct Estimate {
     pub standard_error: f64,
 }
 
-/// Half width of a 95 % confidence interval in standard errors, by the normal law: paths are many.
-pub const CONFIDENCE: f64 = 1.959_963_984_540_054;
-
 impl Estimate {
-    /// Half the width of the 95 % confidence interval.
+    /// Half the width of the 95 % confidence interval, by the normal law: paths are many.
     pub fn half_width(&self) -> f64 {
-        CONFIDENCE * self.standard_error
+        NORMAL * self.standard_error
     }
 
     /// The mean of some values; NaN of none.

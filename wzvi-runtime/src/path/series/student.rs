@@ -1,7 +1,7 @@
 //! Quantiles of Student's t, and how far means of one law lie apart.
 
 /// The quantile 0.975 of a normal.
-pub(super) const NORMAL: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
 
 /// The quantile 0.975 of Student's t with so many degrees of freedom: exact for one and two, otherwise by its expansion about that of a normal (M. Abramowitz,
 /// I. A. Stegun, *Handbook of Mathematical Functions*, 26.7.5), to 1 % from three on and to 1e-4 from ten on.

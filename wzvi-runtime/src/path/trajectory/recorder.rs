@@ -77,13 +77,7 @@ impl<V: Vector> Recorder<V> {
     #[inline]
     pub(crate) fn step(&mut self, dw: &[f64], info: &StepInfo) {
         self.path.steps += 1;
-        let counts = &mut self.path.iterations;
-        counts.total += u64::from(info.iterations);
-        counts.largest = counts.largest.max(info.iterations);
-        counts.hard += u64::from(info.is_hard);
-        counts.doubtful += u64::from(info.is_doubtful);
-        counts.halved += u64::from(info.halvings > 0);
-        counts.halvings = counts.halvings.max(info.halvings);
+        self.path.iterations.count(info);
         for (sum, &dw) in self.pending.iter_mut().zip(dw) {
             sum.add(dw);
         }
