@@ -3,7 +3,7 @@
 mod run;
 mod tangent;
 
-pub(crate) use run::Run;
+pub(crate) use run::{OnePath, Records, Run};
 pub use tangent::Tangent;
 
 use std::marker::PhantomData;

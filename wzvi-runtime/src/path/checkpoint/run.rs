@@ -4,35 +4,34 @@ use super::format::Kind;
 use super::identity;
 use super::keeper::{Described, Extent, Keeper};
 use super::{CheckpointError, Difference, Keeping};
-use crate::algebra::carry::Carry;
+use crate::algebra::state::State;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::increments::{Identity, Noise};
 use crate::path::Error;
-use crate::path::retry::Retry;
+use crate::path::retry::{Retry, Subdivision};
 use crate::path::section::Sections;
-use crate::path::simulate::{Observer, Run};
+use crate::path::simulate::{Observer, OnePath, Records, Run};
 use crate::path::span::Grid;
-use crate::path::step::Stepper;
 use crate::scheme::system::Discretized;
 
 impl Keeping {
     /// Goes on from the checkpoint if there is one, else writes the first one. The arguments are those of a run at its
     /// start, with the nodes to go to, a `retry` and sections to name; they become those of the run at the checkpoint.
-    pub(crate) fn open_path<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
+    pub(crate) fn open_path<H: Discretized<E>, E, N: Noise>(
         self,
-        stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
-        noise: Option<&N>,
+        path: &mut OnePath<'_, '_, H, E, N>,
+        run: &mut Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
         (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
     ) -> Result<Keeper, Error> {
         if !self.is_set() {
             return Ok(Keeper::default());
         }
-        let described = described(stepper, run, noise, (grid, retry, sections))?;
+        let described = described(path, run, (grid, retry, sections))?;
         let (extent, mut forces) = (Extent { kind: Kind::Path, all: grid.steps, unit: 1 }, String::new());
-        let keeper = self.open(extent, described, &mut |tape| forces = pass(stepper, run, tape))?;
+        let keeper =
+            self.open(extent, described, &mut |tape| forces = pass(path.stepper, path.state, run, tape))?;
         // Of the state that was read, or of the start, which was written.
-        let found = identity::forces(stepper.system(), run.state);
+        let found = identity::forces(path.stepper.stepper.system(), path.state);
         if forces != found {
             let field = identity::forces_at("checkpoint");
             let difference = Difference { field, checkpoint: Some(forces), run: Some(found) };
@@ -44,27 +43,26 @@ impl Keeping {
 
 impl Keeper {
     /// Saves a path at `node`.
-    pub(crate) fn save_path<H: Discretized<E>, E, C: Carry<f64>>(
+    pub(crate) fn save_path<H: Discretized<E>, E, N: Noise>(
         &mut self,
-        stepper: &mut Stepper<'_, H, E, C>,
-        run: &mut Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
+        path: &mut OnePath<'_, '_, H, E, N>,
+        run: &mut Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
         node: u64,
     ) -> Result<(), Error> {
-        self.save(node, &mut |tape| drop(pass(stepper, run, tape)))
+        self.save(node, &mut |tape| drop(pass(path.stepper, path.state, run, tape)))
     }
 }
 
 /// What makes a path another than others.
-fn described<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
-    stepper: &Stepper<'_, H, E, C>,
-    run: &Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
-    noise: Option<&N>,
+fn described<H: Discretized<E>, E, N: Noise>(
+    path: &OnePath<'_, '_, H, E, N>,
+    run: &Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
     (grid, retry, sections): (&Grid, Retry, &Sections<'_, H::Vector>),
 ) -> Result<Described, CheckpointError> {
-    let noise = noise.map_or_else(|| Some(Identity::of("none")), N::identity);
+    let noise = path.noise.as_ref().map_or_else(|| Some(Identity::of("none")), N::identity);
     let noise = noise.ok_or(CheckpointError::Noise)?.into_settings();
-    let state = &*run.state;
-    let mut settings = identity::settings(run.recorder.recording(), retry, stepper.is_compensated());
+    let (stepper, state) = (&path.stepper.stepper, &*path.state);
+    let mut settings = identity::settings(run.account.recorder.recording(), retry, stepper.is_compensated());
     settings.extend(noise);
     settings.extend(identity::between(grid, sections, state));
     settings.extend(run.observer.described(state));
@@ -72,12 +70,13 @@ fn described<H: Discretized<E>, E, C: Carry<f64>, N: Noise>(
 }
 
 /// All that steps change; the checksum of energies and forces that goes with it.
-fn pass<H: Discretized<E>, E, C: Carry<f64>>(
-    stepper: &mut Stepper<'_, H, E, C>,
-    run: &mut Run<'_, '_, '_, H::Vector, impl Observer<H::Vector>>,
+fn pass<H: Discretized<E>, E>(
+    Subdivision { stepper, watch, .. }: &mut Subdivision<'_, H, E>,
+    state: &mut State<H::Vector>,
+    run: &mut Run<'_, '_, impl Observer<H::Vector>, H::Vector>,
     tape: &mut Tape,
 ) -> String {
-    let Run { state, recorder, wiener, looks, watch, observer } = run;
+    let Run { observer, account: Records { recorder, wiener, .. }, looks } = run;
     let mut forces = identity::forces(stepper.system(), state);
     forces.pass(tape);
     state.pass(tape);

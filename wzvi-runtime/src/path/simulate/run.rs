@@ -19,7 +19,6 @@ use crate::path::span::Grid;
 use crate::path::step::StepInfo;
 use crate::path::steps::{Advance, Single, take_steps};
 use crate::path::trajectory::Recorder;
-use crate::path::watch::Watch;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -37,7 +36,7 @@ where
     where
         N: Divisible<R>,
     {
-        let Self { setup, noise, mut observer, .. } = self;
+        let Self { setup, noise, observer, .. } = self;
         let Setup {
             system,
             h,
@@ -62,55 +61,51 @@ where
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
         let records = || Recorder::new(&start, h, processes, &recording, grid.steps);
         let is_shown = O::LOOKS && !O::AVERAGES;
-        let mut account = Records::new(records()?, processes, is_shown || keeping.is_set() || looks_inside);
+        let has_sums = is_shown || keeping.is_set() || looks_inside;
+        let account = Records::new(records()?, processes, has_sums);
         let (mut state, mut dw) = (start.clone(), vec![0.0; processes]);
-        let mut looks = between();
-        let keeper = keeping.open_path(
-            &mut stepper.stepper,
-            &mut Run::new(&mut state, &mut account, &mut looks, &mut stepper.watch, &mut observer),
-            noise.as_ref(),
-            (&grid, retry, &sections),
-        )?;
+        let mut path = Single {
+            stepper: &mut stepper,
+            state: &mut state,
+            noise: &mut noise,
+            dw: &mut dw,
+            first: grid.first(),
+        };
+        let mut run = Run { observer, account, looks: between() };
+        let keeper = keeping.open_path(&mut path, &mut run, (&grid, retry, &sections))?;
         let mut first = keeper.first();
-        if let Some(looks) = &mut looks {
-            looks.arrive(first, &state);
+        if let Some(looks) = &mut run.looks {
+            looks.arrive(first, path.state);
         }
         let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
         let stop = stop.or(asked.as_deref().map(|stop| stop as _));
         let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
-        let mut nodes = Nodes { observer, account, keeper, shown, stop, due: 0, grid, looks, dense };
+        let mut nodes = Nodes { run, keeper, shown, stop, due: 0, grid, dense };
         nodes.due = nodes.next_due();
         let error = loop {
-            if O::AVERAGES && nodes.observer.has_enough() {
+            if O::AVERAGES && nodes.run.observer.has_enough() {
                 break None;
             }
             if first == 0 {
-                nodes.show(&state, 0, &dw);
+                nodes.run.show(path.state, 0, path.dw);
             }
-            let mut path = Single {
-                stepper: &mut stepper,
-                state: &mut state,
-                noise: &mut noise,
-                dw: &mut dw,
-                first: grid.first(),
-            };
             match take_all(&mut path, first, &mut nodes) {
                 Ok(()) => break None,
-                Err(Error::Stopped(_)) if nodes.observer.has_enough() => break None,
+                Err(Error::Stopped(_)) if nodes.run.observer.has_enough() => break None,
                 // A run that is kept does not start again: its file says that it went this far. Nor do averages, which have seen its nodes.
-                Err(error) if O::AVERAGES || nodes.keeper.keeps() || !stepper.refine(&error)? => {
+                Err(error) if O::AVERAGES || nodes.keeper.keeps() || !path.stepper.refine(&error)? => {
                     break Some(error);
                 }
                 Err(_) => {
-                    (first, state) = (0, start.clone());
-                    nodes.account = Records::new(records()?, processes, nodes.account.has_sums);
-                    nodes.looks = between();
-                    dw.fill(0.0);
+                    (first, *path.state) = (0, start.clone());
+                    nodes.run.account = Records::new(records()?, processes, has_sums);
+                    nodes.run.looks = between();
+                    path.dw.fill(0.0);
                 }
             }
         };
-        let Nodes { observer, account, keeper, grid, .. } = nodes;
+        let Nodes { run: Run { observer, account, .. }, keeper, grid, .. } = nodes;
         let exchanged = stepper.stepper.exchanged();
         let trajectory = account.recorder.finish(state, &grid).observing(names, &functions);
         let trajectory =
@@ -149,10 +144,10 @@ where
 }
 
 /// What a run writes down of its steps.
-struct Records<V> {
-    recorder: Recorder<V>,
+pub(crate) struct Records<V> {
+    pub(crate) recorder: Recorder<V>,
     /// Sums of all increments, for an observer and a checkpoint.
-    wiener: Sums,
+    pub(crate) wiener: Sums,
     /// Whether anybody asks for them.
     has_sums: bool,
     /// Newton iterations and halvings of the last step.
@@ -175,33 +170,26 @@ impl<V: Vector> Records<V> {
     }
 }
 
-/// What a run is, beside its stepper: all that a checkpoint keeps and brings back.
-pub(crate) struct Run<'r, 's, 'a, V, O> {
-    pub(crate) state: &'r mut State<V>,
-    pub(crate) recorder: &'r mut Recorder<V>,
-    pub(crate) wiener: &'r mut Sums,
-    pub(crate) looks: Option<&'r mut Between<'s, 'a, V>>,
-    pub(crate) watch: &'r mut Watch<V>,
-    pub(crate) observer: &'r mut O,
+/// What a run has found out: what a checkpoint keeps and brings back, beside the path itself.
+pub(crate) struct Run<'s, 'a, O, V> {
+    pub(crate) observer: O,
+    pub(crate) account: Records<V>,
+    /// Looks between the nodes, if something is to be found there.
+    pub(crate) looks: Option<Box<Between<'s, 'a, V>>>,
 }
 
-impl<'r, 's, 'a, V, O> Run<'r, 's, 'a, V, O> {
-    fn new(
-        state: &'r mut State<V>,
-        account: &'r mut Records<V>,
-        looks: &'r mut Option<Box<Between<'s, 'a, V>>>,
-        watch: &'r mut Watch<V>,
-        observer: &'r mut O,
-    ) -> Self {
-        let Records { recorder, wiener, .. } = account;
-        Self { state, recorder, wiener, looks: looks.as_deref_mut(), watch, observer }
+impl<V: Vector, O: Observer<V>> Run<'_, '_, O, V> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn show(&mut self, state: &State<V>, step: u64, dw: &[f64]) {
+        let [iterations, halvings] = self.account.last;
+        let node = Node { step, wiener: self.account.wiener.totals(), increments: dw, iterations, halvings };
+        self.observer.observe(state, &node);
     }
 }
 
 /// Shows nodes to the observer, records them and what is between them, and saves the run.
 struct Nodes<'k, 's, 'a, O, V> {
-    observer: O,
-    account: Records<V>,
+    run: Run<'s, 'a, O, V>,
     keeper: Keeper,
     shown: StepsShown,
     /// Whether to stop, and when to ask.
@@ -209,19 +197,10 @@ struct Nodes<'k, 's, 'a, O, V> {
     /// [`Nodes::next_due`]
     due: u64,
     grid: Grid,
-    /// Looks between the nodes, if something is to be found there.
-    looks: Option<Box<Between<'s, 'a, V>>>,
     dense: Option<Box<DenseOutput<V>>>,
 }
 
 impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn show(&mut self, state: &State<V>, step: u64, dw: &[f64]) {
-        let [iterations, halvings] = self.account.last;
-        let node = Node { step, wiener: self.account.wiener.totals(), increments: dw, iterations, halvings };
-        self.observer.observe(state, &node);
-    }
-
     /// The next node at which it may be time to save, to show how far the run is, or to ask whether to stop.
     fn next_due(&self) -> u64 {
         let asked = self.stop.as_ref().map_or(u64::MAX, |(_, due)| due.next());
@@ -247,7 +226,9 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
         H: Discretized<E, Vector = V>,
         N: Noise,
     {
-        let Self { looks: Some(looks), dense: Some(dense), account, .. } = self else { return Ok(()) };
+        let Self { run: Run { looks: Some(looks), account, .. }, dense: Some(dense), .. } = self else {
+            return Ok(());
+        };
         let Single { stepper, state, noise, dw, first } = path;
         let (step, [_, halvings], recorder) = (node - 1, account.last, &mut account.recorder);
         if looks.wants(node, recorder.next_inside()) {
@@ -281,13 +262,13 @@ where
         let (path, nodes) = self;
         let (stepper, step) = path.step(step);
         let info = stepper.take_step(step)?;
-        nodes.account.count(path.dw, &info);
+        nodes.run.account.count(path.dw, &info);
         Ok(())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&self, node: u64) -> u64 {
-        let Nodes { observer, account: Records { recorder, .. }, looks, due, .. } = &*self.1;
+        let Nodes { run: Run { observer, account: Records { recorder, .. }, looks }, due, .. } = &*self.1;
         let shown = if O::LOOKS && recorder.shows_all() { observer.next(node) } else { recorder.next() };
         let inside = looks.as_ref().map_or(u64::MAX, |looks| looks.next(node, recorder.next_inside()));
         shown.min(*due).min(inside)
@@ -300,25 +281,19 @@ where
         if node == all {
             path.state.t = nodes.grid.end.unwrap_or(path.state.t);
         }
-        if nodes.looks.is_some() {
+        if nodes.run.looks.is_some() {
             nodes.look_inside(path, node)?;
         }
-        let recorder = &mut nodes.account.recorder;
+        let recorder = &mut nodes.run.account.recorder;
         let is_recorded = recorder.reach(path.state);
         if O::LOOKS && (is_recorded || recorder.shows_all() || node == all) {
-            nodes.show(path.state, node, path.dw);
+            nodes.run.show(path.state, node, path.dw);
         }
-        let is_enough = O::AVERAGES && nodes.observer.has_enough();
+        let is_enough = O::AVERAGES && nodes.run.observer.has_enough();
         if node >= nodes.due || is_enough {
             let is_over = nodes.is_stopped(node) || is_enough;
             if nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps()) {
-                let Nodes { account, looks, observer, keeper, .. } = &mut **nodes;
-                let Subdivision { stepper, watch, .. } = &mut *path.stepper;
-                keeper.save_path(
-                    stepper,
-                    &mut Run::new(path.state, account, looks, watch, observer),
-                    node,
-                )?;
+                nodes.keeper.save_path(path, &mut nodes.run, node)?;
             }
             if is_over {
                 return Err(StoppedError { done: node, all }.into());
@@ -330,4 +305,4 @@ where
 }
 
 /// The path of a run.
-type OnePath<'r, 's, H, E, N> = Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N>;
+pub(crate) type OnePath<'r, 's, H, E, N> = Single<'r, Subdivision<'s, H, E>, <H as Hamiltonian>::Vector, N>;
