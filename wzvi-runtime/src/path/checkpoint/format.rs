@@ -1,9 +1,10 @@
 //! The file: one line with its kind, version, steps or chunks that are done, length and checksum, then words of 64 bits, the least byte first.
 
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
-use super::identity::Fields;
-use crate::error::Damage;
+use super::keeper::Described;
+use crate::error::{CheckpointError, Damage};
 use crate::ground::checksum::Checksum;
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -38,12 +39,8 @@ impl Kind {
 /// A run at one of its nodes, or after some of its chunks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Saved {
-    /// What the user set, by name.
-    pub(super) settings: Fields,
-    /// Checksums of what follows from that, by name.
-    pub(super) derived: Fields,
-    /// The first state: `t`, `q`, `p`.
-    pub(super) start: Vec<u64>,
+    /// Which run it is.
+    pub(super) run: Described,
     /// Steps or chunks that are done.
     pub(super) done: u64,
     /// What is known after them.
@@ -52,22 +49,11 @@ pub(super) struct Saved {
 
 impl Numbers for Saved {
     fn pass(&mut self, tape: &mut Tape) {
-        let Self { settings, derived, start, done, content } = self;
-        settings.pass(tape);
-        derived.pass(tape);
-        start.pass(tape);
+        let Self { run, done, content } = self;
+        run.pass(tape);
         tape.word(done);
         content.pass(tape);
     }
-}
-
-/// Why a file is not read.
-#[derive(Debug, PartialEq)]
-pub(super) enum Unreadable {
-    Foreign,
-    Kind(&'static str),
-    Version(String),
-    Damaged(Damage),
 }
 
 /// The first line and the words of a file.
@@ -95,24 +81,24 @@ fn first_line(kind: Kind, done: u64, length: usize, checksum: Checksum) -> Strin
 }
 
 /// The first line of a file, two of which are the same if their first lines are, and what the file says.
-pub(super) fn decode(kind: Kind, bytes: &[u8]) -> (Vec<u8>, Result<Saved, Unreadable>) {
+pub(super) fn decode(kind: Kind, path: &Path, bytes: &[u8]) -> (Vec<u8>, Result<Saved, CheckpointError>) {
     let end = bytes.iter().position(|&byte| byte == b'\n').map_or(bytes.len(), |end| end + 1);
     let (line, content) = bytes.split_at(end);
-    (line.to_owned(), read(kind, line, content))
+    (line.to_owned(), read(kind, path.to_owned(), line, content))
 }
 
-fn read(kind: Kind, line: &[u8], content: &[u8]) -> Result<Saved, Unreadable> {
-    let damaged = |damage| Err(Unreadable::Damaged(damage));
+fn read(kind: Kind, path: PathBuf, line: &[u8], content: &[u8]) -> Result<Saved, CheckpointError> {
     let Some(rest) = line.strip_prefix(kind.magic().as_bytes()) else {
         // An empty file, or the start of a first line, is the remainder of a checkpoint.
         let is_cut = content.is_empty() && kind.magic().as_bytes().starts_with(line);
         let other = KINDS.iter().find(|(magic, _)| line.starts_with(magic.as_bytes()));
         return Err(match other {
-            Some((_, kind)) => Unreadable::Kind(kind),
-            None if is_cut => Unreadable::Damaged(Damage::Header),
-            None => Unreadable::Foreign,
+            Some((_, kind)) => CheckpointError::Kind { path, kind },
+            None if is_cut => CheckpointError::Damaged { path, damage: Damage::Header },
+            None => CheckpointError::Foreign { path },
         });
     };
+    let damaged = |damage| Err(CheckpointError::Damaged { path: path.clone(), damage });
     let Some(Ok(rest)) = rest.strip_suffix(b"\n").map(std::str::from_utf8) else {
         return damaged(Damage::Header);
     };
@@ -120,7 +106,7 @@ fn read(kind: Kind, line: &[u8], content: &[u8]) -> Result<Saved, Unreadable> {
     match words.next() {
         Some(version) if version == VERSION.to_string() => {}
         Some(version) if !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit()) => {
-            return Err(Unreadable::Version(version.to_owned()));
+            return Err(CheckpointError::Version { path, found: version.to_owned(), expected: VERSION });
         }
         _ => return damaged(Damage::Header),
     }
@@ -144,7 +130,9 @@ fn read(kind: Kind, line: &[u8], content: &[u8]) -> Result<Saved, Unreadable> {
     let (words, []) = content.as_chunks::<WORD>() else { return damaged(nonsense()) };
     let mut saved = Saved::default();
     let words = words.iter().map(|word| u64::from_le_bytes(*word)).collect();
-    Tape::read(words, |tape| saved.pass(tape)).ok_or(Unreadable::Damaged(nonsense()))?;
+    if Tape::read(words, |tape| saved.pass(tape)).is_none() {
+        return damaged(nonsense());
+    }
     // There is one way to write a line: `+12`, `012` and capital digits are not what was written.
     let is_written = line == first_line(kind, saved.done, content.len(), own).as_bytes();
     if is_written { Ok(saved) } else { damaged(Damage::Header) }

@@ -4,23 +4,34 @@ use std::io::Read;
 use std::path::PathBuf;
 
 use super::Keeping;
-use super::format::{self, Encoded, Kind, Saved, Unreadable, VERSION};
+use super::format::{self, Encoded, Kind, Saved};
 use super::identity::{self, Fields};
 use crate::algebra::state::{State, Vector};
 use crate::error::{CheckpointError, Difference, FileError};
 use crate::ground::due::Due;
-use crate::ground::numbers::Tape;
+use crate::ground::numbers::{Numbers, Tape};
 use crate::path::Error;
 use crate::saving::file::{self, Staged};
 use crate::scheme::system::{Discretized, PreparedOf};
 
 /// What makes two runs the same.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Described {
+    /// What the user set, by name.
     settings: Fields,
+    /// Checksums of what follows from that, by name.
     derived: Fields,
+    /// The first state: `t`, `q`, `p`.
     start: Vec<u64>,
-    degrees: usize,
+}
+
+impl Numbers for Described {
+    fn pass(&mut self, tape: &mut Tape) {
+        let Self { settings, derived, start } = self;
+        settings.pass(tape);
+        derived.pass(tape);
+        start.pass(tape);
+    }
 }
 
 impl Described {
@@ -32,12 +43,11 @@ impl Described {
         start: &State<H::Vector>,
         settings: Fields,
     ) -> Self {
-        let degrees = start.q.components().len();
-        let mut all = identity::scheme::<H, E>(system, degrees, h);
+        let mut all = identity::scheme::<H, E>(system, start.q.components().len(), h);
         all.extend(identity::parameters(system));
         all.extend(settings);
         let (derived, mut start) = (identity::derived(system, prepared, start), start.clone());
-        Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)), degrees }
+        Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)) }
     }
 
     /// And with observables of these values at some states: functions cannot be compared.
@@ -49,9 +59,9 @@ impl Described {
     }
 
     /// The differences, the user's settings first, because others follow from them.
-    fn differences(&self, saved: &Saved) -> Vec<Difference> {
+    fn differences(&self, saved: &Self) -> Vec<Difference> {
         let mut differences = identity::differences(&saved.settings, &self.settings);
-        differences.extend(identity::start_differences(self.degrees, &saved.start, &self.start));
+        differences.extend(identity::start_differences(self.start.len() / 2, &saved.start, &self.start));
         if differences.is_empty() {
             differences = identity::differences(&saved.derived, &self.derived);
         }
@@ -211,20 +221,14 @@ impl Kept {
         let Some(mut file) = file::open(&self.path)? else { return Ok(None) };
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(CheckpointError::file(&self.path, "read"))?;
-        let (line, saved) = format::decode(self.extent.kind, &bytes);
+        let (line, saved) = format::decode(self.extent.kind, &self.path, &bytes);
         self.line = Some(line);
-        let path = self.path.clone();
-        saved.map(Some).map_err(|why| match why {
-            Unreadable::Foreign => CheckpointError::Foreign { path },
-            Unreadable::Kind(kind) => CheckpointError::Kind { path, kind },
-            Unreadable::Version(found) => CheckpointError::Version { path, found, expected: VERSION },
-            Unreadable::Damaged(damage) => CheckpointError::Damaged { path, damage },
-        })
+        saved.map(Some)
     }
 
     /// Brings a run from its start to where it was saved.
     fn restore(&mut self, saved: Saved, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), CheckpointError> {
-        let (path, differences) = (self.path.clone(), self.described.differences(&saved));
+        let (path, differences) = (self.path.clone(), self.described.differences(&saved.run));
         if !differences.is_empty() {
             return Err(CheckpointError::OtherRun { path, differences });
         }
@@ -247,14 +251,7 @@ impl Kept {
 
     fn save(&mut self, done: u64, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), CheckpointError> {
         self.check_ours()?;
-        let Described { settings, derived, start, .. } = &self.described;
-        let mut saved = Saved {
-            settings: settings.clone(),
-            derived: derived.clone(),
-            start: start.clone(),
-            done,
-            content: Tape::write(pass),
-        };
+        let mut saved = Saved { run: self.described.clone(), done, content: Tape::write(pass) };
         let encoded = Encoded::new(self.extent.kind, &mut saved);
         let staged = Staged::write(&self.path, |file| encoded.write(file))?;
         // Once more: the disk may have taken its time.
