@@ -4,7 +4,6 @@ pub(crate) mod anew;
 pub(crate) mod by_dual_numbers;
 mod own;
 mod scheme;
-mod solution;
 mod straight;
 
 use std::fmt::Debug;
@@ -21,8 +20,7 @@ use crate::scheme::plan::Plan;
 pub use own::{OneStep, Own, Scratch, StepField};
 pub(crate) use scheme::without_derivatives;
 pub use scheme::{At, CarryOf, Lift, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, as_they_are};
-pub use solution::{Solution, array_mut, covector, gradient, increments};
-pub use straight::{Straight, StraightLine};
+pub use straight::{Solution, Straight, StraightLine, array_mut, covector, gradient, increments};
 
 /// A partial derivative with respect to the coordinates and one with respect to the momenta.
 #[derive(Clone, Copy, Debug, PartialEq)]

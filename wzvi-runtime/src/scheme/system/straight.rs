@@ -1,12 +1,13 @@
-//! Steps in straight-line code, block by block: the generated part for one scheme of a small system, and the common part.
+//! Steps in straight-line code, block by block: the generated part for one scheme of a small system, what it solves for and in which lists, and the
+//! common part.
 
 use std::marker::PhantomData;
 
-use super::{At, LagrangianGradient, Lift, Properties, Scheme, Segment, Solution, array_mut, increments};
+use super::{At, LagrangianGradient, Lift, Properties, Scheme, Segment};
 use crate::algebra::carry::{Carry, Compensation};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
-use crate::algebra::scalar::{Constant, Constants, Of, Over, Scalar};
+use crate::algebra::scalar::{Constant, Constants, Mask, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
@@ -48,6 +49,119 @@ pub trait StraightLine<E, const D: usize, const N: usize>: Elements + Sized {
         carry: &C,
         next: &mut Solution<S, D>,
     ) -> Result<(), StepFailure>;
+}
+
+/// One solved step of a system with `D` degrees of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<S, const D: usize> {
+    /// `q_{i+1}`, and its rounding error.
+    pub q: [(S, S); D],
+    /// `p_{i+1}`, and its rounding error.
+    pub p: [(S, S); D],
+    /// The effort of Newton's method over all blocks.
+    pub effort: Effort,
+}
+
+impl<S: Scalar, const D: usize> Solution<S, D> {
+    /// The place for a solution. It is not returned in a `Result`: numbers that share memory with a [`StepFailure`] are not kept in vector
+    /// registers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn nowhere() -> Self {
+        let nan = S::from_f64(f64::NAN);
+        Self { q: [(nan, nan); D], p: [(nan, nan); D], effort: Effort::fast(0) }
+    }
+
+    /// The nodes that the increments `dq`, `dp` lead to from `q`, `p`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn new<C: Carry<S>>(carry: &C, [q, p]: [[S; D]; 2], [dq, dp]: [[S; D]; 2], effort: Effort) -> Self {
+        // Plain loops: closures would be compiled without the vector instructions of the caller.
+        let zero = S::from_f64(0.0);
+        let (mut next_q, mut next_p) = ([(zero, zero); D], [(zero, zero); D]);
+        for i in 0..D {
+            next_q[i] = C::add(q[i], dq[i], carry.of_coordinate(i));
+            next_p[i] = C::add(p[i], dp[i], carry.of_momentum(i));
+        }
+        Self { q: next_q, p: next_p, effort }
+    }
+
+    /// Whether every component is finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn is_finite(&self) -> bool {
+        S::are_finite([self.q, self.p]).all()
+    }
+
+    /// The paths for which every component is finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn are_finite(&self) -> S::Mask {
+        S::are_finite([self.q, self.p])
+    }
+
+    /// Checks that every component is finite, for paths that succeed or fail together.
+    ///
+    /// # Errors
+    /// [`StepFailure::NonFinite`]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn ensure_finite(&self) -> Result<(), StepFailure> {
+        if self.is_finite() { Ok(()) } else { Err(StepFailure::NonFinite) }
+    }
+
+    /// Checks that all paths in lanes have `taken` the step.
+    ///
+    /// # Errors
+    /// Those of the paths that have not.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn ensure_taken(&self, taken: S::Mask) -> Result<(), StepFailure> {
+        if taken.all() { Ok(()) } else { Err(StepFailure::but_of::<S>(taken)) }
+    }
+
+    /// [`Solution::store`] if the step was solved; of paths in lanes, only those that have solved it move.
+    ///
+    /// # Errors
+    /// The failure of the solution.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn arrive<C: Carry<S>>(
+        self,
+        solved: Result<(), StepFailure>,
+        q: &mut [S; D],
+        p: &mut [S; D],
+        carry: &mut C,
+    ) -> Result<Effort, StepFailure> {
+        match solved {
+            Ok(()) => Ok(self.store(q, p, carry)),
+            Err(cause) => {
+                if S::GOES_IN_PART {
+                    self.store_in_part(q, p, carry);
+                }
+                Err(cause)
+            }
+        }
+    }
+
+    /// Inlined: the solution has no address, and stays in registers unless the step fails.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store_in_part<C: Carry<S>>(&self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) {
+        let are_finite = self.are_finite();
+        let mut lost = [[S::from_f64(0.0); D]; 2];
+        for i in 0..D {
+            q[i] = S::select(are_finite, self.q[i].0, q[i]);
+            p[i] = S::select(are_finite, self.p[i].0, p[i]);
+            lost[0][i] = S::select(are_finite, self.q[i].1, carry.of_coordinate(i));
+            lost[1][i] = S::select(are_finite, self.p[i].1, carry.of_momentum(i));
+        }
+        carry.keep(&lost[0], &lost[1]);
+    }
+
+    /// Moves the state.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn store<C: Carry<S>>(self, q: &mut [S; D], p: &mut [S; D], carry: &mut C) -> Effort {
+        let mut lost = [[S::from_f64(0.0); D]; 2];
+        for i in 0..D {
+            (q[i], lost[0][i]) = self.q[i];
+            (p[i], lost[1][i]) = self.p[i];
+        }
+        carry.keep(&lost[0], &lost[1]);
+        self.effort
+    }
 }
 
 /// Steps in straight-line code.
@@ -118,4 +232,45 @@ where
     ) -> H::Vector {
         elements::step_momentum(system, &H::QUADRATURE, [before, after], h, dw)
     }
+}
+
+/// `slice` as an array of the degrees of freedom.
+///
+/// # Errors
+/// [`StepFailure::Dimension`] if its length is another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn array_mut<S, const D: usize>(slice: &mut [S]) -> Result<&mut [S; D], StepFailure> {
+    let got = slice.len();
+    slice.try_into().map_err(|_| StepFailure::Dimension { expected: D, got })
+}
+
+/// Fills `by_q` and `by_p` with a gradient, or with NaN if their length is another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn gradient<S: Scalar, const D: usize>(by_q: &mut [S], by_p: &mut [S], of_q: [S; D], of_p: [S; D]) {
+    if by_q.len() == D && by_p.len() == D {
+        by_q.copy_from_slice(&of_q);
+        by_p.copy_from_slice(&of_p);
+    } else {
+        by_q.fill(S::from_f64(f64::NAN));
+        by_p.fill(S::from_f64(f64::NAN));
+    }
+}
+
+/// Fills `into` with a covector, or with NaN if its length is another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn covector<S: Scalar, const D: usize>(into: &mut [S], components: [S; D]) {
+    if into.len() == D {
+        into.copy_from_slice(&components);
+    } else {
+        into.fill(S::from_f64(f64::NAN));
+    }
+}
+
+/// `dw` as an array of one increment per noise.
+///
+/// # Errors
+/// [`StepFailure::Increments`] if its length is another.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn increments<S: Copy, const K: usize>(dw: &[S]) -> Result<[S; K], StepFailure> {
+    dw.try_into().map_err(|_| StepFailure::Increments { expected: K, got: dw.len() })
 }
