@@ -19,10 +19,9 @@
 //! ```
 
 mod bridge;
-pub(crate) mod chacha;
 mod cursor;
 mod grid;
-pub(crate) mod normal;
+pub(crate) mod random;
 pub(crate) mod step_normals;
 mod stream;
 mod truncation;

@@ -106,7 +106,7 @@ pub(super) fn unless_lost(statistics: Statistics, allowed: f64) -> Result<Statis
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::chacha;
+    use crate::noise::random;
     use crate::noise::step_normals::normals;
     use crate::statistics::{Nodes, Seen};
 
@@ -119,7 +119,7 @@ mod tests {
     impl Draws {
         fn words(&mut self) -> [u32; 16] {
             self.block += 1;
-            chacha::block(&self.key, 0, self.block)
+            random::block(&self.key, 0, self.block)
         }
     }
 

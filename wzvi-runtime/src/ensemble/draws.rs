@@ -6,8 +6,7 @@
 use std::ops::Range;
 
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::noise::chacha;
-use crate::noise::normal::pair;
+use crate::noise::random::{self, pair};
 pub(crate) use crate::noise::step_normals::STEPS;
 use crate::noise::step_normals::{key, of_process};
 
@@ -123,7 +122,7 @@ fn side_by_side<const L: usize>(address: impl Fn(u64) -> Address, to: &mut [[f64
     let mut words = [[0; L]; 16];
     for i in 0..L {
         let (key, path, block) = address(i as u64);
-        let block = chacha::block(&key, path, block);
+        let block = random::block(&key, path, block);
         for w in 0..16 {
             words[w][i] = block[w];
         }

@@ -2,8 +2,7 @@
 
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
-use crate::noise::chacha;
-use crate::noise::normal::pair;
+use crate::noise::random::{self, pair};
 use crate::scheme::system::Discretized;
 
 /// A function from the generator of a path.
@@ -203,7 +202,7 @@ impl Draw {
     fn words(&mut self) -> [u32; 3] {
         let (block, place) = (self.used / TRIPLES, 3 * (self.used % TRIPLES) as usize);
         if place == 0 {
-            self.block = chacha::block(&self.key, self.path, block);
+            self.block = random::block(&self.key, self.path, block);
         }
         self.used += 1;
         [self.block[place], self.block[place + 1], self.block[place + 2]]

@@ -17,8 +17,7 @@
 //! A step is halved by the Brownian bridge: of an increment `w` over an interval of length `l`, the halves have `w/2 ± √l/2 ξ`. Cut `k` of
 //! halving `m` of step `n` has the normal at the block `2^{m-1} n + k` of its own key.
 
-use super::chacha;
-use super::normal::pair;
+use super::random::{self, pair};
 use super::truncation::{Truncation, clip_bound, truncation_setters};
 use super::wiener::check_step;
 use super::{Divisible, Interval, Noise, NoiseError, Paths};
@@ -60,7 +59,7 @@ fn cut_normal(mut key: [u32; 8], path: u64, step: u64, halving: u32, cut: u64) -
     // Below 2^82: step numbers are below 2^53.
     let number = (u128::from(step) << (halving - 1)) | u128::from(cut);
     key[4] |= (halving << 6) | (((number >> 64) as u32) << 11);
-    let words = chacha::block(&key, path, number as u64);
+    let words = random::block(&key, path, number as u64);
     let [normal, _] = pair([words[0], words[1], words[2]]);
     normal
 }
@@ -187,7 +186,7 @@ impl StepNormals {
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
         let drawn = &mut self.drawn[process];
         if drawn.block != block {
-            *drawn = Drawn { block, normals: normals(&chacha::block(&key, stream, block)) };
+            *drawn = Drawn { block, normals: normals(&random::block(&key, stream, block)) };
         }
         sign * drawn.normals[(step % STEPS as u64) as usize]
     }
@@ -243,7 +242,7 @@ impl Noise for StepNormals {
         let (block, place) = (interval.step / STEPS as u64, (interval.step % STEPS as u64) as usize);
         let (bound, scale) = (self.clip(h), self.sign() * h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
-            let drawn = normals(&chacha::block(&self.key(process as u64, h), self.stream(), block));
+            let drawn = normals(&random::block(&self.key(process as u64, h), self.stream(), block));
             *dw = scale * drawn[place].clamp(-bound, bound);
         }
         Ok(())

@@ -12,7 +12,7 @@
 //!
 //! The stream number is the index of the cell among those of its octave and depth; the words are 0 to 63 of that stream. All integers are little-endian.
 
-use super::chacha::{self, PAGE};
+use super::random::{self, PAGE};
 
 /// Pairs of normals in a page.
 pub(super) const PAIRS: usize = PAGE / 3;
@@ -47,7 +47,7 @@ impl Words {
         let words = |x: u64| [x as u32, (x >> 32) as u32];
         let ([a, b], [c, d], [e, f]) = (words(source.seed), words(source.path), words(source.process));
         let place = u32::from_le_bytes([u8::from(address.negative), address.octave, address.depth, 0]);
-        chacha::page(&[a, b, c, d, e, f, VERSION, place], address.cell, &mut self.0);
+        random::page(&[a, b, c, d, e, f, VERSION, place], address.cell, &mut self.0);
     }
 
     /// The `index`-th pair of normals, `index < PAIRS`.
@@ -57,7 +57,7 @@ impl Words {
             let at = 4 * (3 * index + i);
             u32::from_le_bytes([self.0[at], self.0[at + 1], self.0[at + 2], self.0[at + 3]])
         };
-        super::normal::pair([word(0), word(1), word(2)])
+        random::pair([word(0), word(1), word(2)])
     }
 }
 
