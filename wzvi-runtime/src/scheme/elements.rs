@@ -260,23 +260,9 @@ impl<S: Scalar> Point<'_, S> {
     }
 }
 
-/// Adds the weighted slopes of a part at all places.
+/// Adds the weighted slopes of a part at all places; rows of pairs in vector instructions use the exact numbers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn slopes<H: Elements, S: Scalar>(
-    system: &H,
-    part: usize,
-    weight: f64,
-    at: &Point<'_, S>,
-    wanted: Slopes,
-    by_q: &mut [S],
-    by_p: &mut [S],
-) {
-    slopes_as::<H, S, S::OfElements<H::Exact>>(system, part, weight, at, wanted, by_q, by_p);
-}
-
-/// The same in numbers `T`; rows of pairs in vector instructions use the exact numbers.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     system: &H,
     part: usize,
     weight: f64,
@@ -292,7 +278,7 @@ fn slopes_as<H: Elements, S: Scalar, T: Number<S>>(
     {
         pairs::slopes(system, part, weight, &at, wanted, by_q, by_p);
     } else {
-        system.slopes::<S, T>(part, weight, at, wanted, by_q, by_p);
+        system.slopes::<S, S::OfElements<H::Exact>>(part, weight, at, wanted, by_q, by_p);
     }
 }
 

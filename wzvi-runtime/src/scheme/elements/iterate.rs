@@ -320,7 +320,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let (mut stretch, mut change) = (1.0, None);
         let relative = if !const { is_side_by_side::<S>() } && iteration.is_newton {
             scratch.leave_windows();
-            self.residual_as::<S::OfElements<H::Exact>>(&mut scratch.lists);
+            self.residual_at(&mut scratch.lists);
             let is_krylov = match &scratch.solver.linear {
                 Some(linear) => matches!(linear, Linear::Krylov(_)),
                 None => return Err(astray(iteration.iterations, iteration.last.magnitude())),

@@ -9,7 +9,7 @@ use super::passes::{add, are_finite};
 use super::side_by_side::is_side_by_side;
 use super::{Curvature, Elements, MomentumUpdate, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::scalar::Scalar;
 use crate::error::StepFailure;
 use crate::scheme::system::Hamiltonian;
 
@@ -64,12 +64,6 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `u` and `P` at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
-        self.refresh_as::<S::OfElements<H::Exact>>(lists);
-    }
-
-    /// [`Step::refresh`], computed in numbers `T`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn refresh_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
         let Lists { x, u, momentum, stages, .. } = lists;
         if self.scheme.unknowns == Unknowns::Both {
             let unknowns = x.as_chunks().0;
@@ -83,7 +77,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
             match self.increment {
                 Some(known) => u.copy_from_slice(known),
-                None => self.velocities_as::<T>(momentum, stages.at_mut(0).1, u),
+                None => self.velocities(momentum, stages.at_mut(0).1, u),
             }
         }
     }
@@ -93,12 +87,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn residual(&self, lists: &mut Lists<'_, S>) {
         self.refresh(lists);
-        self.residual_as::<S::OfElements<H::Exact>>(lists);
+        self.residual_at(lists);
     }
 
-    /// [`Step::residual`] where `u` and `P` are those at `x`, computed in numbers `T`.
+    /// [`Step::residual`] where `u` and `P` are those at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn residual_as<T: Number<S>>(&self, lists: &mut Lists<'_, S>) {
+    pub(super) fn residual_at(&self, lists: &mut Lists<'_, S>) {
         let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
@@ -108,7 +102,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, by_q) = stages.at_mut(s);
             self.place(stage, q, by_q, u);
-            self.slopes_as::<T>(stage, q, momentum, wanted, by_q, by_p);
+            self.slopes(stage, q, momentum, wanted, by_q, by_p);
         }
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (weight, (_, by_q)) = (stage.start, stages.at(s));
@@ -151,14 +145,8 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// then at the node `q_i`, by the choice of unknowns. Their slopes by coordinates go to `by_q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
-        self.velocities_as::<S::OfElements<H::Exact>>(momentum, by_q, u);
-    }
-
-    /// [`Step::velocities`], computed in numbers `T`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn velocities_as<T: Number<S>>(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
         for stage in self.scheme.stages {
-            self.slopes_as::<T>(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
+            self.slopes(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
         }
     }
 
@@ -173,26 +161,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         by_q: &mut [S],
         by_p: &mut [S],
     ) {
-        self.slopes_as::<S::OfElements<H::Exact>>(stage, q, p, wanted, by_q, by_p);
-    }
-
-    /// [`Step::slopes`], computed in numbers `T`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn slopes_as<T: Number<S>>(
-        &self,
-        stage: &Stage,
-        q: &[S],
-        p: &[S],
-        wanted: Slopes,
-        by_q: &mut [S],
-        by_p: &mut [S],
-    ) {
         let at = self.at(stage, q, p);
         // Paths that are solved side by side stay in the vector instructions of their caller.
         let is_here = const { is_side_by_side::<S>() } && self.scheme.unknowns != Unknowns::None;
         for &(part, weight) in stage.parts {
             if is_here || size_of::<S>() == size_of::<f64>() {
-                super::slopes_as::<H, S, T>(self.system, part, weight, &at, wanted, by_q, by_p);
+                slopes(self.system, part, weight, &at, wanted, by_q, by_p);
             } else {
                 slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
             }
@@ -284,7 +258,7 @@ fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: f64) {
     dp.iter_mut().zip(p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
 }
 
-/// [`Elements::slopes`] as a separate function: inlining loses the information that its lists do not overlap, which numbers
+/// [`slopes`] as a separate function: inlining loses the information that its lists do not overlap, which numbers
 /// of several parts need for speed.
 #[inline(never)]
 fn slopes_apart<H: Elements, S: Scalar>(

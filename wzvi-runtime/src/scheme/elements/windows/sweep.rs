@@ -106,7 +106,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             return swept;
         }
         let lists = &mut scratch.lists;
-        self.residual_as::<S::OfElements<H::Exact>>(lists);
+        self.residual_at(lists);
         if const { is_side_by_side::<S>() } {
             hold(lists.correction, solved);
         }
