@@ -93,6 +93,20 @@ fn every_noise_has_one_increment() {
     assert_eq!(failure::<DeltaPlus, _>(&HenonHeiles, 0.1, &start, &[0.1]), expected);
 }
 
+/// A composition says how many degrees of freedom the system has, whichever list has another number.
+#[test]
+fn compositions_name_the_number_that_is_wrong() {
+    type Steps = Composed<Midpoint, Yoshida4>;
+    let ring = Ring { k: 2.0 };
+    let prepared = Discretized::<Steps>::prepare(&ring, 0.1).unwrap();
+    for (coordinates, momenta, got) in [(4, 4, 4), (2, 2, 2), (4, 3, 4), (3, 4, 4), (3, 2, 2)] {
+        let (mut q, mut p) = (vec![0.5; coordinates], vec![0.5; momenta]);
+        let (q, p, memory) = (&mut q, &mut p, &mut Default::default());
+        let error = Discretized::<Steps>::advance(&ring, &prepared, 0.0, 0.1, q, p, &[], memory).unwrap_err();
+        assert_eq!(error, StepFailure::Dimension { expected: 3, got });
+    }
+}
+
 #[test]
 fn poles_are_singular() {
     let start = state(&[1.0], &[0.5]);

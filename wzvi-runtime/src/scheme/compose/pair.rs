@@ -5,10 +5,9 @@ use std::marker::PhantomData;
 use super::Composes;
 use super::kept::Memory;
 use super::lagrangian::{self, Followed};
-use super::substeps::{By, Half, Substep, joint_plan, kept_energy, plan};
+use super::substeps::{By, Half, joint_plan, kept_energy, plan};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
@@ -26,106 +25,25 @@ pub struct Pair<A, B, W>(PhantomData<(A, B, W)>);
 /// The prepared parts of a step.
 #[derive(Clone, Debug)]
 pub struct Prepared<A, B> {
-    parts: Vec<Part<A, B>>,
-    /// Number of parts of each kind.
-    counts: [usize; 2],
+    /// The kind of each part, after which fraction of the step it starts, and which fraction it is.
+    parts: Vec<(Half, f64, f64)>,
+    /// What the steps of each kind need, in the order of the parts.
+    of: (Vec<A>, Vec<B>),
 }
 
-/// A part of a step: it starts after the fraction `start` of the step, and is the fraction `weight` of it.
-#[derive(Clone, Debug)]
-struct Part<A, B> {
-    start: f64,
-    weight: f64,
-    kind: Kind<A, B>,
-}
-
-#[derive(Clone, Debug)]
-enum Kind<A, B> {
-    First(A),
-    Second(B),
-}
-
-/// Number of parts of each kind.
-fn counts(substeps: &[Substep]) -> [usize; 2] {
-    let first = substeps.iter().filter(|(half, _)| *half == Half::First).count();
-    [first, substeps.len() - first]
-}
-
-fn rooms<M>(count: usize, room: &dyn Fn() -> M) -> Vec<M> {
-    (0..count).map(|_| room()).collect()
-}
-
-impl<A, B> Kind<A, B> {
-    fn first(&self) -> Option<&A> {
-        if let Self::First(first) = self { Some(first) } else { None }
-    }
-
-    fn second(&self) -> Option<&B> {
-        if let Self::Second(second) = self { Some(second) } else { None }
-    }
-}
-
-/// A part of the prepared data of each lane; `None` if a lane has none.
-fn lanes<P, T, const L: usize>(prepared: [&P; L], part: impl Fn(&P) -> Option<&T>) -> Option<[&T; L]> {
-    let parts: Vec<&T> = prepared.into_iter().map(part).collect::<Option<_>>()?;
-    parts.try_into().ok()
+/// The prepared parts of one kind, in lanes.
+fn gather_all<H: Discretized<E>, E, const L: usize>(
+    of_lanes: [&Vec<PreparedOf<H, E>>; L],
+) -> Option<Vec<PreparedOf<H, E, Lanes<L>>>> {
+    // One composition has prepared all lanes, so they have the same parts.
+    let part = |index| SchemeOf::<H, E>::gather(of_lanes.map(|parts| &parts[index]));
+    (0..of_lanes.first()?.len()).map(part).collect()
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn scale<S: Scalar>(dw: &[S], weight: f64, into: &mut Vec<S>) {
     into.clear();
     into.extend(dw.iter().map(|dw| *dw * weight));
-}
-
-impl<A, B> Prepared<A, B> {
-    /// Takes all parts of a step by `take_first` and `take_second`. On `Err`, everything is as it was.
-    ///
-    /// # Errors
-    /// That of the first part that fails.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance<K: Constant, S: Scalar, C: Carry<S>, M: StepMemory, N: StepMemory>(
-        &self,
-        At { t, h, q, p, dw }: At<'_, S, K>,
-        memory: &mut Memory<S, (Vec<M>, Vec<N>)>,
-        carry: &mut C,
-        take_first: impl Fn(&A, At<'_, S, K>, &mut M, &mut C) -> Result<Effort, StepFailure>,
-        take_second: impl Fn(&B, At<'_, S, K>, &mut N, &mut C) -> Result<Effort, StepFailure>,
-    ) -> Result<Effort, StepFailure> {
-        let (firsts, seconds) = &mut memory.parts;
-        if [firsts.len(), seconds.len()] != self.counts {
-            firsts.resize_with(self.counts[0], M::default);
-            seconds.resize_with(self.counts[1], N::default);
-        }
-        memory.save(q, p, carry);
-        let mut effort = Effort::fast(0);
-        let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
-        for part in &self.parts {
-            let Memory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
-            scale(dw, part.weight, scaled);
-            let (t, h) = (t + h * part.start, h * part.weight);
-            let at = At { t, h, q: &mut *q, p: &mut *p, dw: scaled };
-            let taken = match &part.kind {
-                Kind::First(prepared) => {
-                    first += 1;
-                    take_first(prepared, at, &mut firsts[first - 1], carry)
-                }
-                Kind::Second(prepared) => {
-                    second += 1;
-                    take_second(prepared, at, &mut seconds[second - 1], carry)
-                }
-            };
-            match taken {
-                Ok(taken) => effort = effort.beside(taken),
-                // Failed lanes continue from their current state, and are reset at the end.
-                Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
-                Err(failure) => {
-                    memory.restore(q, p, carry);
-                    return Err(failure);
-                }
-            }
-        }
-        if failed.is_empty() { Ok(effort) } else { Err(memory.end_in_part(failed, q, p, carry)) }
-    }
 }
 
 impl<H, A, B, E, T, W> Scheme<H> for Pair<A, B, By<E, T, W>>
@@ -155,67 +73,83 @@ where
     type Carry<S: Scalar> = <SchemeOf<H, A> as Scheme<H>>::Carry<S>;
 
     fn memory(system: &H) -> Self::Memory<f64> {
-        let [first, second] = counts(&W::substeps());
-        let first = rooms(first, &|| SchemeOf::<H, A>::memory(system));
-        let second = rooms(second, &|| SchemeOf::<H, B>::memory(system));
-        Memory::of((first, second)).with_room(system.degrees(), system.noises())
+        let mut parts = (Vec::new(), Vec::new());
+        for (half, _) in W::substeps() {
+            match half {
+                Half::First => parts.0.push(SchemeOf::<H, A>::memory(system)),
+                Half::Second => parts.1.push(SchemeOf::<H, B>::memory(system)),
+            }
+        }
+        Memory::of(parts).with_room(system.degrees(), system.noises())
     }
 
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
-        let (mut start, substeps) = (0.0, W::substeps());
-        let parts = substeps.iter().map(|&(half, weight)| {
-            let kind = match half {
-                Half::First => Kind::First(SchemeOf::<H, A>::prepare(system, lift, h * weight)?),
-                Half::Second => Kind::Second(SchemeOf::<H, B>::prepare(system, lift, h * weight)?),
-            };
-            let part = Part { start, weight, kind };
+        let (mut start, mut parts, mut of) = (0.0, Vec::new(), (Vec::new(), Vec::new()));
+        for (half, weight) in W::substeps() {
+            match half {
+                Half::First => of.0.push(SchemeOf::<H, A>::prepare(system, lift, h * weight)?),
+                Half::Second => of.1.push(SchemeOf::<H, B>::prepare(system, lift, h * weight)?),
+            }
+            parts.push((half, start, weight));
             start += weight;
-            Ok(part)
-        });
-        Ok(Prepared { parts: parts.collect::<Result<_, _>>()?, counts: counts(&substeps) })
+        }
+        Ok(Prepared { parts, of })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
-        let first = prepared.first()?;
-        let parts = first.parts.iter().enumerate().map(|(index, Part { start, weight, kind })| {
-            let kind = match kind {
-                Kind::First(_) => {
-                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.first())?;
-                    Kind::First(SchemeOf::<H, A>::gather(of_lanes)?)
-                }
-                Kind::Second(_) => {
-                    let of_lanes = lanes(prepared, |prepared| prepared.parts.get(index)?.kind.second())?;
-                    Kind::Second(SchemeOf::<H, B>::gather(of_lanes)?)
-                }
-            };
-            Some(Part { start: *start, weight: *weight, kind })
-        });
-        Some(Prepared { parts: parts.collect::<Option<_>>()?, counts: first.counts })
+        let first = gather_all::<H, A, L>(prepared.map(|prepared| &prepared.of.0))?;
+        let second = gather_all::<H, B, L>(prepared.map(|prepared| &prepared.of.1))?;
+        Some(Prepared { parts: prepared.first()?.parts.clone(), of: (first, second) })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K>,
+        At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let [expected, got] = [at.q.len(), at.p.len()];
-        if !fits(system, expected) || got != expected {
-            return Err(StepFailure::Dimension { expected: system.degrees().max(expected), got });
+        let (degrees, got) = (q.len(), p.len());
+        if !fits(system, degrees) {
+            system.check(degrees)?;
         }
-        prepared.advance(
-            at,
-            memory,
-            carry,
-            |prepared, at, memory, carry| {
-                SchemeOf::<H, A>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
-            },
-            |prepared, at, memory, carry| {
-                SchemeOf::<H, B>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
-            },
-        )
+        if got != degrees {
+            return Err(StepFailure::Dimension { expected: degrees, got });
+        }
+        let (firsts, seconds) = &mut memory.parts;
+        firsts.resize_with(prepared.of.0.len(), Default::default);
+        seconds.resize_with(prepared.of.1.len(), Default::default);
+        memory.save(q, p, carry);
+        let mut effort = Effort::fast(0);
+        let (mut first, mut second, mut failed) = (0, 0, FailedLanes::default());
+        for &(half, start, weight) in &prepared.parts {
+            let Memory { parts: (firsts, seconds), dw: scaled, .. } = &mut *memory;
+            scale(dw, weight, scaled);
+            let at = At { t: t + h * start, h: h * weight, q: &mut *q, p: &mut *p, dw: scaled };
+            let taken = match half {
+                Half::First => {
+                    let (prepared, memory) = (&prepared.of.0[first], &mut firsts[first]);
+                    first += 1;
+                    SchemeOf::<H, A>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
+                }
+                Half::Second => {
+                    let (prepared, memory) = (&prepared.of.1[second], &mut seconds[second]);
+                    second += 1;
+                    SchemeOf::<H, B>::advance::<K, S, C, CAREFUL>(system, prepared, at, memory, carry)
+                }
+            };
+            match taken {
+                Ok(taken) => effort = effort.beside(taken),
+                // Failed lanes continue from their current state, and are reset at the end.
+                Err(StepFailure::Lanes(lanes)) => failed = failed.or(lanes),
+                Err(failure) => {
+                    memory.restore(q, p, carry);
+                    return Err(failure);
+                }
+            }
+        }
+        if failed.is_empty() { Ok(effort) } else { Err(memory.end_in_part(failed, q, p, carry)) }
     }
 
     fn discrete_lagrangian(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> f64 {
