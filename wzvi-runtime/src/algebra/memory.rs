@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 use crate::ground::numbers::{Numbers, for_tuples};
 
@@ -43,6 +43,13 @@ pub struct LinearWork {
     pub factorisations: u64,
     /// Products with the Jacobian where linear equations are solved by these.
     pub products: u64,
+}
+
+impl AddAssign for LinearWork {
+    fn add_assign(&mut self, other: Self) {
+        self.factorisations += other.factorisations;
+        self.products += other.products;
+    }
 }
 
 /// A request to a memory.
@@ -140,9 +147,12 @@ impl<M: StepMemory> StepMemory for Vec<M> {
         }
     }
 
-    /// That of the first.
+    /// That of the first, with the work of all.
     fn report(&self) -> Report {
-        self.first().map_or_else(Report::default, |memory| Report { blocks: 1, ..memory.report() })
+        let mut linear_work = LinearWork::default();
+        self.iter().for_each(|memory| linear_work += memory.linear_work());
+        let first = self.first().map_or_else(Report::default, M::report);
+        Report { blocks: 1, linear_work, ..first }
     }
 }
 
@@ -168,13 +178,14 @@ macro_rules! tuples {
                 $(self.$place.copy(&other.$place);)+
             }
 
-            /// The first that says something.
+            /// The first that says something, with the work of all.
             fn report(&self) -> Report {
                 let mut all = Report::default();
                 $(
-                    let Report { pinned, method, .. } = self.$place.report();
+                    let Report { pinned, method, linear_work, .. } = self.$place.report();
                     all.pinned = if all.pinned == Iteration::Automatic { pinned } else { all.pinned };
                     all.method = all.method.or(method);
+                    all.linear_work += linear_work;
                 )+
                 all
             }

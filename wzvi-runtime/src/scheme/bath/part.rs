@@ -9,8 +9,10 @@ use super::relaxation::Momenta;
 use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
+use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::Elements;
 use crate::scheme::system::{Hamiltonian as _, without_derivatives};
 
@@ -96,13 +98,33 @@ impl Own {
 
 /// The scratch of the O parts, and their heat.
 #[derive(Debug, Default)]
-pub(super) struct Memory<S> {
+pub struct Memory<S> {
     own: Option<Own>,
     room: Vec<S>,
     /// The heat of each part, block by block, where a step goes window by window.
     blocks: Vec<f64>,
     /// The heat of the last step.
     pub(super) heat: S,
+}
+
+/// The copy allocates its own scratch.
+impl<S: Scalar> Clone for Memory<S> {
+    fn clone(&self) -> Self {
+        Self { heat: self.heat, ..Self::default() }
+    }
+}
+
+/// Stores nothing: the heat is that of one step.
+impl<S: Scalar> Numbers for Memory<S> {
+    fn pass(&mut self, _: &mut Tape) {}
+}
+
+impl<S: Scalar> StepMemory for Memory<S> {
+    fn tell(&mut self, _: &Request) {}
+
+    fn adopt(&mut self, left: Self) {
+        self.heat = left.heat;
+    }
 }
 
 impl<S: Scalar> Memory<S> {

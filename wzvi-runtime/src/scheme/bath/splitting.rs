@@ -5,7 +5,6 @@
 //!
 //! For a system with friction and [`Field`], of the form `T(p) + V(q, t)`.
 
-use std::fmt::Debug;
 use std::marker::PhantomData;
 
 use super::modes::Decay;
@@ -15,12 +14,10 @@ use super::word::{A, Act, B, O, Part, Spelling, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
@@ -82,32 +79,6 @@ pub struct Prepared<P, K> {
     relaxation: Option<Relaxation<K>>,
 }
 
-/// The memory and scratch of steps.
-#[derive(Debug, Default)]
-pub struct Memory<S: Scalar, H: Shape> {
-    flows: stages::Memory<S, H>,
-    bath: part::Memory<S>,
-}
-
-/// The copy allocates its own scratch, as that of the flows.
-impl<S: Scalar, H: Shape> Clone for Memory<S, H> {
-    fn clone(&self) -> Self {
-        Self { flows: self.flows.clone(), bath: Default::default() }
-    }
-}
-
-impl<S: Scalar, H: Shape> Numbers for Memory<S, H> {
-    fn pass(&mut self, _: &mut Tape) {}
-}
-
-impl<S: Scalar, H: Shape> StepMemory for Memory<S, H> {
-    fn tell(&mut self, request: &Request) {
-        self.flows.tell(request);
-    }
-
-    fn adopt(&mut self, _: Self) {}
-}
-
 impl<F, W> Scheme<F> for Splitting<W>
 where
     F: Field,
@@ -130,7 +101,8 @@ where
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
     type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, K>;
-    type Memory<S: Scalar> = Memory<S, F::Shape>;
+    /// That of the flows and that of the O parts.
+    type Memory<S: Scalar> = (stages::Memory<S, F::Shape>, part::Memory<S>);
     type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
     type Carry<S: Scalar> = Plain;
 
@@ -138,12 +110,12 @@ where
         system.noises() + part::normals(system, degrees, W::SPELLING.parts)
     }
 
-    fn exchanged(_: &F, memory: &Self::Memory<f64>) -> Exchange {
-        Exchange { work: 0.0, heat: memory.bath.heat }
+    fn exchanged(_: &F, (_, bath): &Self::Memory<f64>) -> Exchange {
+        Exchange { work: 0.0, heat: bath.heat }
     }
 
     fn memory(system: &F) -> Self::Memory<f64> {
-        Memory { flows: stages::Memory::of_system(system), bath: part::Memory::of_system(system) }
+        (stages::Memory::of_system(system), part::Memory::of_system(system))
     }
 
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
@@ -179,10 +151,9 @@ where
         system: &F,
         prepared: &Self::Prepared<K>,
         At { t, h, q, p, dw }: At<'_, S, K>,
-        memory: &mut Self::Memory<S>,
+        (memory, bath): &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let Memory { flows: memory, bath } = memory;
         let (degrees, noises) = (q.len(), system.noises());
         if !fits(system, degrees) {
             system.check(degrees)?;
@@ -233,7 +204,7 @@ where
         if const { F::FACTS.has_windows && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
             let noises = system.noises().min(dw.len());
             let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
-            let Memory { flows, bath } = memory;
+            let (flows, bath) = &mut *memory;
             if let Some(taken) =
                 in_windows::<F, f64, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
             {

@@ -2,7 +2,6 @@
 //!
 //! It is of the order that `E` has, but not above 2.
 
-use std::fmt::Debug;
 use std::marker::PhantomData;
 
 use super::modes::Decay;
@@ -10,11 +9,10 @@ use super::part::{self, Parts, Shares, normals};
 use super::{Relaxation, with_bath};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::memory::{Report, Request, StepMemory};
+use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, FailedLanes, StepFailure};
-use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::compose::kept;
 use crate::scheme::elements::{Elements, are_finite};
 use crate::scheme::plan::Plan;
@@ -36,54 +34,6 @@ pub struct Prepared<M, K> {
     relaxation: Option<Relaxation<K>>,
 }
 
-/// The memory and scratch of steps.
-#[derive(Debug, Default)]
-pub struct Memory<S: Scalar, M> {
-    /// The memory of the inner step, and the state before the whole step.
-    kept: kept::Memory<S, M>,
-    /// The compensation of coordinates and momenta.
-    lost: [Vec<S>; 2],
-    bath: part::Memory<S>,
-}
-
-impl<S: Scalar, M> Memory<S, M> {
-    fn of(kept: kept::Memory<S, M>) -> Self {
-        Self { kept, lost: [Vec::new(), Vec::new()], bath: Default::default() }
-    }
-}
-
-/// Copies the memory of the past steps; the copy allocates its own scratch.
-impl<S: Scalar, M: Clone + Default> Clone for Memory<S, M> {
-    fn clone(&self) -> Self {
-        Self::of(self.kept.clone())
-    }
-}
-
-impl<S: Scalar, M: Numbers + Default> Numbers for Memory<S, M> {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.kept.pass(tape);
-    }
-}
-
-impl<S: Scalar, M: StepMemory> StepMemory for Memory<S, M> {
-    fn tell(&mut self, request: &Request) {
-        self.kept.tell(request);
-    }
-
-    fn goes_side_by_side(&self) -> bool {
-        self.kept.goes_side_by_side()
-    }
-
-    fn adopt(&mut self, left: Self) {
-        self.kept.adopt(left.kept);
-        self.bath.heat = left.bath.heat;
-    }
-
-    fn report(&self) -> Report {
-        self.kept.report()
-    }
-}
-
 /// As far as the plan of `E` says.
 impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
     const PLAN: Plan = with_bath(<SchemeOf<T, E> as Scheme<T>>::PLAN);
@@ -95,7 +45,8 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         ..Properties::of(&<Self as Scheme<T>>::PLAN, 0)
     };
     type Prepared<K: Constant> = Prepared<PreparedOf<T, E, K>, K>;
-    type Memory<S: Scalar> = Memory<S, MemoryOf<T, E, S>>;
+    /// The memory of the inner step, with the state before the whole step, and that of the O parts.
+    type Memory<S: Scalar> = (kept::Memory<S, MemoryOf<T, E, S>>, part::Memory<S>);
     type Compensated<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Compensated<S>;
     type Carry<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Carry<S>;
 
@@ -103,19 +54,15 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         SchemeOf::<T, E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
     }
 
-    fn exchanged(system: &T, memory: &Self::Memory<f64>) -> Exchange {
-        let mut exchange = Exchange { work: 0.0, heat: memory.bath.heat };
-        exchange += SchemeOf::<T, E>::exchanged(system, &memory.kept.parts);
+    fn exchanged(system: &T, (kept, bath): &Self::Memory<f64>) -> Exchange {
+        let mut exchange = Exchange { work: 0.0, heat: bath.heat };
+        exchange += SchemeOf::<T, E>::exchanged(system, &kept.parts);
         exchange
     }
 
     fn memory(system: &T) -> Self::Memory<f64> {
         let (step, degrees) = (SchemeOf::<T, E>::memory(system), Elements::degrees(system));
-        Memory {
-            kept: kept::Memory::of(step).with_room(degrees, 0),
-            lost: std::array::from_fn(|_| Vec::with_capacity(degrees)),
-            bath: part::Memory::of_system(system),
-        }
+        (kept::Memory::of(step).with_room(degrees, 0), part::Memory::of_system(system))
     }
 
     fn prepare<K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
@@ -134,7 +81,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         system: &T,
         prepared: &Self::Prepared<K>,
         At { t, h, q, p, dw }: At<'_, S, K>,
-        memory: &mut Self::Memory<S>,
+        (kept, bath): &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let (degrees, got) = (q.len(), p.len());
@@ -144,11 +91,10 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         if got != degrees {
             return Err(StepFailure::Dimension { expected: degrees, got });
         }
-        let Memory { kept, lost, bath } = memory;
         let noises = SchemeOf::<T, E>::increments(system, degrees);
         let size = (h, SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;
-        let (effort, heat) = between(&mut parts, [q, p], (kept, lost), carry, |[q, p], memory, carry| {
+        let (effort, heat) = between(&mut parts, [q, p], kept, carry, |[q, p], memory, carry| {
             let at = At { t, h, q, p, dw: &dw[..noises] };
             SchemeOf::<T, E>::advance::<K, S, C, CAREFUL>(system, &prepared.step, at, memory, carry)
         })?;
@@ -163,19 +109,19 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
 fn between<T: Elements, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
     parts: &mut Parts<'_, T, K, S>,
     [q, p]: [&mut [S]; 2],
-    (kept, lost): (&mut kept::Memory<S, M>, &mut [Vec<S>; 2]),
+    kept: &mut kept::Memory<S, M>,
     carry: &mut C,
     step: impl FnOnce([&mut [S]; 2], &mut M, &mut C) -> Result<Effort, StepFailure>,
 ) -> Result<(Effort, S), StepFailure> {
     kept.save(q, p, carry);
     let all = |kept: &mut kept::Memory<S, M>, carry: &mut C| {
-        let before = relax(parts, 0, q, p, lost, carry)?;
+        let before = relax(parts, 0, q, p, &mut kept.carried, carry)?;
         let (effort, failed) = match step([&mut *q, &mut *p], &mut kept.parts, carry) {
             Ok(effort) => (effort, FailedLanes::default()),
             Err(StepFailure::Lanes(failed)) => (Effort::fast(0), failed),
             Err(failure) => return Err(failure),
         };
-        let after = relax(parts, 1, q, p, lost, carry)?;
+        let after = relax(parts, 1, q, p, &mut kept.carried, carry)?;
         if are_finite(p) { Ok((effort, before + after, failed)) } else { Err(StepFailure::NonFinite) }
     };
     match all(kept, carry) {

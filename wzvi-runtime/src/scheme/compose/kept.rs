@@ -16,6 +16,8 @@ pub struct Memory<S, M> {
     saved: M,
     /// The state before the step, and its carried rounding errors.
     start: [Vec<S>; 4],
+    /// The carried rounding errors of coordinates and momenta, for a part that changes them.
+    pub(crate) carried: [Vec<S>; 2],
     /// The noise increments of a part.
     pub(crate) dw: Vec<S>,
 }
@@ -66,7 +68,8 @@ pub(crate) fn list_carried<S: Scalar, C: Carry<S>>(
 
 impl<S, M: Default> Memory<S, M> {
     pub(crate) fn of(parts: M) -> Self {
-        Self { parts, saved: M::default(), start: std::array::from_fn(|_| Vec::new()), dw: Vec::new() }
+        let (saved, start, carried) = (M::default(), Default::default(), Default::default());
+        Self { parts, saved, start, carried, dw: Vec::new() }
     }
 }
 
@@ -74,7 +77,7 @@ impl<S: Scalar, M: StepMemory> Memory<S, M> {
     /// Allocates for the data that the first step saves.
     pub(crate) fn with_room(mut self, degrees: usize, noises: usize) -> Self {
         self.saved = self.parts.clone();
-        self.start.iter_mut().for_each(|list| list.reserve(degrees));
+        self.start.iter_mut().chain(&mut self.carried).for_each(|list| list.reserve(degrees));
         self.dw.reserve(noises);
         self
     }
