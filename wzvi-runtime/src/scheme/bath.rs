@@ -14,7 +14,7 @@
 //! O:   p <- E p + R ξ,   E = exp(-s Γ M⁻¹),   R Rᵀ = kT (M - E M Eᵀ),   R lower triangular
 //! ```
 //!
-//! ([`Relaxation`]). Where `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O between
+//! Where `Γ` depends on `q`, it is taken at the current `q`, which is constant during O. The schemes place O between
 //! symplectic parts of a step, each letter with an equal share of the step:
 //!
 //! | scheme | step | for |
@@ -63,8 +63,7 @@ use crate::scheme::system::Hamiltonian as _;
 
 #[doc(hidden)]
 pub use modes::Decay;
-#[doc(hidden)]
-pub use relaxation::Relaxation;
+use relaxation::Relaxation;
 pub use splitting::{Letters, Splitting};
 #[doc(hidden)]
 pub use thermostat::Around;

@@ -60,8 +60,8 @@ pub(super) fn prepare<T: Elements, K: Constant>(
         return Ok(None);
     }
     let relaxation = Relaxation::new(system, friction, degrees, h, shares.of_one());
-    let relaxation = relaxation.map_err(ConfigError::Bath)?;
-    Ok(Some(relaxation.constant()))
+    // Constants without derivatives are `f64`.
+    Ok(same(&relaxation.map_err(ConfigError::Bath)?).cloned())
 }
 
 /// The constants of systems in lanes; `None` if there are none.
@@ -223,42 +223,20 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
         self.relaxation.diagonal().is_some()
     }
 
-    /// The normals of part number `part`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn normals(&self, part: usize) -> &'m [S] {
-        &self.normals[part * self.per_part..(part + 1) * self.per_part]
-    }
-
-    /// Applies part number `part` between two drifts over `time`, where rates and masses are lists; returns its heat.
+    /// [Applies](Relaxation::apply) part number `part`, between two drifts over the time `drift` if there is one; returns its heat.
     ///
     /// # Errors
-    /// [`StepPromise::ListedRates`] where they are not.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply_between_drifts(
-        &self,
-        part: usize,
-        time: K,
-        q: &mut [S],
-        p: &mut [S],
-    ) -> Result<S, StepFailure> {
-        let law = self.relaxation.diagonal().ok_or(StepFailure::Internal(StepPromise::ListedRates))?;
-        Ok(law.all_blocks(self.normals(part), Some((time, q)), p))
-    }
-
-    /// Applies part number `part`; returns its heat.
-    ///
-    /// # Errors
-    /// [`StepFailure::Bath`] where friction is negative; `p` is then unspecified.
+    /// [`StepFailure::Bath`] where friction is negative; `p` is then unspecified. [`StepPromise::ListedRates`] for drifts where rates and
+    /// masses are not lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<C: Carry<S>>(
         &mut self,
         part: usize,
-        q: &[S],
-        p: &mut [S],
-        lost: &mut [S],
+        drift: Option<K>,
+        [q, p, lost]: [&mut [S]; 3],
     ) -> Result<S, StepFailure> {
-        let normals = self.normals(part);
-        self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, self.room)
+        let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
+        self.relaxation.apply::<T, S, C>(self.system, Momenta { q, normals, p, lost }, drift, self.room)
     }
 }
 

@@ -19,16 +19,12 @@ use super::{Damped, Friction};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
-use crate::error::{BathError, StepFailure};
+use crate::error::{BathError, StepFailure, StepPromise};
 use crate::scheme::elements::Elements;
 
-/// The constants of an O part, which do not depend on the state.
+/// The constants of an O part, which do not depend on the state. Lists have one number per degree of freedom; matrices are row-major.
 #[derive(Clone, Debug)]
-pub struct Relaxation<K = f64>(Law<K>);
-
-/// Lists have one number per degree of freedom; matrices are row-major.
-#[derive(Clone, Debug)]
-enum Law<K> {
+pub(super) enum Relaxation<K = f64> {
     /// No friction.
     Still,
     /// Rates and masses as lists.
@@ -41,7 +37,7 @@ enum Law<K> {
 
 /// The constants of an O part with friction that depends on the state.
 #[derive(Clone, Debug)]
-struct Frozen {
+pub(super) struct Frozen {
     /// A list if rates and masses are lists, else a matrix.
     inverse_mass: Vec<f64>,
     mass: Factors,
@@ -51,7 +47,7 @@ struct Frozen {
 /// The momenta that an O part moves, and the normals that drive it.
 pub(super) struct Momenta<'m, S> {
     /// The coordinates.
-    pub(super) q: &'m [S],
+    pub(super) q: &'m mut [S],
     /// `√h ξ`, none without temperature.
     pub(super) normals: &'m [S],
     pub(super) p: &'m mut [S],
@@ -79,7 +75,7 @@ impl Relaxation {
                 return Err(BathError::Friction { rate });
             }
             if gamma.iter().all(|&gamma| gamma == 0.0) {
-                return Ok(Self(Law::Still));
+                return Ok(Self::Still);
             }
         }
         if h < 0.0 {
@@ -94,13 +90,13 @@ impl Relaxation {
             {
                 return Err(BathError::Mass { degree, inverse: inverse_mass[degree] });
             }
-            return Ok(Self(Law::Frozen(Frozen { mass, inverse_mass, bath })));
+            return Ok(Self::Frozen(Frozen { mass, inverse_mass, bath }));
         }
-        Ok(Self(match (friction.is_matrix, friction.has_diagonal_masses) {
-            (false, true) => diagonal(&gamma, inverse_mass, &bath)?,
-            (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath)?,
-            (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees)?,
-        }))
+        match (friction.is_matrix, friction.has_diagonal_masses) {
+            (false, true) => diagonal(&gamma, inverse_mass, &bath),
+            (false, false) => uniform(gamma.first().copied(), &mass, inverse_mass, &bath),
+            (true, _) => constant(gamma, &mass, inverse_mass, &bath, degrees),
+        }
     }
 
     /// The temperature, 0 if there is none.
@@ -126,30 +122,16 @@ impl Relaxation {
         }
     }
 
-    /// The same in constants.
-    pub(super) fn constant<K: Constant>(self) -> Relaxation<K> {
-        Relaxation(match self.0 {
-            Law::Still => Law::Still,
-            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => {
-                let [decay, deviation, inverse_mass] =
-                    [decay, deviation, inverse_mass].map(|list| list.into_iter().map(K::from_f64).collect());
-                Law::Diagonal(Diagonal { decay, deviation, inverse_mass })
-            }
-            Law::Matrix { decay, deviation, inverse_mass } => Law::Matrix { decay, deviation, inverse_mass },
-            Law::Frozen(frozen) => Law::Frozen(frozen),
-        })
-    }
-
     /// Gathers systems in lanes: if rates and masses of all are lists, or none has friction.
     pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
         if of_lanes.iter().all(|law| law.is_still()) {
-            return Some(Relaxation(Law::Still));
+            return Some(Relaxation::Still);
         }
         let mut laws = [of_lanes.first()?.diagonal()?; L];
         for (law, of_lane) in laws.iter_mut().zip(of_lanes) {
             *law = of_lane.diagonal()?;
         }
-        Some(Relaxation(Law::Diagonal(Diagonal::gather(laws))))
+        Some(Relaxation::Diagonal(Diagonal::gather(laws)))
     }
 }
 
@@ -157,32 +139,38 @@ impl<K: Constant> Relaxation<K> {
     /// Whether there is no friction.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_still(&self) -> bool {
-        matches!(self.0, Law::Still)
+        matches!(self, Self::Still)
     }
 
     /// Rates and masses, if they are lists.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn diagonal(&self) -> Option<&Diagonal<K>> {
-        if let Law::Diagonal(law) = &self.0 { Some(law) } else { None }
+        if let Self::Diagonal(law) = self { Some(law) } else { None }
     }
 
-    /// Moves the momenta and returns the heat, the gain of kinetic energy. Lanes do not account for it.
+    /// Moves the momenta, and the coordinates by a drift over the time `drift` before and one after; returns the heat, the gain of kinetic
+    /// energy. Lanes do not account for it.
     ///
     /// # Errors
-    /// [`BathError::Friction`] where friction is negative; `p` is then unspecified.
+    /// [`BathError::Friction`] where friction is negative; `p` is then unspecified. [`StepPromise::ListedRates`] for drifts where rates and
+    /// masses are not lists, or sums are compensated.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply<T: Elements, S: Over<K>, C: Carry<S>>(
         &self,
         system: &T,
         mut momenta: Momenta<'_, S>,
+        drift: Option<K>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
-        Ok(match &self.0 {
-            Law::Still => S::from_f64(0.0),
-            Law::Diagonal(law) if !C::CARRIES => law.all_blocks(momenta.normals, None, momenta.p),
-            Law::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
+        Ok(match self {
+            Self::Diagonal(law) if !C::CARRIES => {
+                law.all_blocks(momenta.normals, drift.map(|time| (time, momenta.q)), momenta.p)
+            }
+            _ if drift.is_some() => return Err(StepFailure::Internal(StepPromise::ListedRates)),
+            Self::Still => S::from_f64(0.0),
+            Self::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
                 .relax::<C, K>(inverse_mass, |i| Ok((S::constant(decay[i]), S::constant(deviation[i]))))?,
-            Law::Matrix { decay, deviation, inverse_mass } => {
+            Self::Matrix { decay, deviation, inverse_mass } => {
                 let d = momenta.p.len();
                 for (i, to) in room.iter_mut().enumerate().take(d) {
                     let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + momenta.p[j] * decay[i * d + j]);
@@ -190,7 +178,7 @@ impl<K: Constant> Relaxation<K> {
                 }
                 momenta.replace::<C>(&room[..d], inverse_mass)
             }
-            Law::Frozen(frozen) => {
+            Self::Frozen(frozen) => {
                 if Damped::<T>::FRICTION.is_matrix {
                     frozen.apply_matrix::<T, S, C>(system, momenta, room)?
                 } else {
@@ -296,7 +284,7 @@ fn check_rate(rate: f64) -> Result<f64, BathError> {
     if rate >= 0.0 && rate.is_finite() { Ok(rate) } else { Err(BathError::Friction { rate }) }
 }
 
-fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law<f64>, BathError> {
+fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Relaxation, BathError> {
     let (mut decay, mut deviation) = (vec![1.0; rates.len()], vec![0.0; rates.len()]);
     for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
         if rate == 0.0 {
@@ -308,7 +296,7 @@ fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Law<f6
         let (kept, noise) = bath.mode(check_rate(rate)?);
         (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
     }
-    Ok(Law::Diagonal(Diagonal { decay, deviation, inverse_mass }))
+    Ok(Relaxation::Diagonal(Diagonal { decay, deviation, inverse_mass }))
 }
 
 /// One rate, with a mass matrix.
@@ -317,12 +305,12 @@ fn uniform(
     mass: &Factors,
     inverse_mass: Vec<f64>,
     bath: &Bath,
-) -> Result<Law<f64>, BathError> {
+) -> Result<Relaxation, BathError> {
     let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(0.0))?);
     let deviation: Vec<f64> = mass.mass.iter().map(|entry| noise * entry).collect();
     let mut decay = vec![0.0; deviation.len()];
     decay.iter_mut().step_by(deviation.len().isqrt() + 1).for_each(|entry| *entry = kept);
-    Ok(Law::Matrix { decay, deviation, inverse_mass })
+    Ok(Relaxation::Matrix { decay, deviation, inverse_mass })
 }
 
 /// A constant friction matrix.
@@ -332,7 +320,7 @@ fn constant(
     inverse_mass: Vec<f64>,
     bath: &Bath,
     d: usize,
-) -> Result<Law<f64>, BathError> {
+) -> Result<Relaxation, BathError> {
     for i in 0..d {
         for j in 0..i {
             if gamma[i * d + j] != gamma[j * d + i] {
@@ -355,7 +343,7 @@ fn constant(
         *entry = slowest * (if i == j { 1.0 } else { 0.0 } - lost);
     }
     found.deviation(bath, d);
-    Ok(Law::Matrix { decay, deviation: modes, inverse_mass })
+    Ok(Relaxation::Matrix { decay, deviation: modes, inverse_mass })
 }
 
 /// The error for negative friction.

@@ -277,17 +277,15 @@ impl<F: Field, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
         memory: &mut stages::Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
         let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
-        let heat = match stage.act {
+        let (part, drift) = match stage.act {
             Act::Flow(half) => {
                 self.flows.take::<S, C>(&stage.with((half, 0.0)), rooms, memory);
                 return Ok(());
             }
-            Act::Relax(part) => self.parts.apply::<C>(part, q, p, lost_p)?,
-            Act::RelaxBetween(part) => {
-                self.parts.apply_between_drifts(part, self.flows.h * stage.weight, q, p)?
-            }
+            Act::Relax(part) => (part, None),
+            Act::RelaxBetween(part) => (part, Some(self.flows.h * stage.weight)),
         };
-        self.heat = self.heat + heat;
+        self.heat = self.heat + self.parts.apply::<C>(part, drift, [q, p, lost_p])?;
         Ok(())
     }
 }

@@ -139,7 +139,7 @@ fn between<T: Elements, K: Constant, S: Over<K>, C: Carry<S>, M: StepMemory>(
 fn relax<T: Elements, K: Constant, S: Over<K>, C: Carry<S>>(
     parts: &mut Parts<'_, T, K, S>,
     part: usize,
-    q: &[S],
+    q: &mut [S],
     p: &mut [S],
     [lost_q, lost_p]: &mut [Vec<S>; 2],
     carry: &mut C,
@@ -147,7 +147,7 @@ fn relax<T: Elements, K: Constant, S: Over<K>, C: Carry<S>>(
     if C::CARRIES {
         kept::list_carried(carry, q.len(), [lost_q, lost_p]);
     }
-    let heat = parts.apply::<C>(part, q, p, lost_p)?;
+    let heat = parts.apply::<C>(part, None, [q, p, lost_p])?;
     if C::CARRIES {
         carry.keep(lost_q, lost_p);
     }
