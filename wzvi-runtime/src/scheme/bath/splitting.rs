@@ -181,12 +181,8 @@ where
         };
         let flows = FlowsOf { system, parameters: &prepared.parameters, t, h };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
-        let effort = {
-            let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut stages::Memory<_, _>| {
-                word.take::<C>(stage, rooms, memory)
-            };
-            stages::advance(system, take, list, [q, p], &dw[..noises], memory, carry)?
-        };
+        let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take::<C>(stage, rooms, memory);
+        let effort = stages::advance(system, take, list, [q, p], &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
     }
@@ -278,10 +274,7 @@ impl<F: Field, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
     ) -> Result<(), StepFailure> {
         let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
         let (part, drift) = match stage.act {
-            Act::Flow(half) => {
-                self.flows.take::<S, C>(&stage.with((half, 0.0)), rooms, memory);
-                return Ok(());
-            }
+            Act::Flow(half) => return self.flows.take::<S, C>(&stage.with((half, 0.0)), rooms, memory),
             Act::Relax(part) => (part, None),
             Act::RelaxBetween(part) => (part, Some(self.flows.h * stage.weight)),
         };

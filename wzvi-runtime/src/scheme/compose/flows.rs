@@ -100,10 +100,7 @@ where
             return Err(StepFailure::Internal(StepPromise::PlainConstants));
         }
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h };
-        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut Memory<_, _>| {
-            flows.take::<S, C>(stage, rooms, memory);
-            Ok(())
-        };
+        let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take::<S, C>(stage, rooms, memory);
         advance(system, take, stages, [q, p], dw, memory, carry)
     }
 
@@ -167,14 +164,14 @@ impl<F: Field, K: Constant, const SQUARES: bool> Clone for FlowsOf<'_, F, K, SQU
 impl<F: Field, K: Constant, const SQUARES: bool> Copy for FlowsOf<'_, F, K, SQUARES> {}
 
 impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
-    /// Moves the state by a part of a step.
+    /// Moves the state by a part of a step. None of these parts fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn take<S: Over<K>, C: Carry<S>>(
         &self,
         stage: &Stage<Act>,
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut Memory<S, F::Shape>,
-    ) {
+    ) -> Result<(), StepFailure> {
         let (half, gradient) = stage.act;
         let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
         let (t, h) = (self.t + self.h * stage.node, self.h * stage.share);
@@ -198,6 +195,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
                 self.kick::<S, C>(Origin { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
             }
         }
+        Ok(())
     }
 }
 
@@ -218,10 +216,7 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
             let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
             h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
         };
-        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, memory: &mut Memory<_, _>| {
-            self.take::<f64, Plain>(stage, rooms, memory);
-            Ok(())
-        };
+        let take = |stage: &_, rooms: &mut _, memory: &mut _| self.take::<f64, Plain>(stage, rooms, memory);
         let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
             (Half::First, _) => {
                 let moved: f64 =

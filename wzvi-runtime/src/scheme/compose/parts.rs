@@ -149,10 +149,7 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
     ) -> Result<Effort, StepFailure> {
         let At { t, h, q, p, dw } = at.plain()?;
         let flows = FlowsOf { system, t, h };
-        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, _: &mut Memory<_, _>| {
-            flows.take::<S, C>(stage, rooms);
-            Ok(())
-        };
+        let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<S, C>(stage, rooms);
         advance(system, take, &prepared.0.0, [q, p], dw, memory, carry)
     }
 
@@ -190,10 +187,7 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
             }
         };
         let flows = FlowsOf { system, t, h };
-        let take = |stage: &Stage<Act>, rooms: &mut Rooms<_, _>, _: &mut Memory<_, _>| {
-            flows.take::<f64, Plain>(stage, rooms);
-            Ok(())
-        };
+        let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<f64, Plain>(stage, rooms);
         follow(take, &stages, segment, dw, action)
     }
 }
@@ -206,9 +200,13 @@ struct FlowsOf<'a, F> {
 }
 
 impl<F: Elements> FlowsOf<'_, F> {
-    /// Moves the state by a part of a step.
+    /// Moves the state by a part of a step. None of these parts fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<S: Scalar, C: Carry<S>>(&self, stage: &Stage<Act>, rooms: &mut Rooms<S, F::Shape>) {
+    fn take<S: Scalar, C: Carry<S>>(
+        &self,
+        stage: &Stage<Act>,
+        rooms: &mut Rooms<S, F::Shape>,
+    ) -> Result<(), StepFailure> {
         let &Self { system, t, h } = self;
         let [q, p, lost_q, lost_p, force, velocity] = rooms.0.each_mut().map(AsMut::as_mut);
         let (t, h) = (t + stage.node * h, stage.weight * h);
@@ -231,5 +229,6 @@ impl<F: Elements> FlowsOf<'_, F> {
                 add::<S, C>(p, force, lost_p);
             }
         }
+        Ok(())
     }
 }
