@@ -211,7 +211,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         self
     }
 
-    /// Sets how the linear equations of a step are solved in systems of elements, where the best way depends on the size.
+    /// How the linear equations of a step are solved in systems of elements, where the best way depends on the size.
     pub fn method(&self) -> Option<Method> {
         self.memory.report().method
     }

@@ -54,7 +54,7 @@ pub(crate) struct Givens<'a> {
 }
 
 impl Memory {
-    /// As [`StepMemory::share`](crate::algebra::memory::StepMemory::share).
+    /// Goes window by window on this many threads: [`Request::Share`](crate::algebra::memory::Request::Share).
     pub(crate) fn share(&mut self, threads: Threads) {
         self.plan.share(threads);
     }

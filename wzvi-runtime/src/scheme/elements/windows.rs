@@ -71,7 +71,7 @@ impl WindowPlan {
         Self { threads: self.threads, plan: None }
     }
 
-    /// As [`StepMemory::share`](crate::algebra::memory::StepMemory::share).
+    /// Goes window by window on this many threads: [`Request::Share`](crate::algebra::memory::Request::Share).
     pub(crate) fn share(&mut self, threads: Threads) {
         *self = Self { threads, plan: None };
     }
