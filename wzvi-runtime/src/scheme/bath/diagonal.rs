@@ -5,9 +5,11 @@
 use std::array::from_fn;
 use std::ops::{Mul, Range};
 
-use super::relaxation::{gain, of_normal};
+use super::relaxation::{Momenta, gain};
+use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
+use crate::error::StepFailure;
 
 /// Lists of one number per degree of freedom.
 #[derive(Clone, Debug)]
@@ -43,49 +45,32 @@ pub(super) const BLOCK: usize = crate::scheme::elements::BLOCK;
 const BESIDE: usize = 8;
 
 impl<N: Copy + Mul<Output = N> + Mul<f64, Output = N>> Diagonal<N> {
-    /// Moves all momenta, between two drifts if coordinates are given; returns the heat.
+    /// Moves all momenta, between two drifts over the time `drift` if there is one; returns the heat.
+    ///
+    /// # Errors
+    /// None of its own: those of [`Momenta::relax`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>>(
+    pub(super) fn all_blocks<S: Scalar + Mul<N, Output = S>, C: Carry<S>>(
         &self,
-        normals: &[S],
-        mut drift: Option<(N, &mut [S])>,
-        p: &mut [S],
-    ) -> S {
-        let (mut heat, degrees) = (S::from_f64(0.0), self.decay.len().min(p.len()));
+        mut momenta: Momenta<'_, S>,
+        drift: Option<N>,
+    ) -> Result<S, StepFailure> {
+        let Self { decay, deviation, inverse_mass } = self;
+        let (mut heat, degrees) = (S::from_f64(0.0), decay.len().min(momenta.p.len()));
         // Numbers with several lanes are vectors already.
-        if S::LANES > 1 || degrees < BLOCK {
-            return self.one_by_one(normals, drift, p);
+        if C::CARRIES || S::LANES > 1 || degrees < BLOCK {
+            let constants = decay.iter().zip(deviation).zip(inverse_mass);
+            let constants = constants.map(|((&decay, &deviation), &inverse)| Ok((decay, deviation, inverse)));
+            return momenta.relax::<C, N, N>(constants, drift);
         }
+        let Momenta { q, normals, p, .. } = momenta;
         for start in (0..degrees).step_by(BLOCK) {
             let places = start..(start + BLOCK).min(degrees);
-            let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[places.clone()]));
+            let drift = drift.map(|time| (time, &mut q[places.clone()]));
             let p = &mut p[places.clone()];
             heat = heat + self.block(places, normals, drift, p);
         }
-        heat
-    }
-
-    /// The same, one momentum after the other.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn one_by_one<S: Scalar + Mul<N, Output = S>>(
-        &self,
-        normals: &[S],
-        mut drift: Option<(N, &mut [S])>,
-        p: &mut [S],
-    ) -> S {
-        let Self { decay, deviation, inverse_mass } = self;
-        let mut heat = S::from_f64(0.0);
-        let constants = decay.iter().zip(deviation).zip(inverse_mass);
-        for ((i, p), ((&decay, &deviation), &inverse)) in p.iter_mut().enumerate().zip(constants) {
-            let before = *p;
-            *p = before * decay + of_normal(normals, i) * deviation;
-            if let Some((time, q)) = &mut drift {
-                let drift = inverse * *time;
-                q[i] = q[i] + before * drift + *p * drift;
-            }
-            heat = heat + gain(before, *p, inverse);
-        }
-        heat
+        Ok(heat)
     }
 
     /// Moves the momenta of at most one block, with their coordinates; returns the heat.

@@ -162,14 +162,12 @@ impl<K: Constant> Relaxation<K> {
         drift: Option<K>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
+        if drift.is_some() && (C::CARRIES || self.diagonal().is_none()) {
+            return Err(StepFailure::Internal(StepPromise::ListedRates));
+        }
         Ok(match self {
-            Self::Diagonal(law) if !C::CARRIES => {
-                law.all_blocks(momenta.normals, drift.map(|time| (time, momenta.q)), momenta.p)
-            }
-            _ if drift.is_some() => return Err(StepFailure::Internal(StepPromise::ListedRates)),
             Self::Still => S::from_f64(0.0),
-            Self::Diagonal(Diagonal { decay, deviation, inverse_mass }) => momenta
-                .relax::<C, K>(inverse_mass, |i| Ok((S::constant(decay[i]), S::constant(deviation[i]))))?,
+            Self::Diagonal(law) => law.all_blocks::<S, C>(momenta, drift)?,
             Self::Matrix { decay, deviation, inverse_mass } => {
                 let d = momenta.p.len();
                 for (i, to) in room.iter_mut().enumerate().take(d) {
@@ -205,29 +203,34 @@ impl<S: Scalar> Momenta<'_, S> {
         (0..=i).fold(number, |sum, j| sum + of_normal(self.normals, j) * row[j])
     }
 
-    /// `p <- E p + R ξ` by degree of freedom, with compensation; returns the heat.
+    /// `p <- E p + R ξ` by degree of freedom, with compensation, and `q` by a drift before and one after if there is a time for them; returns the
+    /// heat.
     ///
     /// # Errors
-    /// Those of computing `E` and `R / √h`.
+    /// Those of the `constants` `E`, `R / √h` and `M⁻¹`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn relax<C: Carry<S>, K: Constant>(
+    pub(super) fn relax<C: Carry<S>, D: Copy, K: Copy + Mul<Output = K> + Mul<f64, Output = K>>(
         &mut self,
-        inverse_mass: &[K],
-        constants: impl Fn(usize) -> Result<(S, S), StepFailure>,
+        constants: impl Iterator<Item = Result<(D, D, K), StepFailure>>,
+        drift: Option<K>,
     ) -> Result<S, StepFailure>
     where
-        S: Over<K>,
+        S: Mul<D, Output = S> + Mul<K, Output = S>,
     {
         let mut heat = S::from_f64(0.0);
-        for (i, inverse) in inverse_mass.iter().enumerate().take(self.p.len()) {
-            let (decay, deviation) = constants(i)?;
-            let (before, noise) = (self.p[i], of_normal(self.normals, i) * deviation);
+        for ((i, p), constants) in self.p.iter_mut().enumerate().zip(constants) {
+            let (decay, deviation, inverse) = constants?;
+            let (before, noise) = (*p, of_normal(self.normals, i) * deviation);
             if C::CARRIES {
-                (self.p[i], self.lost[i]) = C::add(before * decay, noise, self.lost[i] * decay);
+                (*p, self.lost[i]) = C::add(before * decay, noise, self.lost[i] * decay);
             } else {
-                self.p[i] = before * decay + noise;
+                *p = before * decay + noise;
             }
-            heat = heat + gain(before, self.p[i], *inverse);
+            if let Some(time) = drift {
+                let drift = inverse * time;
+                self.q[i] = self.q[i] + before * drift + *p * drift;
+            }
+            heat = heat + gain(before, *p, inverse);
         }
         Ok(heat)
     }
@@ -371,10 +374,11 @@ impl Frozen {
         let (rates, new) = room.split_at_mut(momenta.p.len());
         Damped::<T>::FRICTION.damping(system, momenta.q, rates);
         if Damped::<T>::FRICTION.has_diagonal_masses {
-            return momenta.relax::<C, f64>(&self.inverse_mass, |i| {
-                let (decay, noise) = self.mode(rates[i])?;
-                Ok((decay, noise / self.inverse_mass[i].sqrt()))
+            let constants = rates.iter().zip(&self.inverse_mass).map(|(&rate, &inverse)| {
+                let (decay, noise) = self.mode(rate)?;
+                Ok((decay, noise / inverse.sqrt(), inverse))
             });
+            return momenta.relax::<C, S, f64>(constants, None);
         }
         let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
         let (decay, noise) = self.mode(rate)?;
