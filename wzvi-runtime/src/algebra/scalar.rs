@@ -116,7 +116,12 @@ pub trait Scalar:
     fn nearly_over(self, size: Self) -> Self {
         Self::from_f64(self.magnitude().nearly_over(size.magnitude()))
     }
-    /// How [`newton`](crate::algebra::solve::newton) solves for such numbers.
+    /// Solves `r(x) = 0` from `x`, which becomes the solution; of a `SYMMETRIC` Jacobian only the lower triangle is read. `GUESS`: whether a start
+    /// other than zero may come from past steps.
+    ///
+    /// # Errors
+    /// [`StepFailure::NotConverged`], [`StepFailure::Singular`] or [`StepFailure::NonFinite`]; unless `CAREFUL`, of any
+    /// iteration whose corrections do not shrink fast. Lanes have NaN instead.
     #[doc(hidden)]
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<const N: usize, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
@@ -125,19 +130,29 @@ pub trait Scalar:
     ) -> Result<Effort, StepFailure> {
         together::newton::<Self, N, SYMMETRIC, GUESS, CAREFUL>(x, equations)
     }
-    /// How [`linear`](crate::algebra::solve::linear) solves for them.
+    /// `A⁻¹ b` for a matrix given by rows.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] if a pivot is at the rounding level of the terms subtracted from it. Lanes have NaN instead.
     #[doc(hidden)]
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn linear<const N: usize>(matrix: [[Self; N]; N], b: [Self; N]) -> Result<[Self; N], StepFailure> {
         together::linear(matrix, b)
     }
-    /// How [`reciprocal`](crate::algebra::solve::reciprocal) divides by them.
+    /// `1 / pivot`, for the matrix `1 - c` of one unknown.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does. Lanes have NaN
+    /// instead.
     #[doc(hidden)]
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reciprocal(pivot: Self) -> Result<Self, StepFailure> {
         together::reciprocal(pivot)
     }
-    /// How [`quotient`](crate::algebra::solve::quotient) divides by them.
+    /// `rhs / pivot`, for the equation `(1 - c) x = rhs` of one unknown.
+    ///
+    /// # Errors
+    /// [`StepFailure::Singular`] as [`Scalar::reciprocal`].
     #[doc(hidden)]
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn quotient(rhs: Self, pivot: Self) -> Result<Self, StepFailure> {

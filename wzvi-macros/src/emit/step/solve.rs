@@ -93,18 +93,16 @@ impl SolveBody<'_> {
                 self.linear(solve, |pivot, _| quote!(__wzvi::reciprocal_above_one::<__S>(#(#pivot)*)))
             }
             Method::Reciprocal { is_safe: false } => {
-                self.linear(solve, |pivot, _| quote!(__wzvi::reciprocal::<__S>(#(#pivot)*)?))
+                self.linear(solve, |pivot, _| quote!(__S::reciprocal(#(#pivot)*)?))
             }
-            Method::Divided => {
-                self.linear(solve, |pivot, rhs| quote!(__wzvi::quotient::<__S>(#(#rhs)*, #(#pivot)*)?))
-            }
+            Method::Divided => self.linear(solve, |pivot, rhs| quote!(__S::quotient(#(#rhs)*, #(#pivot)*)?)),
             Method::Factored => {
                 let (factor, over) = (self.factors.next(), quote!(<__S as __wzvi::Over<__K>>));
                 self.linear(solve, |_, rhs| quote!(#over::solve_factored(#factor, [#(#rhs),*])))
             }
             Method::Linear => self.linear(solve, |matrix, rhs| {
                 let rows = matrix.chunks(rhs.len()).map(|row| quote!([#(#row),*]));
-                quote!(__wzvi::linear::<__S, _>([#(#rows),*], [#(#rhs),*])?)
+                quote!(__S::linear([#(#rows),*], [#(#rhs),*])?)
             }),
             Method::Newton { symmetric } => self.newton(solve, symmetric),
         }

@@ -21,17 +21,17 @@ pub trait Block<const G: usize, const M: usize, const C: usize, const T: usize, 
         x: [S; N],
     ) -> ([S; N], [[S; N]; N]);
 
-    /// See [`newton`](super::newton).
+    /// See [`Scalar::newton`].
     ///
     /// # Errors
-    /// Those of [`newton`](super::newton).
+    /// Those of [`Scalar::newton`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn newton<S: Over<K>, K: Constant, const SYMMETRIC: bool, const GUESS: bool, const CAREFUL: bool>(
         given: Inputs<S, K, G, M, C, T>,
         x: &mut [S; N],
     ) -> Result<Effort, StepFailure> {
         let posed = Posed::<Self, S, K, G, M, C, T> { given, block: PhantomData };
-        super::newton::<S, N, SYMMETRIC, GUESS, CAREFUL>(x, posed)
+        S::newton::<N, SYMMETRIC, GUESS, CAREFUL>(x, posed)
     }
 }
 

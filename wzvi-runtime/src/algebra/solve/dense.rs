@@ -23,7 +23,7 @@ pub(crate) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
 }
 
-/// [`reciprocal`](super::reciprocal) of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
+/// [`Scalar::reciprocal`] of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
 /// 1 drowns in it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
@@ -46,7 +46,7 @@ pub(crate) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
     if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
 }
 
-/// See [`linear`](super::linear).
+/// See [`Scalar::linear`].
 ///
 /// # Errors
 /// Those of [`Factor::new`].
