@@ -1,16 +1,18 @@
 //! What a step costs where the size of a system is a literal, a const generic or that of a slice, from one site to many.
 //!
-//! `cargo bench --bench seam` counts the instructions per site and step of every closure under
-//! `valgrind --tool=callgrind`: two runs of different length, so that everything outside of the steps cancels. Behind them
-//! stands the largest ratio of neighbours in the table. Then it times ensembles beside steppers, in nanoseconds per path,
-//! site and step. A name after `--` picks closures: `cargo bench --bench seam -- chain`.
+//! Each closure is compiled as the compiler chooses (`chosen`), in straight lines, in loops, with a const generic and for slices. The choice is right
+//! where `chosen` is close to the better of `lines` and `loops`.
 //!
-//! Literal sizes from 5 to 7 are forced to straight lines: beside const generics, which are always loops, they show where the choice between the two lies.
+//! `cargo bench --bench seam` times paths alone and in ensembles of eight lanes, in nanoseconds per path, site and step; the last line of each closure has
+//! the largest ratio of `chosen` to the better one. `-- --counts` counts the instructions per site and step of a path alone under
+//! `valgrind --tool=callgrind`: two runs of different length, so that everything outside of the steps cancels. A name picks closures:
+//! `cargo bench --bench seam -- chain`. Compiling takes a quarter of an hour.
 //!
 //! * `kubo`: oscillators with one multiplicative noise each, which are not coupled.
 //! * `chain`: Fermi-Pasta between walls.
+//! * `torus`: a chain whose sites are bound to the next and to the third one.
 //! * `pairs`: every site repels every other one; work per site grows with N.
-//! * `pushed`: a chain with one additive noise for each site.
+//! * `curved`: a chain of masses that depend on the place.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 
@@ -23,7 +25,7 @@ use wzvi::prelude::*;
 use wzvi::state::Vector;
 
 const H: f64 = 0.05;
-const SPELLINGS: [&str; 3] = ["literal", "generic", "slice"];
+const SPELLINGS: [&str; 5] = ["chosen", "lines", "loops", "generic", "slice"];
 
 /// One system of one size in one spelling.
 struct Case {
@@ -32,7 +34,7 @@ struct Case {
     sites: usize,
     /// Takes so many steps.
     steps: fn(usize, u64),
-    /// Takes so many paths of so many steps, if there is noise.
+    /// Takes so many paths of so many steps.
     ensemble: Option<fn(usize, u64, u64)>,
 }
 
@@ -64,81 +66,83 @@ where
     H: Discretized<E> + Sync,
 {
     let run = system.ensemble::<E>(self::H).start(start(sites)).paths(paths).steps(steps).threads(1).seed(7);
-    black_box(run.observe("q", |state| state.q.components()[0]).run().unwrap());
+    black_box(run.observe("q", |state| state.q.components()[0]).run_in::<8>().unwrap());
 }
 
-macro_rules! spellings {
-    ($($system:ident: $($scheme:ident $(in $lanes:ident)?),*;)*) => {
-        $(
-            mod $system {
-                use wzvi::prelude::*;
-                fixtures::$system!(Slices, [], &[f64], sites);
-                fixtures::$system!(Generic, [<const N: usize>], [f64; N], N);
-                fixtures::$system!(Sites1, [], [f64; 1], 1);
-                fixtures::$system!(Sites2, [], [f64; 2], 2);
-                fixtures::$system!(Sites3, [], [f64; 3], 3);
-                fixtures::$system!(Sites5, [], [f64; 5], 5, inline);
-                fixtures::$system!(Sites6, [], [f64; 6], 6, inline);
-                fixtures::$system!(Sites7, [], [f64; 7], 7, inline);
-                fixtures::$system!(Sites8, [], [f64; 8], 8);
-                fixtures::$system!(Sites15, [], [f64; 15], 15);
-                fixtures::$system!(Sites16, [], [f64; 16], 16);
-                fixtures::$system!(Sites17, [], [f64; 17], 17);
-                fixtures::$system!(Sites18, [], [f64; 18], 18);
-                fixtures::$system!(Sites64, [], [f64; 64], 64);
-            }
-        )*
-
-        fn cases() -> Vec<Case> {
-            let mut cases = Vec::new();
-            $($(
-                spellings!(@sizes cases, $system, $scheme, ($($lanes)?), Sites1 1 alone, Sites2 2 alone, Sites3 3 alone,
-                    Sites5 5 lanes, Sites6 6 lanes, Sites7 7 lanes, Sites8 8 alone, Sites15 15 alone, Sites16 16 lanes, Sites17 17 lanes, Sites18 18 alone, Sites64 64 alone);
-            )*)*
-            cases
+/// The systems of a closure, by spelling and size.
+macro_rules! systems {
+    ($($system:ident)*) => {$(
+        mod $system {
+            fixtures::$system!(Slices, [], &[f64], sites);
+            fixtures::$system!(Generic, [<const N: usize>], [f64; N], N);
+            use wzvi::prelude::*;
+            systems!(@ways $system);
+        }
+    )*};
+    (@ways $system:ident) => {
+        systems!(@way $system, chosen);
+        systems!(@way $system, lines, inline);
+        systems!(@way $system, loops, sweep);
+    };
+    (@way $system:ident, $way:ident $(, $strategy:ident)?) => {
+        pub(crate) mod $way {
+            use wzvi::prelude::*;
+            fixtures::$system!(Sites2, [], [f64; 2], 2 $(, $strategy)?);
+            fixtures::$system!(Sites4, [], [f64; 4], 4 $(, $strategy)?);
+            fixtures::$system!(Sites5, [], [f64; 5], 5 $(, $strategy)?);
+            fixtures::$system!(Sites6, [], [f64; 6], 6 $(, $strategy)?);
+            fixtures::$system!(Sites8, [], [f64; 8], 8 $(, $strategy)?);
+            fixtures::$system!(Sites12, [], [f64; 12], 12 $(, $strategy)?);
+            fixtures::$system!(Sites16, [], [f64; 16], 16 $(, $strategy)?);
         }
     };
-    (@sizes $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $($literal:ident $sites:literal $literals:ident),*) => {$(
-        spellings!(@case $cases, $system, $scheme, ($lanes $literals), "literal", $sites, [$system::$literal]);
-        spellings!(@case $cases, $system, $scheme, ($lanes $literals), "generic", $sites, [$system::Generic::<$sites>]);
-        spellings!(@case $cases, $system, $scheme, ($lanes lanes), "slice", $sites, [$system::Slices]);
-    )*};
-    (@case $cases:ident, $system:ident, $scheme:ident, $lanes:tt, $spelling:literal, $sites:literal, [$($type:tt)*]) => {{
+}
+
+systems!(kubo chain torus pairs curved);
+
+macro_rules! cases {
+    ($($system:ident)*) => {{
+        let mut cases = Vec::new();
+        $(cases!(@sizes cases, $system, Sites2 2, Sites4 4, Sites5 5, Sites6 6, Sites8 8, Sites12 12, Sites16 16);)*
+        cases
+    }};
+    (@sizes $cases:ident, $system:ident, $($name:ident $sites:literal),*) => {
+        $(
+            cases!(@case $cases, $system, "chosen", $sites, Some, [$system::chosen::$name]);
+            cases!(@case $cases, $system, "lines", $sites, Some, [$system::lines::$name]);
+            cases!(@case $cases, $system, "loops", $sites, Some, [$system::loops::$name]);
+            cases!(@case $cases, $system, "generic", $sites, none, [$system::Generic::<$sites>]);
+            cases!(@case $cases, $system, "slice", $sites, none, [$system::Slices]);
+        )*
+    };
+    (@case $cases:ident, $system:ident, $spelling:literal, $sites:literal, $ensemble:ident, [$($type:tt)*]) => {
         $cases.push(Case {
-            problem: concat!(stringify!($system), " ", stringify!($scheme)),
+            problem: stringify!($system),
             spelling: $spelling,
             sites: $sites,
             steps: |sites, steps| {
                 let (a, s) = (black_box(0.7), black_box(0.4));
-                run::<$scheme, _>(&$($type)* { a, s, sites }, sites, steps)
+                run::<Midpoint, _>(&$($type)* { a, s, sites }, sites, steps)
             },
-            ensemble: spellings!(@ensemble $scheme, [$($type)*], $lanes),
+            ensemble: cases!(@$ensemble [$($type)*]),
         });
-    }};
-    (@ensemble $scheme:ident, [$($type:tt)*], ($lanes:tt alone)) => { None };
-    (@ensemble $scheme:ident, [$($type:tt)*], (() lanes)) => { None };
-    (@ensemble $scheme:ident, [$($type:tt)*], ((lanes) lanes)) => {
+    };
+    (@none [$($type:tt)*]) => { None };
+    (@Some [$($type:tt)*]) => {
         Some(|sites, paths, steps| {
             let (a, s) = (black_box(0.7), black_box(0.4));
-            ensemble::<$scheme, _>(&$($type)* { a, s, sites }, sites, paths, steps)
+            ensemble::<Midpoint, _>(&$($type)* { a, s, sites }, sites, paths, steps)
         })
     };
 }
 
-spellings! {
-    kubo: Midpoint in lanes;
-    chain: DeltaPlus, Midpoint in lanes;
-    pairs: DeltaPlus, Midpoint in lanes;
-    pushed: DeltaPlus in lanes, Midpoint in lanes;
-}
-
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let cases = cases();
+    let cases: Vec<Case> = cases!(kubo chain torus pairs curved);
     if let [flag, number, steps] = arguments.as_slice()
         && flag == "--run"
     {
-        let case: &Case = &cases[number.parse::<usize>().unwrap()];
+        let case = &cases[number.parse::<usize>().unwrap()];
         (case.steps)(case.sites, steps.parse().unwrap());
         return;
     }
@@ -149,16 +153,33 @@ fn main() {
     let mut sizes: Vec<usize> = cases.iter().map(|case| case.sites).collect();
     sizes.sort_unstable();
     sizes.dedup();
-    counts::report(&cases, &problems, &sizes);
-    println!("\nns per path, site and step: alone, and in an ensemble");
+    if arguments.iter().any(|argument| argument == "--counts") {
+        return counts::report(&cases, &problems, &sizes);
+    }
+    println!("ns per path, site and step: alone, and in an ensemble");
+    let sizes: String = sizes.iter().map(|sites| format!("{:>16}", format!("N = {sites}"))).collect();
+    println!("{:18}{sizes}", "");
     for problem in problems {
-        for spelling in SPELLINGS {
+        let mut largest = [0.0f64; 2];
+        let rows = SPELLINGS.map(|spelling| {
             let row = cases.iter().filter(|case| case.problem == problem && case.spelling == spelling);
-            let row: Vec<String> = row.filter_map(times).collect();
-            if !row.is_empty() {
-                println!("{problem:18}{spelling:9}{}", row.concat());
+            row.map(times).collect::<Vec<_>>()
+        });
+        for (spelling, row) in SPELLINGS.iter().zip(&rows) {
+            let row =
+                row.iter().map(|[alone, together]| format!("{:>16}", format!("{alone:.1} {together:.1}")));
+            println!("{problem:9}{spelling:9}{}", row.collect::<String>());
+        }
+        let [chosen, lines, loops, ..] = &rows;
+        for ((chosen, lines), loops) in chosen.iter().zip(lines).zip(loops) {
+            for (way, largest) in largest.iter_mut().enumerate() {
+                *largest = largest.max(chosen[way] / lines[way].min(loops[way]));
             }
         }
+        println!(
+            "{problem:9}chosen by the better: at most {:.2} alone, {:.2} in ensembles\n",
+            largest[0], largest[1]
+        );
     }
 }
 
@@ -172,12 +193,14 @@ fn shortest(mut run: impl FnMut()) -> f64 {
     (0..9).map(|_| once(&mut run)).fold(f64::INFINITY, f64::min)
 }
 
-fn times(case: &Case) -> Option<String> {
+/// Alone and in an ensemble, NaN if there is none.
+fn times(case: &Case) -> [f64; 2] {
     const STEPS: u64 = 200;
     const PATHS: u64 = 64;
-    let (sites, ensemble) = (case.sites, case.ensemble?);
+    let sites = case.sites;
     let per = |time: f64, paths: u64| time / (paths * STEPS * sites as u64) as f64;
     let alone = per(shortest(|| (case.steps)(sites, STEPS)), 1);
-    let together = per(shortest(|| ensemble(sites, PATHS, STEPS)), PATHS);
-    Some(format!("{:>16}", format!("{alone:.1} {together:.1}")))
+    let together =
+        case.ensemble.map_or(f64::NAN, |ensemble| per(shortest(|| ensemble(sites, PATHS, STEPS)), PATHS));
+    [alone, together]
 }
