@@ -8,6 +8,7 @@ use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
 use super::{Ensemble, Extras};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, UnknownName};
+use crate::ground::names::free;
 use crate::ground::variables::Variables;
 use crate::increments::Interval;
 use crate::noise::StepNormals;
@@ -110,7 +111,8 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
                 observables.len(),
                 Arc::new(|system: &H, state: &State<H::Vector>| system.energy(state)),
             ));
-            observables.push(observables.free("energy"), elsewhere);
+            let name = free("energy", observables.0.iter().map(|(known, _)| known.as_str()));
+            observables.push(name, elsewhere);
         }
         let own_work = more.wanted.has_work.then(|| observables.len());
         if own_work.is_some() {

@@ -1,4 +1,4 @@
-//! Names of types as people write them.
+//! Names: those of types as people write them, and those that are free.
 
 use std::any::type_name;
 
@@ -24,6 +24,15 @@ fn without_modules(name: &str) -> String {
         }
     }
     short + &word
+}
+
+/// This name, or a longer one if another thing has it.
+pub(crate) fn free<'k>(name: &str, known: impl Iterator<Item = &'k str> + Clone) -> String {
+    let mut free = name.to_owned();
+    while known.clone().any(|known| known == free) {
+        free.push('_');
+    }
+    free
 }
 
 #[cfg(test)]

@@ -75,16 +75,6 @@ pub(crate) fn elsewhere<V>(_: &State<V>) -> f64 {
 }
 
 impl<'a, V> Observables<'a, V> {
-    /// This name, or a longer one if an observable has it.
-    #[cfg(feature = "ensemble")]
-    pub(crate) fn free(&self, name: &str) -> String {
-        let mut free = name.to_owned();
-        while self.0.iter().any(|(known, _)| *known == free) {
-            free.push('_');
-        }
-        free
-    }
-
     /// Names and functions. `what` they are, in the plural, is for errors.
     ///
     /// # Errors

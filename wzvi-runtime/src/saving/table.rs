@@ -6,6 +6,7 @@ mod rows;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
+use crate::ground::names::free;
 #[cfg(feature = "ensemble")]
 pub(crate) use rows::{Parts, Rows};
 
@@ -194,11 +195,8 @@ impl Table {
 
     /// Adds a column, as long as the others, under this name, or under a longer one if another column has it.
     pub fn push(&mut self, name: &str, entries: impl Into<Column>) {
-        let mut free = name.to_owned();
-        while self.columns.iter().any(|(known, _)| *known == free) {
-            free.push('_');
-        }
-        self.columns.push((free, entries.into()));
+        let name = free(name, self.columns.iter().map(|(known, _)| known.as_str()));
+        self.columns.push((name, entries.into()));
     }
 }
 

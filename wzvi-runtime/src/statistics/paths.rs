@@ -1,11 +1,11 @@
 //! Whole paths, kept on request.
 
 use crate::error::ConfigError;
+use crate::ground::names::free;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Rows;
 use crate::statistics::run::Statistics;
 use crate::statistics::statistic::{Seen, Statistic, Tables};
-use crate::statistics::table::beside;
 
 /// The observables of every path at every recorded node.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,9 +81,8 @@ impl Statistic for Option<Paths> {
         let mut rows = Rows::of(each)
             .column("path", |&(_, path, _)| path as u64)
             .column("time", |(.., (_, node))| node.time());
-        let known = rows.names().chain(run.observables().iter().map(String::as_str));
-        let parameters = beside(known, varying.iter().map(|(name, _)| name));
-        for (name, (_, own)) in parameters.into_iter().zip(varying) {
+        for (name, own) in varying {
+            let name = free(name, rows.names().chain(run.observables().iter().map(String::as_str)));
             rows = rows.column(name, |&(_, path, _)| own.get(path).copied().unwrap_or(f64::NAN));
         }
         for (index, name) in run.observables().iter().enumerate() {

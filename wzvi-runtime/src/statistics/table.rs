@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::run::Statistics;
 use crate::error::FileError;
+use crate::ground::names::free;
 use crate::saving::file::{self, Staged};
 use crate::saving::table::{Parts, Rows, Table, escaped};
 
@@ -126,8 +127,8 @@ impl Statistics {
             .column("extent", |_| if self.is_partial() { "partial" } else { "whole" }.to_owned())
             .column("targets", move |_| targets.to_owned());
         let parameters = self.origin.as_ref().map_or(&[][..], |origin| &origin.parameters);
-        let names = beside(rows.names(), parameters.iter().map(|(name, _)| name));
-        for (name, (_, value)) in names.into_iter().zip(parameters) {
+        for (name, value) in parameters {
+            let name = free(name, rows.names());
             rows = rows.column(name, |_| *value);
         }
         rows.parts("run")
@@ -148,21 +149,4 @@ fn write_json<P: Iterator<Item = Table>>(parts: impl Fn() -> P, to: &mut impl Wr
         write!(to, "]")?;
     }
     write!(to, "}}")
-}
-
-/// Names of columns beside those that are known.
-pub(super) fn beside<'n>(
-    known: impl Iterator<Item = &'n str>,
-    names: impl Iterator<Item = &'n String>,
-) -> Vec<String> {
-    let mut all: Vec<String> = known.map(str::to_owned).collect();
-    let first = all.len();
-    for name in names {
-        let mut name = name.clone();
-        while all.contains(&name) {
-            name.push('_');
-        }
-        all.push(name);
-    }
-    all.split_off(first)
 }

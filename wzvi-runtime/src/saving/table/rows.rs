@@ -39,7 +39,7 @@ impl<'r, R: 'r> Rows<'r, R> {
     }
 
     /// The names of the columns.
-    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.columns.iter().map(|(name, _)| &**name)
     }
 
