@@ -15,7 +15,7 @@ use crate::input;
 use crate::model::StraightLine;
 use crate::passes::collect::collect;
 use crate::passes::unroll::{unroll, written_out};
-use crate::symbolic::{Expr, Graph, Junction, Node, Relation, Symbol};
+use crate::symbolic::Graph;
 
 /// The fields of every test system, with their values.
 const STRUCT: &str = "struct System<const N: usize> { a: f64, sigma: f64, n: i32, masses: [f64; 3], table: Vec<f64>, \
@@ -71,42 +71,7 @@ fn value(closure: &str, q: &[f64], p: &[f64], parameters: &[(&str, f64)]) -> f64
         let known = parameters.iter().find(|(known, _)| *known == name);
         values.insert(parameter.symbol, known.unwrap_or_else(|| panic!("parameter {name}")).1);
     }
-    evaluate(&model.graph, model.drift, &values)
-}
-
-fn evaluate(graph: &Graph, root: Expr, symbols: &HashMap<Symbol, f64>) -> f64 {
-    let mut values: HashMap<Expr, f64> = HashMap::new();
-    for expr in graph.reachable(&[root]) {
-        let of = |e: &Expr| values[e];
-        let truth = |holds: bool| if holds { 1.0 } else { 0.0 };
-        let value = match graph.node(expr) {
-            Node::Number(value) => value.to_f64(),
-            Node::Float(bits) => f64::from_bits(*bits),
-            Node::Symbol(symbol) => symbols[symbol],
-            Node::Sum { terms, constant } => {
-                terms.iter().map(|(term, c)| of(term) * c.to_f64()).sum::<f64>() + constant.to_f64()
-            }
-            Node::Product(factors) => factors.iter().map(|(base, e)| of(base).powf(e.to_f64())).product(),
-            Node::Apply(function, arguments) => {
-                function.evaluate(&arguments.iter().map(of).collect::<Vec<_>>())
-            }
-            Node::Select { condition, then, otherwise } => {
-                if of(condition) != 0.0 {
-                    of(then)
-                } else {
-                    of(otherwise)
-                }
-            }
-            Node::Compare(Relation::Less, a, b) => truth(of(a) < of(b)),
-            Node::Compare(Relation::LessEqual, a, b) => truth(of(a) <= of(b)),
-            Node::Compare(Relation::Equal, a, b) => truth(of(a) == of(b)),
-            Node::Not(a) => 1.0 - of(a),
-            Node::Join(Junction::And, a, b) => of(a) * of(b),
-            Node::Join(Junction::Or, a, b) => of(a).max(of(b)),
-        };
-        values.insert(expr, value);
-    }
-    values[&root]
+    model.graph.evaluate(&[model.drift], &|symbol| values[&symbol])[0]
 }
 
 /// Asserts that the closure, as the compiler reads it, is the same function as Rust compiles.
