@@ -88,7 +88,7 @@ fn exponential(graph: &mut Graph, x: Expr, multiple: i32) -> Expr {
 /// Squares of numbers below 1e-154 lose digits to gradual underflow in any form, so these are not tested.
 ///
 /// Each call counts as one unit in the last place, which is two roundings; a square doubles the error of its argument.
-const FORMS: [Form; 18] = [
+const FORMS: [Form; 20] = [
     Form {
         name: "a - a cos x",
         written: |g, symbols| {
@@ -202,6 +202,20 @@ const FORMS: [Form; 18] = [
         bound: 4.0,
     },
     Form {
+        name: "√(1 + x) - 1",
+        written: |g, [x, ..]| {
+            let one = g.integer(1);
+            let sum = g.add(one, x);
+            let root = root(g, sum);
+            minus(g, root, one)
+        },
+        inputs: |random| {
+            let x = random.sized(-300.0, 300.0);
+            [if x < -1.0 { 1.0 / x } else { x }, 0.0, 0.0]
+        },
+        bound: 4.0,
+    },
+    Form {
         name: "√(x² + a²) - a",
         written: |g, [x, _, a]| {
             let (x, square_a) = (square(g, x), square(g, a));
@@ -251,6 +265,15 @@ const FORMS: [Form; 18] = [
             [x, random.near(x), 0.0]
         },
         bound: 7.0,
+    },
+    Form {
+        name: "x² - 1",
+        written: |g, [x, ..]| {
+            let (one, square) = (g.integer(1), square(g, x));
+            minus(g, square, one)
+        },
+        inputs: |random| [random.near(1.0), 0.0, 0.0],
+        bound: 3.0,
     },
     Form {
         name: "x³ - 4 x",
