@@ -12,7 +12,7 @@ use super::expand;
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/compiler/golden");
 
 /// Name, the attribute's arguments, the struct.
-const SCENES: [(&str, &str, &str); 10] = [
+pub(super) const SCENES: [(&str, &str, &str); 10] = [
     (
         "pendulum",
         "drift = |q, p| 0.5 * p * p - omega * omega * q.cos(), embedding = Midpoint",
