@@ -1,6 +1,5 @@
 //! Systems whose sums stay loops: the same steps as the unrolled ones, at any size.
 
-mod corrected;
 mod digits;
 mod integrals;
 mod lagrangian;

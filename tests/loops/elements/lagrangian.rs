@@ -43,6 +43,25 @@ struct Chain {
     beta: f64,
 }
 
+/// Two noises that do not commute, in sums of different form: their counter-term couples three sites.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        let n = q.len();
+        (0..n).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>()
+            + (1..n).map(|i| 0.5 * (q[i] - q[i - 1]).powi(2)).sum::<f64>()
+    },
+    noise = [
+        |q, p| (1..q.len()).map(|i| sigma[i] * q[i] * p[i - 1]).sum::<f64>() + q[0] * q[0] * p[0],
+        |q, p| q.iter().skip(1).zip(p.iter().skip(1)).map(|(q, p)| 0.2 * (q * q + p * p)).sum::<f64>(),
+    ],
+    embedding = [
+        Corrected<DeltaPlus>, Corrected<DeltaMinus>, Corrected<Lambda<1, 4>>, Corrected<Mixed<Midpoint, DeltaPlus>>,
+    ],
+)]
+struct Bonds {
+    sigma: [f64; N],
+}
+
 /// The quadrature points of drift and noise, and whether the counter-term is added: docs/guide/theory.md, section 2, by hand.
 struct Quadrature {
     drift: f64,
@@ -157,6 +176,14 @@ fn sweeps_are_derived_from_the_discrete_lagrangian() {
         Corrected<Lambda<1, 4>>: (0.25, 0.25, true),
         Corrected<Mixed<Midpoint, DeltaPlus>>: (0.5, 0.0, true),
         Corrected<Mixed<Lambda<1, 3>, DeltaMinus>>: (1.0 / 3.0, 1.0, true),
+    );
+    check!(
+        &Bonds { sigma: SIGMA },
+        &[0.08, -0.05],
+        Corrected<DeltaPlus>: (0.0, 0.0, true),
+        Corrected<DeltaMinus>: (1.0, 1.0, true),
+        Corrected<Lambda<1, 4>>: (0.25, 0.25, true),
+        Corrected<Mixed<Midpoint, DeltaPlus>>: (0.5, 0.0, true),
     );
     check!(
         &Chain { beta: 0.7 },
