@@ -164,8 +164,11 @@ impl Table {
             numbers(path.unwrap().last())
         };
         let whole = run(STEPS, "whole");
-        run(STEPS / 3, "part");
-        assert_eq!(run(STEPS, "part"), whole, "{name}, stopped and resumed");
+        for stop in [0, 1, STEPS / 3] {
+            let part = format!("part{stop}");
+            run(stop, &part);
+            assert_eq!(run(STEPS, &part), whole, "{name}, stopped after {stop} and resumed");
+        }
         self.row(&format!("{name}, run"), &whole);
     }
 
@@ -289,7 +292,10 @@ fn steps_of_any_size(table: &mut Table) {
 }
 
 fn whole_runs(table: &mut Table) {
-    with!(table.runs, "pair", Pair, [2], 0.1: Midpoint, Verlet, Gauss<4>, Composed<Midpoint, Yoshida4>, Composed<Verlet, BlanesMoan6>);
+    with!(table.runs, "pair", Pair, [2], 0.1:
+        Midpoint, Verlet, Gauss<4>, Gauss<8>, Composed<Midpoint, Yoshida4>, Composed<Verlet, BlanesMoan6>, Composed<Verlet, KahanLi8>,
+        Composed<Verlet, Aba864>, Composed<Verlet, Chin4>,
+    );
     with!(table.runs, "Kubo", Kubo { a: 1.5, sigma: 1.0 }, [1], 0.05: Corrected<DeltaPlus>, Midpoint);
     with!(table.runs, "double well", DoubleWell { sigma: 0.3 }, [1], 0.1: Midpoint);
     with!(table.runs, "bath", BATH, [1], 0.1: Baoab, Thermostat<Midpoint>);

@@ -107,7 +107,11 @@ where
 fn paths_of_a_cloud_are_those_of_steppers() {
     paths_are_those_of_steppers::<Verlet>();
     paths_are_those_of_steppers::<Gauss<2>>();
+    paths_are_those_of_steppers::<Gauss<8>>();
     paths_are_those_of_steppers::<Composed<Midpoint, Yoshida4>>();
+    paths_are_those_of_steppers::<Composed<Verlet, KahanLi8>>();
+    paths_are_those_of_steppers::<Composed<Verlet, Aba864>>();
+    paths_are_those_of_steppers::<Composed<Verlet, Chin4>>();
 }
 
 /// Nothing leads to the first step of a path, and nothing is hard about it: it is taken in lanes, which allocate what they need for any

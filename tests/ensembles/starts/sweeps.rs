@@ -54,6 +54,17 @@ pub(crate) struct Bent {
     pub(crate) s: f64,
 }
 
+/// A particle between two wells that shake: separable, with two noises.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.25 * q.powi(4) - 0.5 * q * q,
+    noise = [|q, _| 0.5 * sigma * q * q / (1.0 + q * q), |q, _| 0.1 * q],
+    embedding = [Midpoint, Verlet, Gauss<8>],
+)]
+#[derive(Clone)]
+struct Shaken {
+    sigma: f64,
+}
+
 /// Every path of a sweep is the one that a stepper takes of its system, whatever the width, the instructions and the threads.
 macro_rules! sweep_is_that_of_steppers {
     ($scheme:ty, $system:ty, $of_path:expr, $start:expr) => {{
@@ -116,6 +127,10 @@ fn sweeps_with_noise_go_in_lanes() {
     sweep_is_that_of_steppers!(Midpoint, Coupled, coupled, start);
     sweep_is_that_of_steppers!(Midpoint, Bent, bent, State::new([0.4], [0.3]));
     sweep_is_that_of_steppers!(Gauss<2>, Bent, bent, State::new([0.4], [0.3]));
+    let shaken = |path: u64| Shaken { sigma: 0.1 * (path % 5) as f64 };
+    sweep_is_that_of_steppers!(Gauss<8>, Shaken, shaken, State::new([0.4], [0.3]));
+    sweep_is_that_of_steppers!(Composed<Midpoint, Yoshida4>, Shaken, shaken, State::new([0.4], [0.3]));
+    sweep_is_that_of_steppers!(Composed<Verlet, KahanLi8>, Shaken, shaken, State::new([0.4], [0.3]));
 }
 
 /// Steps that the short way does not take, and paths that fail, each of its own system: as in
