@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use wzvi::checkpoint::{Checkpoint, CheckpointError, Damage};
+use wzvi::checkpoint::{Checkpoint, CheckpointError};
 use wzvi::prelude::*;
 
 use super::systems::{KEPLER, PENDULUM, bits};
@@ -20,59 +20,15 @@ fn error_of(file: &Path, good: &[u8], changed: &[u8]) -> CheckpointError {
 }
 
 #[test]
-fn a_file_cut_at_any_length() {
-    let run = folder!("cut").join("run");
+fn a_file_that_was_cut_or_flipped() {
+    let run = folder!("damage").join("run");
     go_on(&run, 30).unwrap();
-    let good = fs::read(&run).unwrap();
-    // In the first line every length; behind it a length is as good as another.
-    let line = good.iter().position(|&byte| byte == b'\n').unwrap();
-    for length in (0..=line + 1)
-        .step_by(3)
-        .chain([line, line + 1])
-        .chain((line + 2..good.len()).step_by(13))
-        .chain([good.len() - 1])
-    {
-        match error_of(&run, &good, &good[..length]) {
-            CheckpointError::Damaged { path, damage: Damage::Header | Damage::Length { .. } } => {
-                assert_eq!(path, run);
-            }
-            other => panic!("{length}: {other:?}"),
-        }
-    }
-    let longer = [&good[..], b"\n"].concat();
-    assert!(matches!(
-        error_of(&run, &good, &longer),
-        CheckpointError::Damaged { damage: Damage::Length { .. }, .. }
-    ));
+    files::every_damage_is_told(&run, 3, &|| go_on(&run, 40).map(drop));
     assert_eq!(go_on(&run, 40).unwrap(), whole());
 }
 
 fn whole() -> Vec<u64> {
     bits(&PENDULUM.run(Wiener::seed(7), 40, 4).run().unwrap())
-}
-
-/// Each byte of the first line and of the end with bits changed, and every third between them.
-#[test]
-fn any_byte_flipped() {
-    let run = folder!("flipped").join("run");
-    go_on(&run, 30).unwrap();
-    let good = fs::read(&run).unwrap();
-    let line = good.iter().position(|&byte| byte == b'\n').unwrap();
-    let between = (line + 1..good.len() - 16).step_by(3);
-    for i in (0..=line).chain(between).chain(good.len() - 16..good.len()) {
-        // In the first line a bit that keeps a digit a digit, and all; behind it the checksum decides, and one bit is as good as another.
-        let masks: &[u8] = if i <= line { &[1, 255] } else { &[1 << (i % 8)] };
-        for mask in masks {
-            let mut changed = good.clone();
-            changed[i] ^= mask;
-            let error = error_of(&run, &good, &changed);
-            assert!(files::is_told(&error), "byte {i} ^ {mask}: {error:?}");
-            let by_checksum =
-                matches!(error, CheckpointError::Damaged { damage: Damage::Checksum { .. }, .. });
-            assert!(i <= line || by_checksum, "byte {i} ^ {mask}: {error:?}");
-        }
-    }
-    assert_eq!(go_on(&run, 40).unwrap(), whole());
 }
 
 #[test]
