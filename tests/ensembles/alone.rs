@@ -2,6 +2,8 @@
 
 use fixtures::Uniform;
 use fixtures::small::{Kepler, Pendulum};
+use fixtures::stepped::{failed, paths_are_steppers};
+use std::slice::from_ref;
 use wzvi::error::StepFailure;
 use wzvi::memory::StepMemory;
 use wzvi::nalgebra::SVector;
@@ -35,37 +37,16 @@ where
     const STEPS: u64 = 5;
     let (mut random, mut counts) = (Uniform(D as u64), [0; 2]);
     for paths in [1, 8] {
-        let (h, mut errors) = (1.025 + 0.975 * random.draw(), 0);
+        let h = 1.025 + 0.975 * random.draw();
         let starts: Vec<State<SVector<f64, D>>> = (0..paths)
             .map(|_| {
                 let q: [f64; D] = std::array::from_fn(|_| 2.0 * random.draw());
                 State::new(q, std::array::from_fn::<f64, D, _>(|_| 3.0 * random.draw()))
             })
             .collect();
-        let ensemble = || {
-            let all = wzvi::ensemble::Ensemble::<H, E>::new(system, h).starts_from(starts.clone());
-            all.steps(STEPS).record_every(1).allow_losses(1.0)
-        };
-        for (path, start) in starts.iter().enumerate() {
-            let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap().plain();
-            let (mut state, mut alone) = (*start, vec![*start]);
-            let error = (0..STEPS).find_map(|_| {
-                let error = stepper.step(&mut state, &[]).err();
-                alone.extend(error.is_none().then_some(state));
-                error
-            });
-            let (beside, failed) = ensemble().replay(path as u64).unwrap();
-            let what = format!("h = {h:?}, path {path} of {paths}: {start}");
-            assert_eq!(failed, error.map(Into::into), "{what}");
-            assert_eq!(beside.states(), alone, "{what}");
-            errors += u64::from(error.is_some());
-        }
-        counts = [counts[0] + paths, counts[1] + errors];
-        // What is replayed is what runs.
-        match ensemble().run() {
-            Ok(run) => assert_eq!(run.failed(), errors),
-            Err(error) => assert!(errors == paths, "{error}"),
-        }
+        let run = || wzvi::ensemble::Ensemble::<H, E>::new(system, h).starts_from(starts.clone());
+        let all = paths_are_steppers(run, from_ref(system), (h, STEPS), (paths, 0));
+        counts = [counts[0] + paths, counts[1] + failed(&all)];
     }
     counts
 }

@@ -11,4 +11,3 @@ mod rare;
 mod runs;
 mod starts;
 mod statistics;
-mod stepped;

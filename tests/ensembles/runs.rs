@@ -4,6 +4,7 @@ mod lanes;
 
 use fixtures::edge::Edge;
 use fixtures::small::{DoubleWell, Kubo};
+use fixtures::stepped::stepped;
 use std::sync::Mutex;
 
 use wzvi::ensemble::Statistics;
@@ -11,8 +12,6 @@ use wzvi::error::{ConfigError, Error, StepFailure};
 use wzvi::increments::{Interval, NoiseError};
 use wzvi::nalgebra;
 use wzvi::prelude::*;
-
-use crate::stepped::stepped;
 
 /// Two coupled degrees of freedom, functions, two noises: a Newton block of several unknowns.
 #[hamiltonian(
@@ -173,11 +172,11 @@ fn every_noise_drives_an_ensemble() {
         let one = run().threads(1).run_in::<1>().unwrap();
         assert!(run().threads(3).run().unwrap() == one && run().run_in::<8>().unwrap() == one);
         for path in [0, 1, 36] {
-            let (mut noise, mut state) = (noise.clone(), State::new([0.0], [1.0]));
+            let mut noise = noise.clone();
             noise.set_path(path);
-            assert_eq!(stepped::<Midpoint, _>(&kubo, 0.1, &mut state, noise, 20).1, None);
+            let alone = stepped::<Midpoint, _>(&kubo, 0.1, State::new([0.0], [1.0]), noise, 20);
             let end = one.paths().unwrap().at(path as usize, 1).unwrap();
-            assert_eq!(end[..2], [state.q[0], state.p[0]]);
+            assert_eq!(end[..2], [alone.nodes[20].q[0], alone.nodes[20].p[0]]);
         }
     }
     check(&Wiener::seed(7));

@@ -1,12 +1,12 @@
 //! Ensembles whose paths start at states of their own, with noise and without: each path is the one that it is alone.
 
 use fixtures::small::HenonHeiles;
+use std::slice::from_ref;
 use std::sync::Mutex;
 
 use allocation_counter::measure;
 use wzvi::ensemble::Draw;
 use wzvi::error::{ConfigError, Error, StepFailure};
-use wzvi::increments::NoNoise;
 use wzvi::memory::Iteration;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
@@ -14,8 +14,7 @@ use wzvi::system::Discretized;
 
 use fixtures::Uniform;
 use fixtures::lanes::{steps_in_part, steps_together};
-
-use crate::stepped::stepped;
+use fixtures::stepped::{Stepped, failed, hard, paths_are_steppers};
 
 /// Stiff enough that some steps in the middle of a path are hard.
 #[hamiltonian(drift = |q, p| 0.5 * p * p + k * (q * q - 1.0).powi(2), embedding = [Midpoint, Gauss<2>])]
@@ -80,27 +79,16 @@ macro_rules! ends {
 mod stages;
 mod sweeps;
 
-/// Every path of a cloud is the one that a stepper takes from its start, and the statistics do not depend on how the run is split.
+/// Every path of a cloud is the one that a stepper takes from its start, however wide the lanes are.
 fn paths_are_those_of_steppers<E>()
 where
     HenonHeiles: Discretized<E, Vector = Plane>,
 {
-    const PATHS: usize = 45;
-    let run = || HenonHeiles.ensemble::<E>(0.2).starts(cloud).seed(11);
-    let (ends, reference) = ends!(run(), PATHS, 20);
-    for (path, end) in ends.iter().enumerate() {
-        let (replayed, error) = run().paths(PATHS as u64).steps(20).replay(path as u64).unwrap();
-        assert_eq!(error, None);
-        let mut state = replayed.states()[0];
-        assert_eq!(stepped::<E, _>(&HenonHeiles, 0.2, &mut state, NoNoise, 20).1, None);
-        assert_eq!((state.q, state.p), (end.q, end.p), "path {path}");
-        assert_eq!(replayed.last(), end);
-    }
-    for threads in [1, 2] {
-        let run = run().paths(PATHS as u64).steps(20).threads(threads);
-        assert!(run.run().unwrap() == reference, "{threads} threads");
-    }
-    assert!(run().paths(PATHS as u64).steps(20).run_in::<1>().unwrap() == reference, "one lane");
+    let cloud = || HenonHeiles.ensemble::<E>(0.2).starts(cloud);
+    let paths = paths_are_steppers(cloud, &[HenonHeiles], (0.2, 20), (45, 11));
+    assert_eq!(failed(&paths), 0);
+    let run = || cloud().seed(11).paths(45).steps(20);
+    assert!(run().run_in::<1>().unwrap() == run().run().unwrap());
 }
 
 #[test]
@@ -164,33 +152,20 @@ fn paths_of_a_stiff_well<E>(well: Well, h: f64) -> [u64; 3]
 where
     Well: Discretized<E, Vector = SVector<f64, 1>>,
 {
-    const PATHS: u64 = 20;
-    const STEPS: u64 = 50;
     let start = |draw: &mut Draw| State::new([0.1 * draw.path() as f64 - 1.0], [0.3 * draw.normal()]);
     // Steppers do not look at the energy.
-    let run = || well.ensemble::<E>(h).unwatched().starts(start).seed(3).paths(PATHS).allow_losses(1.0);
-    let ends = Mutex::new(vec![None; PATHS as usize]);
-    let see = |path: u64, state: &State<_>| ends.lock().unwrap()[path as usize] = Some(*state);
-    let reference = run().steps(STEPS).inspect(see).run().unwrap();
-    let ends = ends.into_inner().unwrap();
-    let (mut hard, mut slow) = (0, 0);
-    for path in 0..PATHS {
-        let mut state = *run().steps(0).replay(path).unwrap().0.last();
-        let mut swept = well.stepper::<E>(h).unwrap().plain().iteration(Iteration::FixedPoint);
-        let mut same = state;
-        slow += u64::from((0..STEPS).any(|_| swept.step(&mut same, &[]).is_err()));
-        let (infos, error) = stepped::<E, _>(&well, h, &mut state, NoNoise, STEPS);
-        hard += infos.iter().skip(1).filter(|info| info.is_hard).count() as u64;
-        let failure = reference.failures().iter().find(|failure| failure.path == path);
-        assert_eq!(failure.map(|failure| failure.error), error, "path {path}");
-        if error.is_none() {
-            assert_eq!(ends[path as usize], Some(state), "path {path}");
-        }
-    }
-    let narrow = run().steps(STEPS).run_in::<1>().unwrap();
-    let wide = run().steps(STEPS).run_in::<32>().unwrap();
-    assert!(narrow == reference && wide == reference);
-    [hard, slow, reference.failed()]
+    let wells = || well.ensemble::<E>(h).unwatched().starts(start);
+    let paths = paths_are_steppers(wells, from_ref(&well), (h, 50), (20, 3));
+    let is_slow = |path: &&Stepped<_>| {
+        let (mut swept, mut state) =
+            (well.stepper::<E>(h).unwrap().plain().iteration(Iteration::FixedPoint), path.nodes[0]);
+        (0..50).any(|_| swept.step(&mut state, &[]).is_err())
+    };
+    let slow = paths.iter().filter(is_slow).count() as u64;
+    let run = || wells().seed(3).paths(20).steps(50).allow_losses(1.0);
+    let reference = run().run().unwrap();
+    assert!(run().run_in::<1>().unwrap() == reference && run().run_in::<32>().unwrap() == reference);
+    [hard(&paths), slow, failed(&paths)]
 }
 
 /// A path that ends does not disturb its neighbours, with and without memory.

@@ -1,7 +1,8 @@
 //! What a lane does is what a stepper does: the same bits, and the same errors.
 
 use fixtures::small::Kepler;
-use std::sync::Mutex;
+use fixtures::stepped::{failed, hard, paths_are_steppers};
+use std::slice::from_ref;
 
 use wzvi::error::Error;
 use wzvi::increments::Interval;
@@ -9,7 +10,6 @@ use wzvi::nalgebra;
 use wzvi::prelude::*;
 
 use super::{DoubleWell, Kubo};
-use crate::stepped::stepped;
 
 /// Two degrees of freedom, three unknowns or more in one block.
 #[hamiltonian(
@@ -31,47 +31,17 @@ pub(crate) struct Mechanical {
     pub(crate) s: f64,
 }
 
-/// Every path beside the one of `Stepper::plain` with the same increments: the same bits, and the same errors. How many steps
-/// were hard, and how many paths failed.
-fn as_steppers<H, E>(system: &H, h: f64, start: &State<H::Vector>, paths: u64, steps: u64) -> (u64, u64)
-where
-    H: Discretized<E> + Sync,
-{
-    let seed = 9;
-    let seen = Mutex::new(Vec::new());
-    let run = system
-        .ensemble::<E>(h)
-        .start(start.clone())
-        .paths(paths)
-        .seed(seed)
-        .steps(steps)
-        .threads(1)
-        .allow_losses(1.0)
-        .observe("observable0", |state| {
-            if state.t > 0.0 {
-                seen.lock().unwrap().push((state.q.clone(), state.p.clone()));
-            }
-            0.0
-        })
-        .run();
-    let (run, mut ends) = (run.unwrap(), seen.into_inner().unwrap().into_iter());
-    let mut failures = run.failures().iter();
-    let (mut hard, mut failed) = (0, 0);
-    for path in 0..paths {
-        let (mut state, noise) = (start.clone(), StepNormals::seed(seed).path(path));
-        let (infos, error) = stepped::<E, H>(system, h, &mut state, noise, steps);
-        hard += infos.iter().filter(|info| info.is_hard).count() as u64;
-        match error {
-            None => assert_eq!(ends.next().unwrap(), (state.q, state.p), "path {path}"),
-            Some(error) => {
-                let failure = failures.next().unwrap();
-                assert_eq!((failure.path, failure.error), (path, error));
-                failed += 1;
-            }
-        }
-    }
-    assert!(ends.next().is_none() && failures.next().is_none());
-    (hard, failed)
+/// Paths beside those of steppers: how many steps were hard, and how many paths failed.
+fn as_steppers<H: Discretized<E> + Sync, E>(
+    system: &H,
+    h: f64,
+    start: &State<H::Vector>,
+    paths: u64,
+    steps: u64,
+) -> (u64, u64) {
+    let run = || system.ensemble::<E>(h).start(start.clone());
+    let paths = paths_are_steppers(run, from_ref(system), (h, steps), (paths, 9));
+    (hard(&paths), failed(&paths))
 }
 
 /// Without elementary functions, whose last bits differ, a lane does what a stepper does; where the short way fails, too.

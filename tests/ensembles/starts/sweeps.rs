@@ -1,15 +1,12 @@
 //! Systems by path in lanes: each path is the one that a stepper of its system takes.
 
+use fixtures::stepped::{failed, hard, paths_are_steppers, sweep_is_steppers};
 use wzvi::ensemble::Statistics;
-use wzvi::error::Error;
-use wzvi::increments::NoNoise;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
-use wzvi::system::{Scheme, SchemeOf};
 
 use super::Well;
-use crate::stepped::stepped;
 
 /// Four parameters, of which one chooses between two potentials; arithmetic only.
 #[hamiltonian(
@@ -65,28 +62,11 @@ struct Shaken {
     sigma: f64,
 }
 
-/// Every path of a sweep is the one that a stepper takes of its system, whatever the width, the instructions and the threads.
+/// Every path of a sweep is the one that a stepper takes of its system.
 macro_rules! sweep_is_that_of_steppers {
     ($scheme:ty, $system:ty, $of_path:expr, $start:expr) => {{
-        const PATHS: u64 = 75;
-        let (h, steps) = (0.1, 16);
-        let list: Vec<$system> = (0..PATHS).map($of_path).collect();
-        let prepared: Vec<_> =
-            list.iter().map(|system| Discretized::<$scheme>::prepare(system, h).unwrap()).collect();
-        let lanes = <SchemeOf<$system, $scheme> as Scheme<$system>>::gather([&prepared[0], &prepared[1]]);
-        assert!(lanes.is_some(), "{} goes in lanes", stringify!($scheme));
-        let run = || list[0].ensemble::<$scheme>(h).systems_from(list.clone()).start($start).seed(5);
-        let run = || run().keep_paths(1 << 20).steps(steps);
-        let reference = run().run().unwrap();
-        let kept = reference.paths().unwrap();
-        for (path, system) in list.iter().enumerate() {
-            let (mut state, noise) = ($start, StepNormals::seed(5).path(path as u64));
-            assert_eq!(stepped::<$scheme, _>(system, h, &mut state, noise, steps).1, None);
-            let end = kept.at(path, 1).unwrap();
-            let alone = state.q.iter().chain(state.p.iter()).copied().chain([system.energy(&state)]);
-            assert_eq!(end, alone.collect::<Vec<f64>>(), "{} path {path}", stringify!($scheme));
-        }
-        assert!(run().threads(2).run().unwrap() == reference);
+        let list: Vec<$system> = (0..75).map($of_path).collect();
+        assert_eq!(failed(&sweep_is_steppers::<$scheme, _>(&list, &$start, (0.1, 16), true)), 0);
     }};
 }
 
@@ -143,40 +123,23 @@ fn hard_steps_of_a_sweep_are_those_of_steppers() {
     hard_sweep::<Composed<Midpoint, Yoshida4>>(0.6);
 }
 
-fn hard_sweep<E>(h: f64) -> usize
+fn hard_sweep<E>(h: f64) -> u64
 where
     Well: Discretized<E, Vector = SVector<f64, 1>>,
 {
-    const PATHS: u64 = 12;
-    const STEPS: u64 = 40;
-    let start = State::new([-0.7], [0.2]);
-    let list: Vec<Well> = (0..PATHS).map(|path| Well { k: 0.35 * path as f64 }).collect();
+    let list: Vec<Well> = (0..12).map(|path| Well { k: 0.35 * path as f64 }).collect();
     // Steppers do not look at the energy.
-    let run = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.35 * draw.path() as f64 });
-    let run = || run().start(start).paths(PATHS).allow_losses(1.0).keep_paths(1 << 20).steps(STEPS);
+    let wells = || list[0].ensemble::<E>(h).unwatched().systems(|draw| Well { k: 0.35 * draw.path() as f64 });
+    let wells = || wells().start(State::new([-0.7], [0.2]));
+    let paths = paths_are_steppers(wells, &list, (h, 40), (12, 9));
+    assert!((1..12).contains(&failed(&paths)), "{} failures", failed(&paths));
+    let run = || wells().seed(9).paths(12).allow_losses(1.0).keep_paths(1 << 20).steps(40);
     let reference = run().run().unwrap();
-    let mut hard = 0;
-    for (path, well) in list.iter().enumerate() {
-        let mut state = start;
-        let (infos, error) = stepped::<E, _>(well, h, &mut state, NoNoise, STEPS);
-        hard += infos.iter().skip(1).filter(|info| info.is_hard).count();
-        let failure = reference.failures().iter().find(|failure| failure.path == path as u64);
-        assert_eq!(failure.map(|failure| failure.error), error, "path {path}");
-        if error.is_none() {
-            assert_eq!(&reference.paths().unwrap().at(path, 1).unwrap()[..2], [state.q[0], state.p[0]]);
-        }
-        if path % 8 == 0 || error.is_some() {
-            let (replayed, other) = run().replay(path as u64).unwrap();
-            assert_eq!(other, error.map(Error::from));
-            assert_eq!((replayed.last().q, replayed.last().p), (state.q, state.p), "path {path}");
-        }
-    }
-    assert!((1..PATHS).contains(&reference.failed()), "{} failures", reference.failed());
     let same = |other: wzvi::ensemble::Statistics| {
-        other.paths().unwrap().count() == PATHS as usize && other.failures() == reference.failures()
+        other.paths().unwrap().count() == 12 && other.failures() == reference.failures()
     };
     assert!(same(run().run_in::<1>().unwrap()) && same(run().run_in::<32>().unwrap()));
-    hard
+    hard(&paths)
 }
 
 /// A constant force, which leaves a path at rest where there is none.

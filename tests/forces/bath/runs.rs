@@ -4,39 +4,16 @@ use wzvi::checkpoint::Checkpoint;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
+use std::slice::from_ref;
+
 use fixtures::bath::{Chain, Driven, Kicked, Oscillator, Rough, Wall};
+use fixtures::stepped::{failed, paths_are_steppers};
 
 const OSCILLATOR: Oscillator = Oscillator { m: 0.8, k: 1.3, b: 0.4, gamma: 0.6, kt: 0.7 };
 
-/// Path 3 of an ensemble, alone.
-fn alone<H, E>(system: &H, h: f64, start: &State<H::Vector>) -> Vec<State<H::Vector>>
-where
-    H: Discretized<E>,
-{
-    let (mut state, mut noise, mut states) =
-        (start.clone(), StepNormals::seed(9).path(3), vec![start.clone()]);
-    let drawn = system.increments(wzvi::state::Vector::components(&start.q).len());
-    let mut dw = vec![0.0; drawn];
-    noise.prepare(&H::PLAN, h, drawn, 0.0).expect("a noise");
-    let mut stepper = system.stepper::<E>(h).expect("steps").plain();
-    for step in 0..40 {
-        noise.increments(&wzvi::noise::Interval { start: 0.0, h, step }, &mut dw).expect("increments");
-        stepper.step(&mut state, &dw).expect("a step");
-        states.push(state.clone());
-    }
-    states
-}
-
-/// The same in the lanes of an ensemble, to the last bit.
-fn check_lanes<H, E>(system: &H, h: f64, start: State<H::Vector>)
-where
-    H: Discretized<E> + Sync,
-    H::Vector: Send + Sync + PartialEq,
-{
-    let run = system.ensemble::<E>(h).start(start.clone()).paths(8).seed(9).steps(40).record_every(1);
-    let (path, error) = run.replay(3).expect("a path");
-    assert_eq!(error, None);
-    assert!(path.states() == alone::<H, E>(system, h, &start));
+fn check_lanes<H: Discretized<E> + Sync, E>(system: &H, h: f64, start: State<H::Vector>) {
+    let run = || system.ensemble::<E>(h).start(start.clone());
+    assert_eq!(failed(&paths_are_steppers(run, from_ref(system), (h, 40), (8, 9))), 0);
 }
 
 #[test]

@@ -1,13 +1,12 @@
 //! Sweeps: paths that each have a bath of their own, in lanes beside each other.
 
 use wzvi::nalgebra::SVector;
-use wzvi::noise::Interval;
 use wzvi::prelude::*;
-use wzvi::system::{Discretized, Scheme, SchemeOf};
 
 use fixtures::Uniform;
 use fixtures::bath::{Damped, Driven, Oscillator, Wall};
 use fixtures::lanes::steps_in_part;
+use fixtures::stepped::{hard, sweep_is_steppers};
 
 const PATHS: u64 = 75;
 const H: f64 = 0.1;
@@ -25,41 +24,13 @@ fn oscillator(path: u64) -> Oscillator {
     Oscillator { m, k, b, gamma, kt: 0.5 * digit(path, 3) }
 }
 
-/// Every path is the one that a stepper takes of its system, to the last bit, whatever the width and the threads; how many steps are hard.
-fn check<E, H>(system: fn(u64) -> H, [q, p]: [f64; 2], goes_in_lanes: bool) -> u32
+/// Every path is the one that a stepper takes of its system; how many steps are hard.
+fn check<E, H>(system: fn(u64) -> H, [q, p]: [f64; 2], goes_in_lanes: bool) -> u64
 where
     H: Discretized<E, Vector = SVector<f64, 1>> + Clone + Send + Sync,
 {
-    let what = std::any::type_name::<(E, H)>();
     let list: Vec<H> = (0..PATHS).map(system).collect();
-    let prepared: Vec<_> = list.iter().map(|system| system.prepare(self::H).expect("a step")).collect();
-    let beside = SchemeOf::<H, E>::gather([&prepared[0], &prepared[1]]);
-    assert_eq!(beside.is_some(), goes_in_lanes, "{what}");
-    let start = State::new([q], [p]);
-    let run = || list[0].ensemble::<E>(self::H).systems_from(list.clone()).start(start).seed(9);
-    let run = || run().keep_paths(1 << 20).allow_losses(1.0).steps(STEPS);
-    let reference = run().run().expect("a run");
-    let mut hard = 0;
-    for (path, system) in list.iter().enumerate() {
-        let mut noise = StepNormals::seed(9).path(path as u64);
-        let mut dw = vec![0.0; system.increments(1)];
-        noise.prepare(&H::PLAN, self::H, dw.len(), 0.0).expect("a noise");
-        let (mut stepper, mut state) = (system.stepper::<E>(self::H).expect("steps").plain(), start);
-        let error = (0..STEPS).find_map(|step| {
-            noise.increments(&Interval { start: 0.0, h: self::H, step }, &mut dw).expect("increments");
-            stepper.step(&mut state, &dw).map(|info| hard += u32::from(info.is_hard)).err()
-        });
-        let failure = reference.failures().iter().find(|failure| failure.path == path as u64);
-        assert_eq!(failure.map(|failure| failure.error), error, "{what}: path {path}");
-        if error.is_none() {
-            let end = reference.paths().and_then(|paths| paths.at(path, 1).map(<[f64]>::to_vec));
-            assert_eq!(end.expect("a path")[..2], [state.q[0], state.p[0]], "{what}: path {path}");
-        }
-    }
-    let other = run().threads(2).run().expect("a run");
-    // As text: of paths that failed there are NaN.
-    assert_eq!(format!("{other:?}"), format!("{reference:?}"), "{what}");
-    hard
+    hard(&sweep_is_steppers::<E, H>(&list, &State::new([q], [p]), (self::H, STEPS), goes_in_lanes))
 }
 
 /// Steps that some of the paths beside each other cannot take the short way: what a part of the step has done for the others is undone with it.
