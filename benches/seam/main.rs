@@ -5,8 +5,9 @@
 //!
 //! `cargo bench --bench seam` times paths alone and in ensembles of eight lanes, in nanoseconds per path, site and step; the last line of each closure has
 //! the largest ratio of `chosen` to the better one. `-- --counts` counts the instructions per site and step of a path alone under
-//! `valgrind --tool=callgrind`: two runs of different length, so that everything outside of the steps cancels. A name picks closures:
-//! `cargo bench --bench seam -- chain`. Compiling takes a quarter of an hour.
+//! `valgrind --tool=callgrind`: two runs of different length, so that everything outside of the steps cancels.
+//!
+//! All closures take twenty minutes to compile, one takes a few: `cargo bench --bench seam --no-default-features --features chain`.
 //!
 //! * `kubo`: oscillators with one multiplicative noise each, which are not coupled.
 //! * `chain`: Fermi-Pasta between walls.
@@ -71,18 +72,15 @@ where
 
 /// The systems of a closure, by spelling and size.
 macro_rules! systems {
-    ($($system:ident)*) => {$(
+    ($system:ident) => {
         mod $system {
+            use wzvi::prelude::*;
             fixtures::$system!(Slices, [], &[f64], sites);
             fixtures::$system!(Generic, [<const N: usize>], [f64; N], N);
-            use wzvi::prelude::*;
-            systems!(@ways $system);
+            systems!(@way $system, chosen);
+            systems!(@way $system, lines, inline);
+            systems!(@way $system, loops, sweep);
         }
-    )*};
-    (@ways $system:ident) => {
-        systems!(@way $system, chosen);
-        systems!(@way $system, lines, inline);
-        systems!(@way $system, loops, sweep);
     };
     (@way $system:ident, $way:ident $(, $strategy:ident)?) => {
         pub(crate) mod $way {
@@ -98,14 +96,21 @@ macro_rules! systems {
     };
 }
 
-systems!(kubo chain torus pairs curved);
+#[cfg(feature = "kubo")]
+systems!(kubo);
+#[cfg(feature = "chain")]
+systems!(chain);
+#[cfg(feature = "torus")]
+systems!(torus);
+#[cfg(feature = "pairs")]
+systems!(pairs);
+#[cfg(feature = "curved")]
+systems!(curved);
 
 macro_rules! cases {
-    ($($system:ident)*) => {{
-        let mut cases = Vec::new();
-        $(cases!(@sizes cases, $system, Sites2 2, Sites4 4, Sites5 5, Sites6 6, Sites8 8, Sites12 12, Sites16 16);)*
-        cases
-    }};
+    ($cases:ident, $system:ident) => {
+        cases!(@sizes $cases, $system, Sites2 2, Sites4 4, Sites5 5, Sites6 6, Sites8 8, Sites12 12, Sites16 16);
+    };
     (@sizes $cases:ident, $system:ident, $($name:ident $sites:literal),*) => {
         $(
             cases!(@case $cases, $system, "chosen", $sites, Some, [$system::chosen::$name]);
@@ -136,9 +141,24 @@ macro_rules! cases {
     };
 }
 
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    #[cfg(feature = "kubo")]
+    cases!(cases, kubo);
+    #[cfg(feature = "chain")]
+    cases!(cases, chain);
+    #[cfg(feature = "torus")]
+    cases!(cases, torus);
+    #[cfg(feature = "pairs")]
+    cases!(cases, pairs);
+    #[cfg(feature = "curved")]
+    cases!(cases, curved);
+    cases
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let cases: Vec<Case> = cases!(kubo chain torus pairs curved);
+    let cases = cases();
     if let [flag, number, steps] = arguments.as_slice()
         && flag == "--run"
     {

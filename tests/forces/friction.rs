@@ -265,3 +265,48 @@ fn no_friction_is_the_bare_scheme() {
     }
     same!(Midpoint, Gauss<2>);
 }
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + 0.5 * q * q, embedding = [Midpoint, DeltaPlus],
+    invariant = [|q, p, t| q * t.cos() - p * t.sin()],
+)]
+struct Turning;
+
+#[hamiltonian(
+    drift = |_q, p| 0.5 * p * p, friction = g, embedding = [Midpoint, DeltaPlus],
+    invariant = [|q, p| q + p / g],
+)]
+struct Stopping {
+    g: f64,
+}
+
+#[hamiltonian(
+    drift = |[x, y], [a, b]| 0.5 * (a * a + b * b + x * x + y * y), friction = [0.0, g],
+    embedding = [Baoab, Thermostat<Verlet>, Thermostat<Midpoint>],
+    invariant = [|[x, _y], [a, _b]| x * x + a * a],
+)]
+struct Beside {
+    g: f64,
+}
+
+/// A first integral is called kept to rounding where it is: with explicit time, friction and baths.
+#[test]
+fn integrals_that_are_kept_to_rounding_are_said_to_be() {
+    fn check<E, H: Discretized<E>>(system: &H, start: State<H::Vector>, expected: bool) {
+        let path = system.simulate::<E>(0.1).start(start).steps(100).run().unwrap();
+        let drift = path.invariant_drift(system, 0).unwrap();
+        // A hundred steps of a few roundings, and a step that is not exact.
+        assert_eq!(drift < 1e-13, expected, "{drift}: {}", H::EQUATIONS);
+        let said = H::EQUATIONS.lines().find(|line| line.starts_with("  first integral")).unwrap();
+        assert_eq!(said.ends_with(": kept by the step to rounding"), expected, "{said}");
+    }
+    let line = || State::new([0.8], [0.3]);
+    check::<Midpoint, _>(&Turning, line(), false);
+    check::<DeltaPlus, _>(&Turning, line(), false);
+    check::<Midpoint, _>(&Stopping { g: 0.8 }, line(), false);
+    check::<DeltaPlus, _>(&Stopping { g: 0.8 }, line(), false);
+    let plane = || State::new([0.8, 0.1], [0.3, 0.2]);
+    check::<Baoab, _>(&Beside { g: 0.8 }, plane(), false);
+    check::<Thermostat<Verlet>, _>(&Beside { g: 0.8 }, plane(), false);
+    check::<Thermostat<Midpoint>, _>(&Beside { g: 0.8 }, plane(), true);
+}

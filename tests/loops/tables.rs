@@ -276,3 +276,28 @@ fn a_step_that_fails_changes_nothing() {
     assert!(error.cause.to_string().contains("finite"), "{error}");
     assert_eq!(state, before);
 }
+
+const ACROSS: usize = 3;
+const ALONG: usize = 2;
+
+/// Indices that reach back by more than a period, and a size that is a product of constants.
+#[hamiltonian(
+    drift = |q: [f64; ACROSS * ALONG], p: [f64; ACROSS * ALONG]| (0..q.len())
+        .map(|i| 0.5 * p[i] * p[i] + 0.5 * k[(i as isize - 7).rem_euclid(3) as usize] * q[i] * q[i])
+        .sum::<f64>(),
+    embedding = Midpoint,
+)]
+struct Reaching {
+    k: [f64; 3],
+}
+
+#[test]
+fn remainders_of_negative_numbers_are_those_of_rust() {
+    let system = Reaching { k: [1.0, 2.0, 4.0] };
+    for at in 0..6 {
+        let mut q = [0.0; 6];
+        q[at] = 1.0;
+        let k = system.k[(at as isize - 7).rem_euclid(3) as usize];
+        assert_eq!(system.energy(&State::new(q, [0.0; 6])), 0.5 * k, "site {at}");
+    }
+}

@@ -140,6 +140,7 @@ fn a_tangent_takes_what_was_said_or_refuses_it() {
         (run().record_at([0.5]), "`record_at`"),
         (run().record_every(5), "no use"),
         (run().until(0.95).exactly(), "no use"),
+        (run().exactly(), "no use"),
     ] {
         assert!(words(asked.tangent()).contains(what), "{what}");
     }

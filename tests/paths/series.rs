@@ -171,6 +171,17 @@ fn a_function_stops_a_path() {
 fn what_cannot_be_estimated_is_an_error() {
     let short = Autocorrelation::of(&[1.0, 2.0, 3.0, 2.0], 0.1);
     assert_eq!(short, Err(SeriesError::Short { length: 4 }));
+    // A change of units by a power of two changes no time, and neither does the direction of the run.
+    let logistic = std::iter::successors(Some(0.3), |x| Some(3.9 * x * (1.0 - x)));
+    let values: Vec<f64> = logistic.take(1000).collect();
+    let known = Autocorrelation::of(&values, 0.1).unwrap();
+    for exponent in [-600, 500] {
+        let unit = 2f64.powi(exponent);
+        let scaled: Vec<f64> = values.iter().map(|value| value * unit).collect();
+        let scaled = Autocorrelation::of(&scaled, -0.1).unwrap();
+        assert_eq!((scaled.time, scaled.time_error), (known.time, known.time_error));
+        assert_eq!(scaled.standard_error, known.standard_error * unit);
+    }
     for constant in [1.0, 0.1] {
         assert_eq!(Autocorrelation::of(&[constant; 100], 0.1), Err(SeriesError::Constant));
     }

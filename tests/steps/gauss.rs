@@ -350,3 +350,39 @@ fn ensembles_run_gauss_methods_and_compositions() {
     }
     check!(Gauss<2>, Verlet, Composed<Midpoint, Suzuki4>);
 }
+
+/// Elements of any number of sites with masses that depend on the place, and a force.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len())
+        .map(|i| 0.5 * p[i] * p[i] * (1.0 + 0.3 * q[i] * q[i]) + 10.0 * (0.5 * q[i] * q[i] + 0.25 * q[i].powi(4)))
+        .sum::<f64>(),
+    force = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| -0.2 * p[i]),
+    embedding = [Midpoint, Gauss<2>],
+)]
+struct Sites;
+
+/// A stepper that has seen a state of another size takes the steps of a new one, and accounts for the same work.
+#[test]
+fn steps_of_states_of_several_sizes_are_those_of_new_steppers() {
+    fn check<E>()
+    where
+        Sites: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+    {
+        let mut used = Sites.stepper::<E>(0.1).unwrap();
+        for sites in [1, 3, 1, 5, 2] {
+            let mut fresh = Sites.stepper::<E>(0.1).unwrap();
+            let start = State::new(vec![0.7; sites], vec![0.5; sites]);
+            let (mut state, mut other) = (start.clone(), start);
+            let before = used.exchanged().work;
+            for _ in 0..3 {
+                used.step(&mut state, &[]).unwrap();
+                fresh.step(&mut other, &[]).unwrap();
+            }
+            assert_eq!((&state.q, &state.p), (&other.q, &other.p), "{sites} sites");
+            let work = used.exchanged().work - before;
+            assert!((work - fresh.exchanged().work).abs() <= 1e-14, "{sites} sites: {work}");
+        }
+    }
+    check::<Midpoint>();
+    check::<Gauss<2>>();
+}

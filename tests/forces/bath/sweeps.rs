@@ -33,6 +33,38 @@ where
     hard(&sweep_is_steppers::<E, H>(&list, &State::new([q], [p]), (self::H, STEPS), goes_in_lanes))
 }
 
+/// A pendulum: elementary functions in lanes differ from those of the platform in last bits.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p - q.cos(), friction = gamma, temperature = kt,
+    embedding = [Baoab, Thermostat<Midpoint>],
+)]
+#[derive(Clone)]
+struct Pendulum {
+    gamma: f64,
+    kt: f64,
+}
+
+/// One path without friction among others: no path depends on what is beside it.
+#[test]
+fn a_path_without_friction_changes_none_beside_it() {
+    fn check<E>()
+    where
+        Pendulum: Discretized<E, Vector = SVector<f64, 1>>,
+    {
+        let system = |path| Pendulum { gamma: if path == 9 { 0.0 } else { 0.5 }, kt: 0.3 };
+        let base = system(0);
+        let run =
+            || base.ensemble::<E>(0.2).systems(|draw| system(draw.path())).start(State::new([1.0], [0.4]));
+        let run = || run().paths(24).seed(3).steps(300).keep_paths(1 << 20).threads(1);
+        let alone = run().run_in::<1>().expect("a run");
+        for other in [run().run_in::<4>(), run().run_in::<8>(), run().run_in::<32>()] {
+            assert_eq!(other.expect("a run").paths(), alone.paths());
+        }
+    }
+    check::<Baoab>();
+    check::<Thermostat<Midpoint>>();
+}
+
 /// Steps that some of the paths beside each other cannot take the short way: what a part of the step has done for the others is undone with it.
 #[test]
 fn hard_steps_between_the_bath_are_those_of_steppers() {

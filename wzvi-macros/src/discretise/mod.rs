@@ -48,7 +48,7 @@ pub(crate) struct Scheme {
 /// Multiplications of a dense elimination up to which a step is written in straight lines, if one half of the phase space is unknown: five sites. For chains
 /// without and with noise, rings and pairs with the mid-point a path in straight lines takes 0.4 of the instructions of loops at five sites and 0.9 to
 /// 1.5 at six; in ensembles, whose paths run in lanes either way, 1.1 to 1.3 and 0.9 to 1.7.
-/// (`cargo bench --bench seam` has straight lines of 5 to 7 sites beside const generics, which are always loops.)
+/// (`cargo bench --bench seam` forces both ways beside the chosen one.)
 const SWEPT: usize = 41;
 
 /// The same where both halves are: three sites. There straight lines take 0.9 to 1.2 of the time of loops, at four sites 1.4 to 1.7; in ensembles 0.7 to 0.9,

@@ -127,8 +127,15 @@ impl<'a> Interpreter<'a, '_> {
             "max" => Some(own.maximum(other)),
             "abs_diff" => Some(own.subtract(other)?.maximum(&other.subtract(own)?)),
             "rem_euclid" if self.is_nonnegative(own) => own.remainder(other),
-            // a mod n for a down to -n.
-            "rem_euclid" => own.add(other)?.remainder(other),
+            "rem_euclid" => {
+                // Of stencils, which reach back over one end: a mod n for a down to -n.
+                let shifted = own.add(other)?;
+                if self.is_nonnegative(&shifted) && self.is_nonnegative(other) {
+                    return shifted.remainder(other);
+                }
+                let size = other.maximum(&Index::integer(0).subtract(other)?);
+                own.remainder(&size)?.add(&size)?.remainder(&size)
+            }
             // For nonnegative values, rounding towards zero is rounding down.
             _ if self.is_nonnegative(own) => own.divide(other),
             _ => None,

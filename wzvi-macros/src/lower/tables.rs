@@ -36,7 +36,12 @@ impl Tables {
     /// A size of the phase space or of a family, as it was written.
     pub(super) fn size(&mut self, expr: &syn::Expr) -> Index {
         let name = source(expr).replace(" . ", ".");
-        self.named_size(name.strip_prefix("self.").unwrap_or(&name), &expr.to_token_stream())
+        // Its tokens are cast: an operator would bind less.
+        let tokens = match expr {
+            syn::Expr::Binary(_) | syn::Expr::Unary(_) => quote!((#expr)),
+            _ => expr.to_token_stream(),
+        };
+        self.named_size(name.strip_prefix("self.").unwrap_or(&name), &tokens)
     }
 
     /// A nonnegative integer displayed as `name`.

@@ -15,7 +15,7 @@ use crate::noise::StepNormals;
 use crate::path::Error;
 use crate::path::options::{Observables, elsewhere};
 use crate::path::span::Grid;
-use crate::scheme::system::Discretized;
+use crate::scheme::system::{Discretized, Scheme as _, SchemeOf};
 use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, Statistics, StatisticsNode};
 
 /// More recorded nodes than anyone looks at.
@@ -155,6 +155,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             level: 0,
             start,
             starts,
+            all_gather: all_gather::<H, E>(&systems, h),
             systems,
             own,
             own_work,
@@ -174,6 +175,13 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             stop,
         })
     }
+}
+
+/// Whether each system goes in lanes with the first one. One that cannot be prepared is an error of its path.
+fn all_gather<H: Discretized<E>, E>(systems: &[H], h: f64) -> bool {
+    let mut prepared = systems.iter().filter_map(|system| crate::path::step::prepared(system, h).ok());
+    let Some(first) = prepared.next() else { return true };
+    prepared.all(|other| SchemeOf::<H, E>::gather([&first, &other]).is_some())
 }
 
 /// What [`Ensemble::observe_work`] observes, in this order.

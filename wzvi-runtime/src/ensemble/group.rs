@@ -226,7 +226,8 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     fn gather(&mut self) {
         let Some(living) = self.living() else { return };
         let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
-        self.gathered = SchemeOf::<H, E>::gather(lanes.map(|lane| &self.own[lane]));
+        let gather = || SchemeOf::<H, E>::gather(lanes.map(|lane| &self.own[lane]));
+        self.gathered = if self.job.all_gather { gather() } else { None };
     }
 
     /// The first lane whose path has not failed.

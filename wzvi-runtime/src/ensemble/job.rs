@@ -31,6 +31,8 @@ pub(super) struct Job<'a, H: Discretized<E>, E> {
     pub(super) starts: Option<ByPath<'a, State<H::Vector>>>,
     /// Those of all paths, if each has its own; else none.
     pub(super) systems: Vec<H>,
+    /// Whether any of these go in lanes together: a path takes the same steps whatever is beside it.
+    pub(super) all_gather: bool,
     /// The observables that read the system of a path, by number.
     pub(super) own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
     /// The first of the observables `work`, `shadow work` and `heat` of a path.
@@ -131,6 +133,7 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
             start: start.clone(),
             starts: None,
             systems: Vec::new(),
+            all_gather: true,
             own: Vec::new(),
             own_work: None,
             seed: self.seed,

@@ -94,9 +94,10 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 passed[lane] = if before[lane] == 0.0 { start.t } else { f64::NAN };
             }
         }
-        for (lane, LaneInside { before, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
+        for (lane, LaneInside { before, watch, dense, counts, .. }) in self.lanes.iter_mut().enumerate() {
             copy_state(before, group.state_at(lane, 0));
             watch.begin(&self.job.sections, before);
+            dense.forget();
             counts.fill(0);
         }
         self.record(group, 0)

@@ -13,6 +13,11 @@ use super::stream::PAIRS;
 const TOLERANCE: f64 = 1.0 / (1u64 << 50) as f64;
 /// Times below have the rounding errors of this one, because a run from there computes `start + n h`.
 const BASE: f64 = 1024.0;
+/// The distance below which times near this one, all in units of the tree, may be taken for one.
+pub(super) fn resolution(t: f64) -> f64 {
+    TOLERANCE * t.abs().max(BASE)
+}
+
 /// Times from here on are too close to their neighbours in `f64`.
 pub(super) const FARTHEST: f64 = (1u64 << 47) as f64;
 /// Halvings in a page of an octave.
@@ -48,7 +53,7 @@ impl GridTime {
         if t.is_nan() || t >= FARTHEST {
             return None;
         }
-        let tolerance = TOLERANCE * t.max(BASE);
+        let tolerance = resolution(t);
         let mut unit = t as i64;
         let fraction = t - unit as f64;
         // The coarsest grid: its number of cells in a unit, and the cell.

@@ -95,12 +95,14 @@ pub struct StepNormals {
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
     block: u64,
+    /// The bits of the step size.
+    h: u64,
     normals: [f64; STEPS],
 }
 
 impl Drawn {
     /// Of a block that no step is in.
-    const NOTHING: Self = Self { block: u64::MAX, normals: [0.0; STEPS] };
+    const NOTHING: Self = Self { block: u64::MAX, h: 0, normals: [0.0; STEPS] };
 }
 
 impl StepNormals {
@@ -185,8 +187,8 @@ impl StepNormals {
         let block = step / STEPS as u64;
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
         let drawn = &mut self.drawn[process];
-        if drawn.block != block {
-            *drawn = Drawn { block, normals: normals(&random::block(&key, stream, block)) };
+        if (drawn.block, drawn.h) != (block, h.to_bits()) {
+            *drawn = Drawn { block, h: h.to_bits(), normals: normals(&random::block(&key, stream, block)) };
         }
         sign * drawn.normals[(step % STEPS as u64) as usize]
     }
@@ -297,6 +299,14 @@ mod tests {
 
     fn prepared(noise: StepNormals, h: f64) -> StepNormals {
         StepNormals { h: Some(h), ..noise }
+    }
+
+    /// No two step sizes share normals, whatever was asked for before.
+    #[test]
+    fn each_step_size_has_its_normals() {
+        let mut noise = StepNormals::seed(7);
+        ask(&mut noise, 0.02, 3);
+        assert_eq!(ask(&mut noise, 0.01, 3), ask(&mut StepNormals::seed(7), 0.01, 3));
     }
 
     /// The parts of a step add up to it: three roundings each.

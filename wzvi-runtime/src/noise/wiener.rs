@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cursor::Cursor;
-use super::grid::{FARTHEST, GridTime};
+use super::grid::{self, FARTHEST, GridTime};
 use super::stream::Source;
 use super::truncation::truncation_setters;
 use super::{Divisible, Interval, Noise, NoiseError, Paths, Truncation};
@@ -189,6 +189,16 @@ impl Wiener {
     }
 }
 
+/// The least step in units of the distance below which times may be taken for one: its variance is that of its length to a part in 512.
+const LEAST_STEP: f64 = 1024.0;
+
+#[cold]
+fn too_short(t: f64, h: f64) -> NoiseError {
+    NoiseError::Setting(format!(
+        "a step of {h:e} at t = {t:e} is too short for the times of a Wiener path: give it `.unit(h)`, start near t = 0, or take `StepNormals`"
+    ))
+}
+
 /// Checks the step size.
 pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(NoiseError::StepSize(h)) }
@@ -210,6 +220,9 @@ impl Noise for Wiener {
         let (begin, end) = (interval.begin(), interval.end());
         let from = if begin == self.reached.0 { self.reached.1 } else { self.point(begin)? };
         let to = self.point(end)?;
+        if from == to {
+            return Err(too_short(begin, interval.h));
+        }
         self.reached = (end, to);
         let bound = self.truncation.bound(interval.h, interval.h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
@@ -227,7 +240,11 @@ impl Noise for Wiener {
             self.truncation.set_default(Truncation::DEFAULT);
         }
         check_step(h)?;
-        self.check(start)
+        self.check(start)?;
+        if h.abs() < LEAST_STEP * grid::resolution(start / self.unit) * self.unit {
+            return Err(too_short(start, h));
+        }
+        Ok(())
     }
 
     fn identity(&self) -> Option<Identity> {

@@ -332,6 +332,8 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if self.is_unaccounted || !account::is_wanted::<H, E>(self.system) {
             return;
         }
+        let length = |state: &State<H::Vector>| state.q.components().len();
+        self.ledger.take_if(|ledger| length(&ledger.before) != length(state));
         let ledger = self.ledger.get_or_insert_with(|| Box::new(Ledger::of(state, H::PLAN.order)));
         copy_state(&mut ledger.before, state);
     }

@@ -26,10 +26,13 @@ impl Histogram {
     /// [`ConfigError::Setting`] unless there is a bin, they have a width, and there are 2^24 at most.
     pub fn new(lower: f64, upper: f64, bins: usize) -> Result<Self, ConfigError> {
         let width = (upper - lower) / bins as f64;
-        if bins == 0 || !width.is_finite() || width <= 0.0 {
+        // The edges are multiples of the whole range.
+        let is_finite = ((upper - lower) * bins as f64).is_finite();
+        if bins == 0 || !is_finite || width <= 0.0 {
             let [lower, upper] = [lower, upper].map(Brief);
-            let wrong =
-                format!("a histogram with {bins} bins from {lower} to {upper}: they need a width above 0");
+            let wrong = format!(
+                "a histogram with {bins} bins from {lower} to {upper}: they need a width above 0, and edges below the largest number"
+            );
             return Err(ConfigError::Setting(wrong));
         }
         if bins > MOST_BINS {
@@ -195,9 +198,14 @@ mod tests {
 
     #[test]
     fn bins_without_width_are_refused() {
-        for (lower, upper, bins) in
-            [(0.0, 1.0, 0), (1.0, 1.0, 4), (2.0, 1.0, 4), (f64::NAN, 1.0, 4), (0.0, f64::INFINITY, 4)]
-        {
+        for (lower, upper, bins) in [
+            (0.0, 1.0, 0),
+            (1.0, 1.0, 4),
+            (2.0, 1.0, 4),
+            (f64::NAN, 1.0, 4),
+            (0.0, f64::INFINITY, 4),
+            (0.0, 1e308, 10),
+        ] {
             assert!(Histogram::new(lower, upper, bins).is_err());
         }
     }

@@ -44,8 +44,11 @@ impl Paths {
 
     /// The observables of a path at a recorded node, NaN if it failed before; `None` for a path or node that does not exist.
     pub fn at(&self, path: usize, node: usize) -> Option<&[f64]> {
+        if path >= self.count() || node >= self.nodes {
+            return None;
+        }
         let first = (path * self.nodes + node) * self.observables;
-        if node < self.nodes { self.values.get(first..first + self.observables) } else { None }
+        self.values.get(first..first + self.observables)
     }
 }
 

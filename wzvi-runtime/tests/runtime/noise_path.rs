@@ -1,5 +1,6 @@
 //! A Wiener path is a function of time: the order of the queries, the partition and the direction change nothing.
 
+use super::noise_wong_zakai::IMPLICIT;
 use wzvi_runtime::noise::{Increments, Interval, Noise, NoiseError, Paths, Wiener, WongZakai};
 
 /// A small generator for the queries, unrelated to the one under test.
@@ -232,4 +233,18 @@ fn every_process_has_a_path() {
     all.value(0, 0.1).unwrap();
     let again = Wiener::seed(3).path(4).value(usize::MAX, 0.7).unwrap();
     assert_eq!(all.path(4).value(usize::MAX, 0.7).unwrap(), again);
+}
+
+/// Steps whose ends are one time of the tree have no increments that mean anything: an error before the run, or in the step.
+#[test]
+fn steps_below_the_distance_of_times_are_refused() {
+    let prepared = |mut noise: Wiener, h: f64, start: f64| noise.prepare(&IMPLICIT, h, 1, start);
+    assert!(prepared(Wiener::seed(1), 1e-3, 0.0).is_ok() && prepared(Wiener::seed(1), 1e-6, 900.0).is_ok());
+    assert!(prepared(Wiener::seed(1).unit(1e-15), 1e-15, 0.0).is_ok());
+    for (h, start) in [(1e-15, 0.0), (1e-10, 0.0), (1e-3, 1e12)] {
+        let error = prepared(Wiener::seed(1), h, start).unwrap_err().to_string();
+        assert!(error.contains("too short"), "{error}");
+    }
+    let none = Wiener::seed(1).increments(&Interval { start: 0.0, h: 1e-15, step: 3 }, &mut [0.0]);
+    assert!(matches!(none, Err(NoiseError::Setting(_))), "{none:?}");
 }

@@ -77,7 +77,7 @@ fn exact_increments_telescope() {
 }
 
 /// What a compiler would say of an implicit scheme with multiplicative noise.
-const IMPLICIT: Plan = Plan {
+pub(crate) const IMPLICIT: Plan = Plan {
     solver: Solver::Newton,
     order: 2,
     unknowns: 1,

@@ -15,6 +15,9 @@ pub(crate) struct Form {
 }
 
 impl Form {
+    /// That of a function which no step is known to keep exactly.
+    pub(super) const NONE: Self = Self { quadratic: false, bilinear: false };
+
     pub(super) fn of(graph: &mut Graph, value: &Sum) -> Self {
         let [quadratic, bilinear] = [Degree::Quadratic, Degree::Bilinear]
             .map(|degree| value.iter().all(|weighted| is_of_degree(graph, &weighted.element, degree)));
@@ -24,7 +27,7 @@ impl Form {
     /// Whether the step keeps a first integral of this form to rounding.
     pub(crate) fn is_kept(self, embedding: &Embedding, has_noise: bool) -> bool {
         let ([drift, noise], midpoint) = (embedding.points(), Points::one(Rational::HALF));
-        let has_midpoint = drift == midpoint && *embedding != Embedding::Verlet;
+        let has_midpoint = drift == midpoint && !embedding.takes_flows();
         self.quadratic && has_midpoint && (noise == midpoint || !has_noise)
             || self.bilinear && (drift == noise || !has_noise)
     }

@@ -60,7 +60,7 @@ impl Autocorrelation {
     /// # Errors
     /// As [`Autocorrelation::of`], and for series of different lengths.
     pub fn of_many<T: AsRef<[f64]>>(series: &[T], spacing: f64) -> Result<Self, SeriesError> {
-        let length = series.first().map_or(0, |values| values.as_ref().len());
+        let (length, spacing) = (series.first().map_or(0, |values| values.as_ref().len()), spacing.abs());
         for values in series {
             let values = values.as_ref();
             if values.len() != length {
@@ -79,8 +79,11 @@ impl Autocorrelation {
         if all().zip(all().skip(1)).all(|(value, next)| value == next) {
             return Err(SeriesError::Constant);
         }
+        // In units of a power of two: squares neither overflow nor vanish.
+        let largest = all().map(|x| (x - mean).abs()).fold(0.0, f64::max);
+        let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE);
         let centred: Vec<Vec<f64>> =
-            series.iter().map(|values| values.as_ref().iter().map(|x| x - mean).collect()).collect();
+            series.iter().map(|values| values.as_ref().iter().map(|x| (x - mean) / unit).collect()).collect();
         let products = lagged_products(centred.iter().map(Vec::as_slice), length);
         let at = |lag: usize| products[lag] / (series.len() * (length - lag)) as f64;
         let variance = at(0);
@@ -91,12 +94,12 @@ impl Autocorrelation {
         let time_error = time * (4.0 / count as f64 * (window as f64 + 0.5 - time).max(0.5)).sqrt();
         Ok(Self {
             mean,
-            variance,
+            variance: variance * unit * unit,
             function: ByLag { spacing, values: rho },
             time: time * spacing,
             time_error: time_error * spacing,
             window,
-            standard_error: (2.0 * time * variance / count as f64).sqrt(),
+            standard_error: unit * (2.0 * time * variance / count as f64).sqrt(),
         })
     }
 }

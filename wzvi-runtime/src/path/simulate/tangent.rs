@@ -110,6 +110,7 @@ where
         } = setup;
         // Nothing is shown, and steps are not in lanes.
         let Execution { threads, stop, handle, .. } = execution;
+        let is_exact = span.is_exact;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
         let unused = [
@@ -117,7 +118,7 @@ where
             ("`section`", !sections.is_empty()),
             ("`record_every` and `record_at`", is_recorded),
             ("a checkpoint", keeping.is_set()),
-            ("`exactly`", grid.shorter.is_some()),
+            ("`exactly`", is_exact),
             ("`handle`", handle.is_some()),
             ("`stop_when`", stop.is_some()),
         ];

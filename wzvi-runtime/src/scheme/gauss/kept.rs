@@ -236,6 +236,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Memory<S, H, W, N> {
             let past = || H::list(degrees, S::Stages::<N>::splat(S::from_f64(0.0)));
             self.left.past = [past(), past()];
             (self.left.is_known, self.left.is_held) = (false, false);
+            self.left.newton = Newton::default();
         }
     }
 }
