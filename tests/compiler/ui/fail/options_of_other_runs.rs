@@ -42,5 +42,4 @@ fn main() {
     let _ = levels().record_every(1);
     let _ = levels().retry(Retry::halving(2));
     let _ = levels().until_error("q", 1e-2);
-    let _ = levels().checkpoint(Checkpoint::to("file"));
 }
