@@ -87,6 +87,7 @@ fn another_run_is_refused() {
     assert_eq!(fields(asked(0.05).weak_order(2.0)), ["the weak order"]);
     assert_eq!(fields(asked(0.05).finest(7)), ["the finest level"]);
     assert_eq!(fields(asked(0.05).paths(1 << 20)), ["the most paths of a level"]);
+    assert_eq!(fields(asked(0.05).paths(1 << 50)), ["the most paths of an observable with one value"]);
     assert_eq!(fields(asked(0.05).seed(6)), ["noise seed"]);
     let ensemble =
         DRIVEN.ensemble::<DeltaPlus>(0.25).start(State::new([1.0], [0.5])).seed(5).paths(64).until(2.0);

@@ -132,12 +132,13 @@ where
         let mut reached = Reached { wanted: vec![FIRST_PATHS; LEAST_LEVELS], found };
         let mut keeper = Keeper::default();
         if keeping.is_set() {
-            let Limits { target, weak_order, finest, most_paths, .. } = limits;
+            let Limits { target, weak_order, finest, most_paths, most_constant } = limits;
             let settings = [
                 ("the target", format!("{target:?}")),
                 ("the weak order", format!("{weak_order:?}")),
                 ("the finest level", finest.to_string()),
                 ("the most paths of a level", most_paths.to_string()),
+                ("the most paths of an observable with one value", most_constant.to_string()),
             ];
             let extent = Extent { kind: Kind::Multilevel, all: u64::MAX, unit: BESIDE };
             keeper = keeping.open(extent, described(&job, settings)?, &mut |tape| reached.pass(tape))?;
