@@ -166,10 +166,8 @@ fn main() {
         (case.steps)(case.sites, steps.parse().unwrap());
         return;
     }
-    let only = arguments.iter().find(|argument| !argument.starts_with("--"));
     let mut problems: Vec<&str> = cases.iter().map(|case| case.problem).collect();
     problems.dedup();
-    problems.retain(|problem| only.is_none_or(|only| problem.contains(only.as_str())));
     let mut sizes: Vec<usize> = cases.iter().map(|case| case.sites).collect();
     sizes.sort_unstable();
     sizes.dedup();

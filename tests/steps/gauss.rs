@@ -380,6 +380,7 @@ fn steps_of_states_of_several_sizes_are_those_of_new_steppers() {
             }
             assert_eq!((&state.q, &state.p), (&other.q, &other.p), "{sites} sites");
             let work = used.exchanged().work - before;
+            // Sums of works below one, of fifteen steps, less those of the steps before.
             assert!((work - fresh.exchanged().work).abs() <= 1e-14, "{sites} sites: {work}");
         }
     }

@@ -13,11 +13,6 @@ use super::stream::PAIRS;
 const TOLERANCE: f64 = 1.0 / (1u64 << 50) as f64;
 /// Times below have the rounding errors of this one, because a run from there computes `start + n h`.
 const BASE: f64 = 1024.0;
-/// The distance below which times near this one, all in units of the tree, may be taken for one.
-pub(super) fn resolution(t: f64) -> f64 {
-    TOLERANCE * t.abs().max(BASE)
-}
-
 /// Times from here on are too close to their neighbours in `f64`.
 pub(super) const FARTHEST: f64 = (1u64 << 47) as f64;
 /// Halvings in a page of an octave.
@@ -30,6 +25,11 @@ pub(super) const DEPTH: usize = 24;
 const DIGIT: u32 = 5;
 /// Bound on the nodes of a page.
 pub(super) const NODES: usize = 2 * (PAIRS - 1) + 1;
+
+/// The distance below which times near this one, all in units of the tree, may be taken for one.
+pub(super) fn resolution(t: f64) -> f64 {
+    TOLERANCE * t.abs().max(BASE)
+}
 
 /// A time on the grids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
