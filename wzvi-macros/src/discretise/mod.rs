@@ -45,27 +45,20 @@ pub(crate) struct Scheme {
     pub(crate) consistent: bool,
 }
 
-/// Multiplications of a dense elimination up to which a step is written in straight lines, if one half of the phase space is unknown: five sites. For chains
-/// without and with noise, rings and pairs with the mid-point a path in straight lines takes 0.4 of the instructions of loops at five sites and 0.9 to
-/// 1.5 at six; in ensembles, whose paths run in lanes either way, 1.1 to 1.3 and 0.9 to 1.7.
+/// The most unknowns of a block of a step in straight lines: six sites of which one half of the phase space is unknown, three where both are. For chains,
+/// rings and pairs with the mid-point a step of six sites takes 0.8 to 1.0 of the time of elements without loops, alone and in ensembles, and at eight
+/// 0.9 to 1.2; where both halves are unknown, three sites take 0.9 to 1.2 of it, and four 1.4 to 1.7.
 /// (`cargo bench --bench seam` forces both ways beside the chosen one.)
-const SWEPT: usize = 41;
-
-/// The same where both halves are: three sites. There straight lines take 0.9 to 1.2 of the time of loops, at four sites 1.4 to 1.7; in ensembles 0.7 to 0.9,
-/// and 1.1 to 1.4.
-const SWEPT_IN_BOTH: usize = 114;
+const MOST_UNKNOWNS: usize = 6;
 
 impl Scheme {
-    /// Whether Newton's method with dense elimination, which takes `n³/3` multiplications, costs more than iterations
-    /// with no elimination, or a banded one.
+    /// Whether Newton's method with dense elimination costs more than iterations with no elimination, or a banded one.
     pub(crate) fn is_cheaper_swept(&self) -> bool {
-        let degrees = self.lagrangian.symbols.degrees();
-        self.structure.blocks.iter().any(|Block { iterates, solution, .. }| {
-            let coordinates = iterates.iter().filter(|&&unknown| unknown < degrees).count();
-            let is_half = coordinates == 0 || coordinates == iterates.len();
-            let most = if is_half { SWEPT } else { SWEPT_IN_BOTH };
-            matches!(solution, Solution::Newton { .. }) && iterates.len().pow(3) / 3 > most
-        })
+        let is_long = |block: &Block| block.iterates.len() > MOST_UNKNOWNS;
+        self.structure
+            .blocks
+            .iter()
+            .any(|block| matches!(block.solution, Solution::Newton { .. }) && is_long(block))
     }
 }
 
