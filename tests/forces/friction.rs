@@ -1,6 +1,7 @@
 //! Friction without a temperature: exact in the steps where it has one rate, a force otherwise.
 
-use fixtures::steps::{apart, asymmetry};
+use fixtures::reference::{data, list, numbers};
+use fixtures::steps::{apart, asymmetry, distance, numbers as components};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -36,19 +37,14 @@ struct PendulumLoops {
 }
 
 fn reference<E, H: Discretized<E, Vector = SVector<f64, 1>>>(system: &H, scheme: &str) {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/langevin_steps.json");
-    let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
-    let case = data["cases"].as_array().unwrap().iter().find(|case| case["scheme"] == scheme).unwrap();
+    let data = data("langevin_steps");
+    let case = list(&data["cases"]).iter().find(|case| case["scheme"] == scheme).unwrap();
     let mut state = State::new([2.0], [0.0]);
     let mut stepper = system.stepper::<E>(0.5).unwrap();
-    for expected in case["trajectory_qp"].as_array().unwrap() {
+    for expected in list(&case["trajectory_qp"]).iter().map(numbers) {
         stepper.step(&mut state, &[]).unwrap();
-        let number = |k: usize| expected[k].as_str().unwrap().parse::<f64>().unwrap();
         // Some ten roundings of numbers below 2.
-        assert!(
-            (state.q[0] - number(0)).abs() < 1e-14 && (state.p[0] - number(1)).abs() < 1e-14,
-            "{scheme} {state:?}"
-        );
+        assert!(distance(&components(&state), &expected) < 1e-14, "{scheme} {state:?}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! `Gjf` and `GjI`: steps of the reference, at every size and in lanes; the law of positions and the diffusion of linear systems, exactly.
 
 use fixtures::bath::Oscillator;
+use fixtures::reference::{data, number, numbers};
 use serde_json::Value;
 use wzvi::error::{BathError, ConfigError, StepFailure};
 use wzvi::prelude::*;
@@ -62,14 +63,6 @@ struct Rates {
     only: f64,
 }
 
-fn number(value: &Value) -> f64 {
-    value.as_str().expect("a text").parse().expect("a number")
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(number).collect()
-}
-
 /// Steps of the reference, of one oscillator and of three beside each other.
 fn check_reference<E>(case: &Value)
 where
@@ -98,8 +91,7 @@ where
 
 #[test]
 fn steps_are_those_of_the_reference() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/gjf_steps.json");
-    let data: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let data = data("gjf_steps");
     check_reference::<Gjf>(&data["GJF"]);
     check_reference::<GjI>(&data["GJ-I"]);
 }

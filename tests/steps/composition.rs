@@ -6,47 +6,30 @@ mod forced;
 mod parts;
 mod stages;
 
-use fixtures::extremes::state;
+use fixtures::reference;
 use fixtures::small::{Driven, HenonHeiles, Pendulum};
 use fixtures::steps::{asymmetry, way_back};
-use serde_json::Value;
 use wzvi::prelude::*;
-use wzvi::state::Vector;
 use wzvi::system::Segment;
 
 type Line = wzvi::nalgebra::SVector<f64, 1>;
 
-/// The path to the end of the given trajectory, step by step.
-fn follow<E, H: Discretized<E>>(system: &H, case: &Value) {
-    let list = |value: &Value| -> Vec<f64> {
-        value.as_array().unwrap().iter().map(|x| x.as_str().unwrap().parse().unwrap()).collect()
-    };
-    let mut state = state::<H::Vector>(&list(&case["q0"]), &list(&case["p0"]));
-    let h = case["h"].as_str().unwrap().parse().unwrap();
-    let mut stepper = system.stepper::<E>(h).unwrap();
-    for node in case["trajectory"].as_array().unwrap() {
-        stepper.step(&mut state, &[]).unwrap();
-        for (ours, exact) in [(&state.q, &node["q"]), (&state.p, &node["p"])] {
-            for (ours, exact) in ours.components().iter().zip(list(exact)) {
-                // Some fifty roundings per step, of numbers below 2.
-                assert!((ours - exact).abs() < 1e-14, "{}: {ours} {exact}", case["scheme"]);
-            }
-        }
-    }
-}
-
 #[test]
 fn steps_are_those_of_the_reference() {
-    let text = include_str!("../data/composition_steps.json");
-    let file: Value = serde_json::from_str(text).unwrap();
-    let mut checked = 0;
-    for case in file["cases"].as_array().unwrap() {
+    let file = reference::data("composition_steps");
+    // Some fifty roundings per step, of numbers below 2.
+    let (mut checked, bound) = (0, 1e-14);
+    for case in reference::list(&file["cases"]) {
         macro_rules! follow {
             ($($name:literal => $weights:ty),+) => {
-                match (case["scheme"].as_str().unwrap(), case["system"].as_str().unwrap()) {
+                match (reference::text(&case["scheme"]), reference::text(&case["system"])) {
                     $(
-                        ($name, "henon_heiles") => follow::<Composed<Verlet, $weights>, _>(&HenonHeiles, case),
-                        ($name, "pendulum") => follow::<Composed<Verlet, $weights>, _>(&Pendulum, case),
+                        ($name, "henon_heiles") => {
+                            reference::follow::<Composed<Verlet, $weights>, _>(&HenonHeiles, case, bound)
+                        }
+                        ($name, "pendulum") => {
+                            reference::follow::<Composed<Verlet, $weights>, _>(&Pendulum, case, bound)
+                        }
                     )+
                     _ => continue,
                 }

@@ -1,8 +1,8 @@
 //! Gauss methods: against steps to 36 digits, their orders, and what a step promises.
 
+use fixtures::reference;
 use fixtures::small::{Driven, Pendulum};
 use fixtures::steps::{advance, apart, asymmetry, lanes_apart, way_back};
-use serde_json::Value;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -14,32 +14,19 @@ type Point = SVector<f64, 1>;
 )]
 struct Duffing;
 
-fn follow<E, H: Discretized<E, Vector = Point>>(system: &H, case: &Value) {
-    let number = |value: &Value| -> f64 { value.as_str().unwrap().parse().unwrap() };
-    let mut state = State::new([number(&case["q0"][0])], [number(&case["p0"][0])]);
-    state.t = number(&case["t0"]);
-    let mut stepper = system.stepper::<E>(number(&case["h"])).unwrap();
-    for node in case["trajectory"].as_array().unwrap() {
-        stepper.step(&mut state, &[]).unwrap();
-        let exact = [number(&node["q"][0]), number(&node["p"][0])];
-        for (ours, exact) in [state.q[0], state.p[0]].into_iter().zip(exact) {
-            // Ten roundings per step, of numbers below 2.
-            assert!((ours - exact).abs() < 5e-15, "{} {}: {ours} {exact}", case["system"], case["s"]);
-        }
-    }
-}
-
 #[test]
 fn steps_are_those_of_the_reference() {
-    let file: Value = serde_json::from_str(include_str!("../data/gauss_steps.json")).unwrap();
-    for case in file["cases"].as_array().unwrap() {
-        match (case["system"].as_str().unwrap(), case["s"].as_u64().unwrap()) {
-            ("pendulum", 2) => follow::<Gauss<2>, _>(&Pendulum, case),
-            ("pendulum", 4) => follow::<Gauss<4>, _>(&Pendulum, case),
-            ("pendulum", 8) => follow::<Gauss<8>, _>(&Pendulum, case),
-            ("duffing_forced", 2) => follow::<Gauss<2>, _>(&Duffing, case),
-            ("duffing_forced", 4) => follow::<Gauss<4>, _>(&Duffing, case),
-            ("duffing_forced", 8) => follow::<Gauss<8>, _>(&Duffing, case),
+    let file = reference::data("gauss_steps");
+    for case in reference::list(&file["cases"]) {
+        // Ten roundings per step, of numbers below 2.
+        let bound = 5e-15;
+        match (reference::text(&case["system"]), case["s"].as_u64().unwrap()) {
+            ("pendulum", 2) => reference::follow::<Gauss<2>, _>(&Pendulum, case, bound),
+            ("pendulum", 4) => reference::follow::<Gauss<4>, _>(&Pendulum, case, bound),
+            ("pendulum", 8) => reference::follow::<Gauss<8>, _>(&Pendulum, case, bound),
+            ("duffing_forced", 2) => reference::follow::<Gauss<2>, _>(&Duffing, case, bound),
+            ("duffing_forced", 4) => reference::follow::<Gauss<4>, _>(&Duffing, case, bound),
+            ("duffing_forced", 8) => reference::follow::<Gauss<8>, _>(&Duffing, case, bound),
             other => panic!("{other:?}"),
         }
     }

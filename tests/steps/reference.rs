@@ -3,7 +3,10 @@
 //! `data/discrete_trajectories.json` holds the inputs (all exact in binary64) and the results. The bound of 1e-12,
 //! relative to the largest component of the state, leaves a few hundred roundings for ten steps.
 
+use fixtures::extremes::{state, vector};
+use fixtures::reference::{data, list, number, numbers};
 use fixtures::small::Kubo;
+use fixtures::steps::{distance, numbers as components};
 use serde_json::Value;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -54,90 +57,38 @@ struct HenonHeiles;
 )]
 struct ParametricTime;
 
-/// One case of the file.
-struct Case(Value);
-
-impl Case {
-    fn load(name: &str) -> Self {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/discrete_trajectories.json");
-        let all: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
-        let case = all["cases"].as_array().unwrap().iter().find(|case| case["name"] == name).unwrap();
-        Self(case.clone())
-    }
-
-    fn number(&self, key: &str) -> f64 {
-        self.0[key].as_f64().unwrap()
-    }
-}
-
-/// A row of numbers, given as numbers or as decimal strings (rounded to nearest by the parser of `f64`).
-fn row(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(scalar).collect()
-}
-
-fn scalar(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| value.as_str().unwrap().parse().unwrap())
-}
-
-fn relative_error(got: &[f64], want: &[f64], scale: f64) -> f64 {
-    got.iter().zip(want).map(|(a, b)| (a - b).abs() / scale).fold(0.0, f64::max)
-}
-
-fn size(parts: [&[f64]; 2]) -> f64 {
-    parts.into_iter().flatten().fold(f64::MIN_POSITIVE, |largest, x| largest.max(x.abs()))
-}
-
-trait FromRow: Vector {
-    fn from_row(row: &[f64]) -> Self {
-        let mut vector = Self::zeros(row.len());
-        vector.components_mut().copy_from_slice(row);
-        vector
-    }
-}
-
-impl<V: Vector> FromRow for V {}
-
-fn check_trajectory<E, H: Discretized<E>>(system: &H, case: &Case, map: &str) {
-    let trajectory = &case.0["trajectories"][map];
-    let mut state = State {
-        q: H::Vector::from_row(&row(&case.0["q0"])),
-        p: H::Vector::from_row(&row(&case.0["p0"])),
-        t: case.number("t0"),
-    };
-    let mut stepper = system.stepper::<E>(case.number("h")).unwrap();
+fn check_trajectory<E, H: Discretized<E>>(system: &H, case: &Value, map: &str) {
+    let trajectory = &case["trajectories"][map];
+    let mut state = state::<H::Vector>(&numbers(&case["q0"]), &numbers(&case["p0"])).at(number(&case["t0"]));
+    let mut stepper = system.stepper::<E>(number(&case["h"])).unwrap();
     for i in 0..10 {
-        stepper.step(&mut state, &row(&case.0["dW"][i])).unwrap();
-        let (q, p) = (row(&trajectory["q"][i + 1]), row(&trajectory["p"][i + 1]));
-        let scale = size([&q, &p]);
-        let error = relative_error(state.q.components(), &q, scale).max(relative_error(
-            state.p.components(),
-            &p,
-            scale,
-        ));
-        assert!(error <= BOUND, "{map}, step {i}: off by {error:.1e}: {state:?} instead of {q:?}, {p:?}");
+        stepper.step(&mut state, &numbers(&case["dW"][i])).unwrap();
+        let exact = [numbers(&trajectory["q"][i + 1]), numbers(&trajectory["p"][i + 1])].concat();
+        let error = distance(&components(&state), &exact) / distance(&exact, &vec![0.0; exact.len()]);
+        assert!(error <= BOUND, "{map}, step {i}: off by {error:.1e}: {state:?} instead of {exact:?}");
     }
 }
 
 /// `S = Σ_i L_d(q_i, q_{i+1}, P_i)` with `P_i = (1-l) p_i + l p_{i+1}`, and its gradient by the chain rule.
-fn check_action<E, H: Discretized<E>>(system: &H, case: &Case, map: &str, l: f64) {
-    let check = &case.0["action_check"];
+fn check_action<E, H: Discretized<E>>(system: &H, case: &Value, map: &str, l: f64) {
+    let check = &case["action_check"];
     let expected = &check[map];
     let n = check["N"].as_u64().unwrap() as usize;
-    let (h, t0) = (case.number("h"), case.number("t0"));
-    let node = |key: &str, i: usize| row(&check[key][i]);
+    let (h, t0) = (number(&case["h"]), number(&case["t0"]));
+    let node = |key: &str, i: usize| numbers(&check[key][i]);
     let d = node("q", 0).len();
     let (mut action, mut by_q, mut by_p) = (0.0, vec![vec![0.0; d]; n + 1], vec![vec![0.0; d]; n + 1]);
     for i in 0..n {
         let p: Vec<f64> =
             node("p", i).iter().zip(&node("p", i + 1)).map(|(a, b)| (1.0 - l) * a + l * b).collect();
         let segment = wzvi::system::Segment {
-            q0: H::Vector::from_row(&node("q", i)),
-            q1: H::Vector::from_row(&node("q", i + 1)),
-            p: H::Vector::from_row(&p),
+            q0: vector(&node("q", i)),
+            q1: vector(&node("q", i + 1)),
+            p: vector(&p),
             t: t0 + i as f64 * h,
             h,
         };
-        let dw = row(&case.0["dW"][i]);
+        let dw = numbers(&case["dW"][i]);
         action += system.discrete_lagrangian(&segment, &dw);
         let gradient = system.discrete_lagrangian_gradient(&segment, &dw);
         for j in 0..d {
@@ -147,12 +98,12 @@ fn check_action<E, H: Discretized<E>>(system: &H, case: &Case, map: &str, l: f64
             by_p[i + 1][j] += l * gradient.p.components()[j];
         }
     }
-    let want = scalar(&expected["S"]);
+    let want = number(&expected["S"]);
     assert!((action - want).abs() <= BOUND * want.abs().max(1.0), "{map}: S = {action}, not {want}");
     for (key, got) in [("dS_dq", by_q), ("dS_dp", by_p)] {
         for (i, got) in got.iter().enumerate() {
-            let want = row(&expected[key][i]);
-            assert!(relative_error(got, &want, 1.0) <= BOUND, "{map}: {key}[{i}] = {got:?}, not {want:?}");
+            let want = numbers(&expected[key][i]);
+            assert!(distance(got, &want) <= BOUND, "{map}: {key}[{i}] = {got:?}, not {want:?}");
         }
     }
 }
@@ -162,17 +113,18 @@ macro_rules! check_case {
     ($test:ident, $name:literal, $system:expr) => {
         #[test]
         fn $test() {
-            let case = Case::load($name);
+            let file = data("discrete_trajectories");
+            let case = list(&file["cases"]).iter().find(|case| case["name"] == $name).unwrap();
             let system = $system;
-            check_trajectory::<Uncorrected<DeltaPlus>, _>(&system, &case, "delta_plus");
-            check_trajectory::<Uncorrected<DeltaMinus>, _>(&system, &case, "delta_minus");
-            check_trajectory::<Midpoint, _>(&system, &case, "midpoint");
-            check_trajectory::<Uncorrected<Lambda<1, 4>>, _>(&system, &case, "lambda_quarter");
-            check_trajectory::<Corrected<DeltaPlus>, _>(&system, &case, "delta_plus_counter_dw");
-            check_trajectory::<Mixed<DeltaPlus, Midpoint>, _>(&system, &case, "mixed_drift0_noise_half");
-            check_action::<Uncorrected<DeltaPlus>, _>(&system, &case, "delta_plus", 0.0);
-            check_action::<Midpoint, _>(&system, &case, "midpoint", 0.5);
-            check_action::<Uncorrected<Lambda<1, 4>>, _>(&system, &case, "lambda_quarter", 0.25);
+            check_trajectory::<Uncorrected<DeltaPlus>, _>(&system, case, "delta_plus");
+            check_trajectory::<Uncorrected<DeltaMinus>, _>(&system, case, "delta_minus");
+            check_trajectory::<Midpoint, _>(&system, case, "midpoint");
+            check_trajectory::<Uncorrected<Lambda<1, 4>>, _>(&system, case, "lambda_quarter");
+            check_trajectory::<Corrected<DeltaPlus>, _>(&system, case, "delta_plus_counter_dw");
+            check_trajectory::<Mixed<DeltaPlus, Midpoint>, _>(&system, case, "mixed_drift0_noise_half");
+            check_action::<Uncorrected<DeltaPlus>, _>(&system, case, "delta_plus", 0.0);
+            check_action::<Midpoint, _>(&system, case, "midpoint", 0.5);
+            check_action::<Uncorrected<Lambda<1, 4>>, _>(&system, case, "lambda_quarter", 0.25);
         }
     };
 }

@@ -1,60 +1,32 @@
 //! Steps against references, and their limits.
 
-use serde_json::Value;
 use wzvi::prelude::*;
 use wzvi::step::StepInfo;
 
 use fixtures::bath::{
     Chain, Coupled, Damped, Driven, Free, FreeChain, Linked, Oscillator, Rough, RoughLinked, RoughPlane,
 };
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().expect("a list");
-    list.iter().map(|number| number.as_str().expect("a text").parse().expect("a number")).collect()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_str().expect("a text").parse().expect("a number")
-}
-
-/// The steps of a scheme with given normals, one list for each O part.
-fn check_reference<E>(case: &Value, parts: usize)
-where
-    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
-{
-    let m = numbers(&case["mass"])[0];
-    let gamma = numbers(&case["friction_matrix"][0])[0] / m;
-    let (kt, h) = (number(&case["kT"]), number(&case["h"]));
-    let system = Oscillator { m, k: 1.0, b: 1.0, gamma, kt };
-    let mut state = State::new([numbers(&case["q0"])[0]], [numbers(&case["p0"])[0]]);
-    let mut stepper = system.stepper::<E>(h).expect("steps");
-    let normals: Vec<f64> =
-        case["normals"].as_array().expect("a list").iter().map(|row| numbers(row)[0]).collect();
-    for (expected, normals) in
-        case["trajectory"].as_array().expect("a list").iter().zip(normals.chunks(parts))
-    {
-        let dw: Vec<f64> = normals.iter().map(|normal| h.sqrt() * normal).collect();
-        stepper.step(&mut state, &dw).expect("a step");
-        let (q, p) = (numbers(&expected["q"])[0], numbers(&expected["p"])[0]);
-        // Some ten roundings of numbers of the size of 1.
-        assert!((state.q[0] - q).abs() < 1e-14 && (state.p[0] - p).abs() < 1e-14, "{state:?} {q} {p}");
-    }
-}
+use fixtures::reference;
 
 /// Three steps of BAOAB and OBABO with given normals, computed with 40 digits.
 #[test]
 fn steps_are_those_of_the_reference() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/langevin_steps.json");
-    let text = std::fs::read_to_string(file).expect("the reference");
-    let data: Value = serde_json::from_str(&text).expect("the reference");
+    let data = reference::data("langevin_steps");
     let mut seen = 0;
-    for case in data["cases"].as_array().expect("a list") {
+    for case in reference::list(&data["cases"]) {
+        // Some ten roundings of numbers of the size of 1.
+        let bound = 1e-14;
+        let system = || {
+            let (m, kt) = (reference::numbers(&case["mass"])[0], reference::number(&case["kT"]));
+            let gamma = reference::numbers(&case["friction_matrix"][0])[0] / m;
+            Oscillator { m, k: 1.0, b: 1.0, gamma, kt }
+        };
         match case["scheme"].as_str() {
-            Some("BAOAB") => check_reference::<Baoab>(case, 1),
+            Some("BAOAB") => reference::follow::<Baoab, _>(&system(), case, bound),
             Some("OBABO") => {
-                check_reference::<Obabo>(case, 2);
+                reference::follow::<Obabo, _>(&system(), case, bound);
                 // Its middle is a step of Verlet.
-                check_reference::<Thermostat<Verlet>>(case, 2);
+                reference::follow::<Thermostat<Verlet>, _>(&system(), case, bound);
             }
             _ => continue,
         }
