@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::diagonal::{BLOCK, Diagonal};
 use super::modes::Decay;
@@ -102,7 +103,7 @@ pub struct Memory<S> {
     own: Option<Own>,
     room: Vec<S>,
     /// The heat of each part, block by block, where a step goes window by window.
-    blocks: Vec<f64>,
+    blocks: Vec<AtomicU64>,
     /// The heat of the last step.
     pub(super) heat: S,
 }
@@ -198,7 +199,7 @@ pub(super) struct Parts<'m, T, K, S> {
     normals: &'m [S],
     per_part: usize,
     room: &'m mut Vec<S>,
-    blocks: &'m mut Vec<f64>,
+    blocks: &'m mut Vec<AtomicU64>,
 }
 
 impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
@@ -207,8 +208,8 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
     pub(super) fn by_place(self, parts: usize, degrees: usize) -> Option<ByPlace<'m>> {
         let Self { relaxation, normals, per_part, blocks, .. } = self;
         let (law, normals) = (same(relaxation.diagonal()?)?, S::plain(normals)?);
-        blocks.resize(parts * degrees.div_ceil(BLOCK), 0.0);
-        Some(ByPlace { law, normals, per_part, first: 0, blocks, parts })
+        blocks.resize_with(parts * degrees.div_ceil(BLOCK), AtomicU64::default);
+        Some(ByPlace { law, normals, per_part, blocks, parts })
     }
 
     /// Whether there is no friction.
@@ -241,60 +242,42 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
 }
 
 /// The O parts of a step, for places in any order.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct ByPlace<'m> {
     law: &'m Diagonal,
     normals: &'m [f64],
     per_part: usize,
-    /// The first place of `blocks`, the heats of the `parts` of each block.
-    first: usize,
-    blocks: &'m mut [f64],
+    /// The bits of the heats of the `parts` of each block: threads share the list, but each writes to its own blocks.
+    blocks: &'m [AtomicU64],
     parts: usize,
 }
 
-impl<'m> ByPlace<'m> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn lend(&mut self) -> ByPlace<'_> {
-        ByPlace { blocks: self.blocks, ..*self }
-    }
-
-    /// Divides the places at `place`, the first of a block.
-    pub(super) fn divide(self, place: usize) -> [Self; 2] {
-        let Self { law, normals, per_part, first, blocks, parts } = self;
-        let before = ((place - first).div_ceil(BLOCK) * parts).min(blocks.len());
-        let (blocks, behind) = blocks.split_at_mut(before);
-        [(first, blocks), (place, behind)].map(|(first, blocks)| Self {
-            law,
-            normals,
-            per_part,
-            first,
-            blocks,
-            parts,
-        })
-    }
-
+impl ByPlace<'_> {
     /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn apply(
-        &mut self,
+        &self,
         part: usize,
         places: Range<usize>,
         mut drift: Option<(f64, &mut [f64])>,
         p: &mut [f64],
     ) {
         let normals = &self.normals[part * self.per_part..(part + 1) * self.per_part];
-        let heats = self.blocks[(places.start - self.first) / BLOCK * self.parts..].chunks_mut(self.parts);
+        let heats = self.blocks[places.start / BLOCK * self.parts..].chunks(self.parts);
         for (block, (p, heats)) in p.chunks_mut(BLOCK).zip(heats).enumerate() {
             let (from, len) = (block * BLOCK, p.len());
             let drift = drift.as_mut().map(|(time, q)| (*time, &mut q[from..from + len]));
-            heats[part] = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
+            let heat = self.law.block(places.start + from..places.start + from + len, normals, drift, p);
+            heats[part].store(heat.to_bits(), Ordering::Relaxed);
         }
     }
 
     /// The heat of all parts.
     pub(super) fn heat(&self) -> f64 {
-        let of_part =
-            |part| self.blocks.iter().skip(part).step_by(self.parts).fold(0.0, |sum, heat| sum + heat);
+        let of_block = |heat: &AtomicU64| f64::from_bits(heat.load(Ordering::Relaxed));
+        let of_part = |part| {
+            self.blocks.iter().skip(part).step_by(self.parts).map(of_block).fold(0.0, |sum, heat| sum + heat)
+        };
         (0..self.parts).fold(0.0, |sum, part| sum + of_part(part))
     }
 }

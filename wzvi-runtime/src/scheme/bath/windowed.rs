@@ -9,29 +9,14 @@ use crate::scheme::compose::windowed::FlowList;
 use crate::scheme::elements::{Elements, Given, Move, Origin, Slopes, Sums, Word, add_flow};
 
 /// A word of kicks, drifts and O parts.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct WithBath<'m> {
     pub(super) flows: FlowList<'m, Act>,
     pub(super) relaxing: ByPlace<'m>,
 }
 
 impl Word for WithBath<'_> {
-    type Share<'s>
-        = WithBath<'s>
-    where
-        Self: 's;
     const CHANGES: bool = true;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn share(&mut self) -> WithBath<'_> {
-        WithBath { relaxing: self.relaxing.lend(), flows: self.flows }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn divide(self, place: usize) -> [Self; 2] {
-        let Self { flows, relaxing } = self;
-        relaxing.divide(place).map(|relaxing| Self { flows, relaxing })
-    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
@@ -64,14 +49,14 @@ impl Word for WithBath<'_> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
+    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64]) {
         if let Act::Relax(part) = self.flows.stages()[number].act {
             self.relaxing.apply(part, places, None, p);
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
+    fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         let stage = &self.flows.stages()[number];
         if let Act::RelaxBetween(part) = stage.act {
             self.relaxing.apply(part, places, Some((self.flows.time(stage), q)), p);

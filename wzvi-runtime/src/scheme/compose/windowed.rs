@@ -164,21 +164,6 @@ impl<'a, A> FlowList<'a, A> {
 }
 
 impl Word for FlowList<'_, Act> {
-    type Share<'s>
-        = Self
-    where
-        Self: 's;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn share(&mut self) -> Self {
-        *self
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn divide(self, _: usize) -> [Self; 2] {
-        [self; 2]
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         self.stages.len()

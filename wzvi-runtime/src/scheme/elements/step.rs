@@ -7,9 +7,11 @@
 use super::memory::Lists;
 use super::passes::{add, are_finite};
 use super::side_by_side::is_side_by_side;
-use super::{Curvature, Elements, MomentumUpdate, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
+use super::{
+    Curvature, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums, Unknowns, slopes,
+};
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Number, Scalar};
 use crate::error::StepFailure;
 use crate::scheme::system::Hamiltonian;
 
@@ -226,6 +228,34 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         }
         if H::KIND.is_conformal {
             damp(dp, self.p, decay(self.system, self.h));
+        }
+    }
+}
+
+impl<H: Elements> Step<'_, H, f64> {
+    /// Adds the slopes of the stages with a weight.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
+        &self,
+        weight_of: impl Fn(&Stage) -> f64,
+        state: &V,
+        wanted: Slopes,
+        into: &mut A,
+    ) {
+        let none = &mut [][..];
+        for stage in self.scheme.stages {
+            if weight_of(stage) == 0.0 {
+                continue;
+            }
+            // Elements of one half of the phase space read nothing of the other.
+            let at = self.at(stage, state, state);
+            for &(part, weight) in stage.parts {
+                if wanted.by_q {
+                    self.system.slopes::<f64, T>(part, weight, &at, wanted, into, none);
+                } else {
+                    self.system.slopes::<f64, T>(part, weight, &at, wanted, none, into);
+                }
+            }
         }
     }
 }

@@ -16,9 +16,10 @@ mod check;
 mod explicit;
 mod layout;
 mod order;
-mod share;
+mod portions;
 mod sums;
 mod sweep;
+mod turns;
 mod word;
 
 use std::ops::Range;
@@ -28,10 +29,10 @@ pub(super) use sweep::Sweeps;
 pub use word::{Flow, Kick, Move, Origin, Word, take_windows};
 
 use layout::{Recorder, Windows};
-use order::{Turn, divided};
-use share::{Job, Room, Taking};
+use order::divided;
+use portions::{Found, Part, on_threads};
+use turns::{Job, Share, Taking};
 
-use super::step::nothing;
 use super::{Elements, Slopes};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::state::Vector;
@@ -102,15 +103,6 @@ struct Plan {
     coordinates: [Vec<f64>; 2],
     momenta: Vec<f64>,
     kept: Kept,
-}
-
-/// The turns of a thread, and scratch for the sums of a window.
-#[derive(Debug)]
-struct Share {
-    /// Where its windows end.
-    end: usize,
-    turns: Vec<Turn>,
-    sums: Vec<f64>,
 }
 
 /// The force at the end of the last step, and where it acted.
@@ -193,13 +185,9 @@ impl Plan {
     fn shares(windows: &Windows, rounds: usize, threads: usize) -> (Vec<Share>, Share) {
         let all = windows.neighbours().len();
         let parts = if threads.min(all) < 2 { Vec::new() } else { windows.portions(threads).collect() };
-        let share = |windows_of: &Range<usize>, turns| {
-            let end = windows_of.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
-            Share { end, turns, sums: vec![nothing(); windows.room() + LINE] }
-        };
         let (turns, rest) = divided(windows.neighbours(), rounds, &parts);
-        let shares = parts.iter().zip(turns).map(|(windows_of, turns)| share(windows_of, turns)).collect();
-        (shares, share(&(0..all), rest))
+        let shares = parts.iter().zip(turns).map(|(own, turns)| Share::new(windows, own, turns)).collect();
+        (shares, Share::new(windows, &(0..all), rest))
     }
 
     /// The degrees of freedom of the system of this plan.
@@ -234,10 +222,10 @@ impl Plan {
         &'a mut self,
         [q, p]: [&'a [f64]; 2],
         reuses: bool,
-    ) -> (Taking<'a>, &'a mut [Share], &'a mut Share, Room<'a>) {
+    ) -> (Taking<'a>, &'a mut [Share], &'a mut Share, [&'a mut [f64]; 5]) {
         let Self { windows, rounds, shares, rest, coordinates: [even, odd], momenta, kept, .. } = self;
-        let room = Room { first: 0, even, odd, momenta, kept: [&mut kept.q, &mut kept.force] };
-        (Taking { windows, rounds, q, p, reuses }, shares, rest, room)
+        let lists = [even, odd, momenta, &mut kept.q, &mut kept.force].map(Vec::as_mut_slice);
+        (Taking { windows, rounds, q, p, reuses }, shares, rest, lists)
     }
 
     /// Takes all turns of a step; returns whether the new state is finite.
@@ -245,32 +233,36 @@ impl Plan {
     fn take<H: Elements + Sync, W: Word>(
         &mut self,
         system: &H,
-        word: &mut W,
+        word: W,
         state: [&[f64]; 2],
         reuses: bool,
     ) -> bool {
         let instructions = self.instructions;
-        let (step, shares, rest, mut room) = self.parts(state, reuses);
-        let of_threads =
-            shares.is_empty() || step.on_threads(system, word, shares, room.lend(), instructions);
-        of_threads
-            && Job::<_, _, H::Usual, true>::new(step, system, word.share(), rest, room).run_in(instructions)
+        let (step, shares, rest, mut lists) = self.parts(state, reuses);
+        let of_threads = on_threads(shares, lend(&mut lists), |share, part| {
+            let job = Job::<_, _, H::Usual, false>::new(step, system, word, share, part);
+            Found::finite(job.run_in(instructions))
+        });
+        let all = Part { first: 0, lists };
+        of_threads.is_finite
+            && Job::<_, _, H::Usual, true>::new(step, system, word, rest, all).run_in(instructions)
     }
 
     /// The same on one thread in exact numbers, for arguments that vectorised functions do not cover. Fails if the state is not finite.
     #[cold]
     #[inline(never)]
-    fn take_exactly<H: Elements + Sync, W: Word>(
-        &mut self,
-        system: &H,
-        word: &mut W,
-        state: [&[f64]; 2],
-    ) -> bool {
-        let (step, shares, rest, mut room) = self.parts(state, false);
+    fn take_exactly<H: Elements + Sync, W: Word>(&mut self, system: &H, word: W, state: [&[f64]; 2]) -> bool {
+        let (step, shares, rest, mut lists) = self.parts(state, false);
         shares.iter_mut().chain([rest]).all(|share| {
-            Job::<_, _, H::Exact, true>::new(step, system, word.share(), share, room.lend()).run::<1, 1>()
+            let all = Part { first: 0, lists: lend(&mut lists) };
+            Job::<_, _, H::Exact, true>::new(step, system, word, share, all).run::<1, 1>()
         })
     }
+}
+
+/// The same lists, for a part of their use.
+fn lend<'a, const N: usize>(lists: &'a mut [&mut [f64]; N]) -> [&'a mut [f64]; N] {
+    lists.each_mut().map(|list| &mut **list)
 }
 
 /// The new state of a step, stored in its plan.
@@ -301,15 +293,15 @@ impl Taken<'_> {
 #[inline(never)]
 fn advance<'p, H: Elements + Sync, W: Word>(
     system: &H,
-    word: &mut W,
+    word: W,
     state: [&[f64]; 2],
     WindowPlan { threads, plan }: &'p mut WindowPlan,
 ) -> Result<Taken<'p>, StepFailure> {
-    if plan.as_ref().is_none_or(|plan| !plan.fits(word, state[0].len())) {
+    if plan.as_ref().is_none_or(|plan| !plan.fits(&word, state[0].len())) {
         *plan = None;
     }
-    let plan = plan.get_or_insert_with(|| Box::new(Plan::new(system, word, state, *threads)));
-    let reuses = plan.reuses(word, state[0]);
+    let plan = plan.get_or_insert_with(|| Box::new(Plan::new(system, &word, state, *threads)));
+    let reuses = plan.reuses(&word, state[0]);
     if !(plan.take(system, word, state, reuses) || plan.take_exactly(system, word, state)) {
         return Err(StepFailure::NonFinite);
     }
@@ -318,6 +310,6 @@ fn advance<'p, H: Elements + Sync, W: Word>(
     {
         plan.kept.origin = last.clone().find_map(|number| word.origin(number));
     }
-    let last = plan.last(word);
+    let last = plan.last(&word);
     Ok(Taken { q: &mut plan.coordinates[last], p: &mut plan.momenta })
 }

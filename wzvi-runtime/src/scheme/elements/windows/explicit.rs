@@ -35,56 +35,15 @@ impl<H: Elements + Sync> Step<'_, H, f64> {
     /// [`StepFailure::NonFinite`] if the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::scheme::elements) fn advance_windows<'p>(
-        mut self,
+        self,
         plan: &'p mut WindowPlan,
     ) -> Result<Taken<'p>, StepFailure> {
-        let (system, state) = (self.system, [self.q, self.p]);
-        advance(system, &mut self, state, plan)
-    }
-
-    /// Adds the slopes of the stages with a weight.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn slopes_of<T: Number<f64>, V: Given<f64> + ?Sized, A: Sums<f64>>(
-        &self,
-        weight_of: impl Fn(&Stage) -> f64,
-        state: &V,
-        wanted: Slopes,
-        into: &mut A,
-    ) {
-        let none = &mut [][..];
-        for stage in self.scheme.stages {
-            if weight_of(stage) == 0.0 {
-                continue;
-            }
-            // Elements of one half of the phase space read nothing of the other.
-            let at = self.at(stage, state, state);
-            for &(part, weight) in stage.parts {
-                if wanted.by_q {
-                    self.system.slopes::<f64, T>(part, weight, &at, wanted, into, none);
-                } else {
-                    self.system.slopes::<f64, T>(part, weight, &at, wanted, none, into);
-                }
-            }
-        }
+        advance(self.system, self, [self.q, self.p], plan)
     }
 }
 
 impl<H: Elements + Sync> Word for Step<'_, H, f64> {
-    type Share<'s>
-        = Self
-    where
-        Self: 's;
     const ADDS_TERMS: bool = false;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn share(&mut self) -> Self {
-        *self
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn divide(self, _: usize) -> [Self; 2] {
-        [self; 2]
-    }
 
     /// Kick and drift. If the scheme kicks last, the first kick adds nothing and a kick follows the drift.
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -13,15 +13,15 @@
 
 mod blocks;
 mod diagonal;
-mod parts;
 
 use std::any::TypeId;
+use std::ops::Range;
 
 use blocks::{Compared, Follow, Guess, Kick, Store};
-use parts::{Found, Part, Portion, on_threads};
 
 use super::LEAST_IN_WINDOWS;
 use super::layout::{Recorder, Strip, Windows};
+use super::portions::{Found, Part, Portion, on_threads};
 use super::sums::{Stretch, Window};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Number, Scalar};
@@ -54,7 +54,7 @@ pub(in crate::scheme::elements) struct Swept<S> {
 #[derive(Debug)]
 pub(in crate::scheme::elements) struct Sweeps {
     windows: Windows,
-    portions: Vec<Portion>,
+    portions: Vec<Portion<Range<usize>>>,
     instructions: InstructionSet,
     /// Whether the last iteration used windows, so that the coordinates at its unknowns are stored for the next one.
     is_ready: bool,
@@ -73,7 +73,9 @@ impl Sweeps {
         }
         let degrees = step.degrees();
         let windows = Windows::new(degrees, SIZE, recorder);
-        let portions = Portion::all(&windows, threads.number(degrees / LEAST_OF_THREAD));
+        let threads = threads.number(degrees / LEAST_OF_THREAD);
+        let portions =
+            windows.portions(threads).map(|own| Portion::new(&windows, &own, own.clone())).collect();
         Self { windows, portions, instructions: InstructionSet::best(), is_ready: false, is_finite: false }
     }
 }
@@ -285,7 +287,7 @@ impl<S: Scalar> Scratch<'_, S> {
 struct Start<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
-    portion: &'a mut Portion,
+    portion: &'a mut Portion<Range<usize>>,
     part: Part<'a, 5>,
     past: [&'a [f64]; 3],
     known: u8,
@@ -307,7 +309,7 @@ impl<H: Elements + Sync> Kernel for Start<'_, '_, H> {
         let Self { step, windows, portion, part: Part { first, lists }, past, known } = self;
         let [all_x, _, momenta, all_u, all_next] = lists;
         let [point, _] = step.weights();
-        for number in portion.windows.clone() {
+        for number in portion.work.clone() {
             let strip = windows.strip(number);
             let (places, own) = (strip.start..strip.end, strip.start - first..strip.end - first);
             let p = &step.p[places.clone()];
@@ -327,7 +329,7 @@ impl<H: Elements + Sync> Kernel for Start<'_, '_, H> {
 struct Sweep<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
-    portion: &'a mut Portion,
+    portion: &'a mut Portion<Range<usize>>,
     part: Part<'a, 5>,
     /// Coordinates of all places for the forces.
     now: &'a [f64],
@@ -352,7 +354,7 @@ impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {
         let ([point, weight], factor, mut zeros) = (step.weights(), step.multiple(), [0.0; HALF]);
         let (mut size, mut corrected, mut seen) =
             (Largest::<HALF>::default(), Largest::<HALF>::default(), Seen::<HALF>::new());
-        for number in portion.windows.clone() {
+        for number in portion.work.clone() {
             let strip = windows.strip(number);
             let (places, own) = (strip.start..strip.end, strip.start - first..strip.end - first);
             let p = &step.p[places.clone()];

@@ -60,25 +60,12 @@ pub enum Move {
     State,
 }
 
-/// The parts of a step, which move the state one after the other.
-pub trait Word {
-    /// The same parts, borrowed for one step, which may be sent to threads.
-    type Share<'s>: Word + Send
-    where
-        Self: 's;
+/// The parts of a step, which move the state one after the other, on several threads at once: each has its own places.
+pub trait Word: Copy + Send + Sync {
     /// Whether slopes have the sign with which they are added.
     const ADDS_TERMS: bool = true;
     /// Whether there are parts other than kicks and drifts, and possibly several drifts between two kicks.
     const CHANGES: bool = false;
-
-    /// The parts for all places.
-    fn share(&mut self) -> Self::Share<'_>;
-
-    /// The parts for the places before `place`, and for those from it on, each for one thread.
-    #[must_use]
-    fn divide(self, place: usize) -> [Self; 2]
-    where
-        Self: Sized;
 
     /// Number of parts.
     fn count(&self) -> usize;
@@ -103,13 +90,13 @@ pub trait Word {
 
     /// Changes the momenta of some places one by one, and may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_momenta(&mut self, number: usize, places: Range<usize>, p: &mut [f64]) {
+    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64]) {
         let _ = (number, places, p);
     }
 
     /// Changes coordinates and momenta of some places one by one, and may be called again.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn change_state(&mut self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
+    fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         let _ = (number, places, q, p);
     }
 }
@@ -126,5 +113,5 @@ pub fn take_windows<'p, H: Elements + Sync, W: Word>(
     p: &[f64],
     plan: &'p mut WindowPlan,
 ) -> Option<Result<Taken<'p>, StepFailure>> {
-    H::FACTS.has_windows.then(|| advance(system, &mut word.share(), [q, p], plan))
+    H::FACTS.has_windows.then(|| advance(system, *word, [q, p], plan))
 }

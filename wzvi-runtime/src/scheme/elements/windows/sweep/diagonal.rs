@@ -6,9 +6,10 @@
 //!
 //! The forces of a window depend on its own coordinates only, so that a window takes all of this at once.
 
+use std::ops::Range;
+
 use super::blocks::add_zeros;
-use super::parts::{Found, Part, Portion, on_threads};
-use super::{Stretch, Sweeps, Windows};
+use super::{Found, Part, Portion, Stretch, Sweeps, Windows, on_threads};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Scalar;
 use crate::scheme::elements::linear::Linear;
@@ -67,7 +68,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 struct Diagonal<'a, 's, H> {
     step: Step<'s, H, f64>,
     windows: &'a Windows,
-    portion: &'a mut Portion,
+    portion: &'a mut Portion<Range<usize>>,
     part: Part<'a, 2>,
     /// The inverse of the Jacobian, for all places.
     inverses: &'a [f64],
@@ -89,7 +90,7 @@ impl<H: Elements + Sync> Kernel for Diagonal<'_, '_, H> {
         let [all_x, all_u] = lists;
         let ([point, weight], factor, degrees) = (step.weights(), step.multiple(), step.degrees());
         let mut zeros = [0.0; L];
-        for number in portion.windows.clone() {
+        for number in portion.work.clone() {
             let strip = windows.strip(number);
             let (places, own) = (strip.start..strip.end, strip.start - first..strip.end - first);
             let [q, p, inverses] = [step.q, step.p, inverses].map(|list| &list[places.clone()]);
@@ -110,8 +111,7 @@ impl<H: Elements + Sync> Kernel for Diagonal<'_, '_, H> {
             in_blocks::<L>(places.len(), &mut End { velocities, q, p, x, factor, u, zeros: &mut zeros });
         }
         // Opaque, since the compiler else cuts the lanes of the pass as the sum would have them.
-        let is_finite = std::hint::black_box(zeros).iter().sum::<f64>() == 0.0;
-        Found { is_finite, ..Found::NOTHING }
+        Found::finite(std::hint::black_box(zeros).iter().sum::<f64>() == 0.0)
     }
 }
 

@@ -1,51 +1,51 @@
 //! Portions of adjacent windows, one for each thread. Every number is the same as on one thread: the combined result does not depend on
 //! the order of the portions.
 
+use std::mem::take;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::super::layout::Windows;
-use super::super::share::halves;
+use super::LINE;
+use super::layout::Windows;
 use crate::algebra::solve::larger;
 use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
 use crate::scheme::elements::step::nothing;
 
-/// The windows of a thread, their end, and scratch for the sums of one of them.
+/// What a thread takes, where its windows end, and scratch for the sums of one of them.
 #[derive(Debug)]
-pub(super) struct Portion {
-    pub(super) windows: Range<usize>,
+pub(super) struct Portion<W> {
+    pub(super) work: W,
     end: usize,
+    /// With room to begin at a cache line.
     pub(super) sums: Vec<f64>,
 }
 
-impl Portion {
-    /// All windows, in at most `threads` portions.
-    pub(super) fn all(windows: &Windows, threads: usize) -> Vec<Self> {
-        let portion = |own: Range<usize>| {
-            let end = own.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
-            Self { windows: own, end, sums: vec![nothing(); windows.room()] }
-        };
-        windows.portions(threads).map(portion).collect()
+impl<W> Portion<W> {
+    /// The work on the windows `own`.
+    pub(super) fn new(windows: &Windows, own: &Range<usize>, work: W) -> Self {
+        let end = own.end.checked_sub(1).map_or(0, |last| windows.strip(last).end);
+        Self { work, end, sums: vec![nothing(); windows.room() + LINE] }
     }
 }
 
-/// The part of lists that belongs to a portion, from the place `first` on.
+/// The part of lists that belongs to a portion, from the place `first` on. Lists that are not needed are empty.
 pub(super) struct Part<'a, const N: usize> {
     pub(super) first: usize,
     pub(super) lists: [&'a mut [f64]; N],
 }
 
 impl<const N: usize> Part<'_, N> {
-    /// Splits the lists at a place.
+    /// Splits the lists at a place; shorter lists stay in the first half.
     fn divide(self, place: usize) -> [Self; 2] {
         let Self { first, lists } = self;
-        let [before, behind] = halves(lists, place - first);
-        [Self { first, lists: before }, Self { first: place, lists: behind }]
+        let mut halves = lists.map(|list| list.split_at_mut((place - first).min(list.len())));
+        let before = halves.each_mut().map(|half| take(&mut half.0));
+        [Self { first, lists: before }, Self { first: place, lists: halves.map(|half| half.1) }]
     }
 }
 
-/// The result of an iteration in some windows.
+/// The result of a step or of an iteration in some windows.
 #[derive(Clone, Copy)]
 pub(super) struct Found {
     /// The largest unknown, and the largest correction: NaN if any is not finite.
@@ -61,6 +61,12 @@ impl Found {
     pub(super) const NOTHING: Self =
         Self { size: 0.0, corrected: 0.0, change: Change::Unseen, is_finite: true };
 
+    /// Nothing but whether the state is finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn finite(is_finite: bool) -> Self {
+        Self { is_finite, ..Self::NOTHING }
+    }
+
     fn and(self, other: Self) -> Self {
         Self {
             size: larger(self.size, other.size),
@@ -73,14 +79,16 @@ impl Found {
 
 /// Does the work on the part of each portion, on one thread each if there are several; returns the combined result.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn on_threads<const N: usize>(
-    portions: &mut [Portion],
+pub(super) fn on_threads<W: Send, const N: usize>(
+    portions: &mut [Portion<W>],
     lists: [&mut [f64]; N],
-    work: impl Fn(&mut Portion, Part<'_, N>) -> Found + Sync,
+    work: impl Fn(&mut Portion<W>, Part<'_, N>) -> Found + Sync,
 ) -> Found {
     let part = Part { first: 0, lists };
-    if let [all] = portions {
-        return work(all, part);
+    match portions {
+        [] => return Found::NOTHING,
+        [all] => return work(all, part),
+        _ => {}
     }
     let (mut jobs, mut behind) = (Vec::with_capacity(portions.len()), part);
     for portion in portions {

@@ -5,56 +5,16 @@
 //! same as on one thread: the order of the turns changes no term and no order of a sum.
 
 use std::marker::PhantomData;
-use std::mem::take;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::check::Check;
 use super::layout::{Strip, Windows};
 use super::order::Turn;
+use super::portions::{Part, Portion};
 use super::sums::{Moved, Stretch, Window};
-use super::{Elements, Kick, LINE, Move, Share, Slopes, Word};
+use super::{Elements, Kick, LINE, Move, Slopes, Word};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::Number;
-use crate::algebra::threads::each;
-
-/// The part of the new state that is written, from the place `first` on. Lists that are not needed are empty.
-pub(super) struct Room<'a> {
-    pub(super) first: usize,
-    /// Coordinates after the rounds with even and with odd numbers.
-    pub(super) even: &'a mut [f64],
-    pub(super) odd: &'a mut [f64],
-    pub(super) momenta: &'a mut [f64],
-    /// The coordinates at which the last force acts, and the force.
-    pub(super) kept: [&'a mut [f64]; 2],
-}
-
-impl<'a> Room<'a> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn lend(&mut self) -> Room<'_> {
-        let Self { first, even, odd, momenta, kept: [q, force] } = self;
-        Room { first: *first, even, odd, momenta, kept: [q, force] }
-    }
-
-    /// Splits the lists at a place.
-    fn divide(self, place: usize) -> [Self; 2] {
-        let Self { first, even, odd, momenta, kept: [q, force] } = self;
-        let [before, behind] = halves([even, odd, momenta, q, force], place - first);
-        [(first, before), (place, behind)].map(|(first, [even, odd, momenta, q, force])| Self {
-            first,
-            even,
-            odd,
-            momenta,
-            kept: [q, force],
-        })
-    }
-}
-
-/// Splits lists at a place; shorter lists stay in the first half.
-pub(super) fn halves<const N: usize>(lists: [&mut [f64]; N], place: usize) -> [[&mut [f64]; N]; 2] {
-    let mut halves = lists.map(|list| list.split_at_mut(place.min(list.len())));
-    [halves.each_mut().map(|half| take(&mut half.0)), halves.map(|half| half.1)]
-}
 
 /// The data of a step that all threads share.
 #[derive(Clone, Copy)]
@@ -67,43 +27,20 @@ pub(super) struct Taking<'a> {
     pub(super) reuses: bool,
 }
 
-impl Taking<'_> {
-    /// Takes the turns of each share on its own thread; returns whether all numbers are finite.
-    pub(super) fn on_threads<H: Elements + Sync, W: Word>(
-        self,
-        system: &H,
-        word: &mut W,
-        shares: &mut [Share],
-        room: Room<'_>,
-        instructions: InstructionSet,
-    ) -> bool {
-        let (is_finite, mut behind) = (AtomicBool::new(true), (word.share(), room));
-        let mut jobs = Vec::with_capacity(shares.len());
-        for share in shares {
-            let (word, room) = behind;
-            let [word, word_behind] = word.divide(share.end);
-            let [room, room_behind] = room.divide(share.end);
-            behind = (word_behind, room_behind);
-            jobs.push(Job::<_, _, H::Usual, false>::new(self, system, word, share, room));
-        }
-        each(jobs, |job| {
-            if !job.run_in(instructions) {
-                is_finite.store(false, Ordering::Relaxed);
-            }
-        });
-        is_finite.into_inner()
-    }
-}
+/// The turns of a thread, and scratch for the sums of a window.
+pub(super) type Share = Portion<Vec<Turn>>;
 
-/// Turns of windows, with slopes in numbers `T`. `WHOLE`, for a room that covers the whole system, is a compile-time constant because
-/// offsets into a part of it take time.
+/// Turns of windows, with slopes in numbers `T`. `WHOLE`, for a part that covers the whole system, is a compile-time constant because
+/// offsets into a smaller one take time.
 pub(super) struct Job<'a, H, W, T, const WHOLE: bool> {
     step: Taking<'a>,
     system: &'a H,
     word: W,
     turns: &'a [Turn],
     sums: &'a mut [f64],
-    room: Room<'a>,
+    /// The new state: coordinates after the rounds with even and with odd numbers, momenta, the coordinates at which the last force acts, and
+    /// the force.
+    part: Part<'a, 5>,
     numbers: PhantomData<fn() -> T>,
 }
 
@@ -113,11 +50,11 @@ impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a,
         system: &'a H,
         word: W,
         share: &'a mut Share,
-        room: Room<'a>,
+        part: Part<'a, 5>,
     ) -> Self {
-        let Share { turns, sums, .. } = share;
+        let Portion { work: turns, sums, .. } = share;
         let first = sums[step.windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
-        Self { step, system, word, turns, sums: &mut sums[first..], room, numbers: PhantomData }
+        Self { step, system, word, turns, sums: &mut sums[first..], part, numbers: PhantomData }
     }
 
     /// Takes the turns; returns whether all new numbers are finite. Compiled once for all callers.
@@ -133,11 +70,11 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) -> bool {
-        let mut room = self.room;
-        let Self { step, system, mut word, turns, sums, .. } = self;
+        let mut part = self.part;
+        let Self { step, system, word, turns, sums, .. } = self;
         let Taking { windows, rounds, q, p, reuses } = step;
         // The positions of lists are read again for each move; otherwise the compiler computes offsets for moves that never come.
-        let Room { first, even, odd, momenta, kept: [kept_q, kept_force] } = &mut room;
+        let Part { first, lists: [even, odd, momenta, kept_q, kept_force] } = &mut part;
         let (first, last) = (if WHOLE { 0 } else { *first }, rounds.len() - 1);
         let keeps = W::ADDS_TERMS && !kept_q.is_empty() && last > 0;
         let mut check = Check::default();
@@ -152,7 +89,7 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
             };
             let mut taken = OneTurn::<'_, H, W, WHOLE> {
                 system,
-                word: &mut word,
+                word: &word,
                 check: &mut check,
                 strip,
                 first,
@@ -197,10 +134,10 @@ impl<H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Kernel for 
 /// A window in a round.
 struct OneTurn<'t, H, W, const WHOLE: bool> {
     system: &'t H,
-    word: &'t mut W,
+    word: &'t W,
     check: &'t mut Check,
     strip: Strip<'t>,
-    /// The first place of the room.
+    /// The first place of the part.
     first: usize,
     /// Coordinates before the turn (`from`) and after it (`to`).
     from: Stretch<'t>,
@@ -213,7 +150,7 @@ struct OneTurn<'t, H, W, const WHOLE: bool> {
 }
 
 impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
-    /// The range of its places in the room.
+    /// The range of its places in the part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn own(&self) -> Range<usize> {
         self.strip.start - self.first..self.strip.end - self.first
@@ -245,7 +182,7 @@ impl<H: Elements + Sync, W: Word, const WHOLE: bool> OneTurn<'_, H, W, WHOLE> {
             Kick::Terms if W::ADDS_TERMS => Window::onto(self.strip, self.sums, self.base.unwrap_or(p)),
             _ => Window::empty(self.strip, self.sums),
         };
-        let (system, word, wanted) = (self.system, &*self.word, Slopes::BY_COORDINATES);
+        let (system, word, wanted) = (self.system, self.word, Slopes::BY_COORDINATES);
         match WHOLE {
             true => word.add_slopes::<H, T, _, _>(system, number, self.from.numbers, wanted, &mut into),
             false => word.add_slopes::<H, T, _, _>(system, number, &self.from, wanted, &mut into),
