@@ -3,46 +3,35 @@
 
 use super::hamiltonian::fits;
 use super::rounding::lift;
-use super::step::{Step, decay, scale_at};
+use super::step::{Step, decay};
 use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::algebra::scalar::{Rounded, Scalar};
 use crate::algebra::solve::larger;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
 
-/// The arguments of the discrete Lagrangian: a segment of checked size, and the noise increments.
-struct Evaluated<'a, V> {
-    segment: &'a Segment<V>,
-    /// `q_{i+1} - q_i`
-    increment: Vec<f64>,
-    dw: &'a [f64],
+/// `q_{i+1} - q_i`; `None` if sizes do not fit.
+fn increment_of<H: Elements>(system: &H, segment: &Segment<H::Vector>, dw: &[f64]) -> Option<Vec<f64>> {
+    let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
+    let fits = q1.len() == q0.len() && dw.len() == system.noises() && fits(system, q0, p);
+    fits.then(|| differences(q0, q1))
 }
 
-impl<'a, V: Vector> Evaluated<'a, V> {
-    /// `None` if sizes do not fit.
-    fn new<H: Elements>(system: &H, segment: &'a Segment<V>, dw: &'a [f64]) -> Option<Self> {
-        let (q0, q1, p) = (segment.q0.components(), segment.q1.components(), segment.p.components());
-        let fits = q1.len() == q0.len() && dw.len() == system.noises() && fits(system, q0, p);
-        fits.then(|| Self { segment, increment: differences(q0, q1), dw })
-    }
-
-    /// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point.
-    fn for_each<H: Elements>(
-        &self,
-        system: &H,
-        scheme: &Quadrature,
-        mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>),
-    ) {
-        let Segment { q0, p, t, h, .. } = self.segment;
-        for stage in scheme.stages {
-            let q = along(q0.components(), &self.increment, stage.point);
-            let (t, acting) = (t + stage.point * h, 0..self.dw.len());
-            let scale = scale_at(system, stage.point * h);
-            let at = Point { q: &q[..], p: p.components(), t, h: *h, dw: self.dw, acting, scale };
-            for &(part, weight) in stage.parts {
-                take(part, stage, weight, &at);
-            }
-        }
+/// Calls `take` with each part of the step Hamiltonian, its stage, its weight and its point, for a segment of this increment.
+fn for_each_part<H: Elements>(
+    (system, scheme): (&H, &Quadrature),
+    segment: &Segment<H::Vector>,
+    increment: &[f64],
+    dw: &[f64],
+    mut take: impl FnMut(usize, &Stage, f64, &Point<'_, f64>),
+) {
+    let &Segment { ref q0, ref p, t, h, .. } = segment;
+    let (q, p) = (q0.components(), p.components());
+    let step = Step { system, scheme, t, h, q, p, dw, increment: Some(increment) };
+    for stage in scheme.stages {
+        let places = along(q, increment, stage.point);
+        let at = step.at(stage, &places[..], p);
+        stage.parts.iter().for_each(|&(part, weight)| take(part, stage, weight, &at));
     }
 }
 
@@ -53,9 +42,11 @@ pub(crate) fn discrete_lagrangian<H: Elements>(
     segment: &Segment<H::Vector>,
     dw: &[f64],
 ) -> f64 {
-    let Some(evaluated) = Evaluated::new(system, segment, dw) else { return f64::NAN };
-    let mut value = dot(segment.p.components(), &evaluated.increment);
-    evaluated.for_each(system, scheme, |part, _, weight, at| value -= system.value(part, weight, at));
+    let Some(u) = increment_of(system, segment, dw) else { return f64::NAN };
+    let mut value = dot(segment.p.components(), &u);
+    for_each_part((system, scheme), segment, &u, dw, |part, _, weight, at| {
+        value -= system.value(part, weight, at);
+    });
     value
 }
 
@@ -66,7 +57,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     segment: &Segment<H::Vector>,
     dw: &[f64],
 ) -> LagrangianGradient<H::Vector> {
-    let Some(evaluated) = Evaluated::new(system, segment, dw) else {
+    let Some(u) = increment_of(system, segment, dw) else {
         return LagrangianGradient::nowhere(segment.q0.components().len());
     };
     let mut gradient =
@@ -76,10 +67,10 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     for p in &mut *by_start {
         *p = -*p;
     }
-    by_momentum.copy_from_slice(&evaluated.increment);
+    by_momentum.copy_from_slice(&u);
     let mut force = vec![0.0; by_start.len()];
     let mut velocity = force.clone();
-    evaluated.for_each(system, scheme, |part, stage, weight, at| {
+    for_each_part((system, scheme), segment, &u, dw, |part, stage, weight, at| {
         force.fill(0.0);
         velocity.fill(0.0);
         slopes(system, part, weight, at, Slopes::ALL, &mut force, &mut velocity);

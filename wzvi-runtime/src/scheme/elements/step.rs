@@ -28,12 +28,6 @@ pub(super) struct Step<'a, H, S> {
     pub(super) increment: Option<&'a [S]>,
 }
 
-/// `e^{γ τ}` with the friction rate `γ` that steps include, at the time `τ` after the start of the step.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn scale_at<H: Elements>(system: &H, tau: f64) -> f64 {
-    if H::KIND.is_conformal { (system.friction_rate() * tau).exp() } else { 1.0 }
-}
-
 /// `e^{-γ h} - 1`
 pub(super) fn decay<H: Hamiltonian>(system: &H, h: f64) -> f64 {
     (-system.friction_rate() * h).exp_m1()
@@ -194,7 +188,10 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at<'b, V: ?Sized>(&'b self, stage: &Stage, q: &'b V, p: &'b V) -> Point<'b, S, V> {
         let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
-        let scale = scale_at(self.system, stage.point * self.h);
+        let scale = match H::KIND.is_conformal {
+            true => (self.system.friction_rate() * (stage.point * self.h)).exp(),
+            false => 1.0,
+        };
         Point { q, p, t, h: self.h, dw: self.dw, acting, scale }
     }
 
