@@ -6,6 +6,7 @@ pub(crate) mod few;
 pub mod lanes;
 pub mod memory;
 pub mod scalar;
+pub mod shape;
 pub mod solve;
 pub mod stages;
 pub mod state;

@@ -8,6 +8,7 @@
 use std::fmt::Debug;
 
 use crate::algebra::scalar::Scalar;
+use crate::algebra::shape::{Fixed, Shape};
 use crate::ground::numbers::{Numbers, Tape};
 
 /// The rounding errors of a state that are carried to the next step, or nothing for plain sums.
@@ -51,29 +52,41 @@ impl Numbers for Plain {
     fn pass(&mut self, _tape: &mut Tape) {}
 }
 
-/// Compensated sums for `D` degrees of freedom: rounding errors are carried to the next step.
+/// Compensated sums: rounding errors are carried to the next step. Vectors are empty until the first step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compensation<S, const D: usize> {
-    coordinates: [S; D],
-    momenta: [S; D],
+pub struct Compensated<S: Scalar, H: Shape> {
+    coordinates: H::Of<S>,
+    momenta: H::Of<S>,
 }
 
-impl<S: Scalar, const D: usize> Default for Compensation<S, D> {
+/// Compensated sums for `D` degrees of freedom.
+pub type Compensation<S, const D: usize> = Compensated<S, Fixed<D>>;
+
+impl<S: Scalar, H: Shape> Default for Compensated<S, H> {
     fn default() -> Self {
-        Self { coordinates: [S::from_f64(0.0); D], momenta: [S::from_f64(0.0); D] }
+        let zeros = || H::list(0, S::from_f64(0.0));
+        Self { coordinates: zeros(), momenta: zeros() }
     }
 }
 
-impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
+/// Makes a vector so long; arrays are.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn fit<S: Scalar, H: Shape>(list: &mut H::Of<S>, length: usize) {
+    if !H::IS_FIXED && list.as_ref().len() != length {
+        *list = H::list(length, S::from_f64(0.0));
+    }
+}
+
+impl<S: Scalar, H: Shape> Carry<S> for Compensated<S, H> {
     const CARRIES: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_coordinate(&self, i: usize) -> S {
-        self.coordinates[i]
+        self.coordinates.as_ref().get(i).copied().unwrap_or(S::from_f64(0.0))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn of_momentum(&self, i: usize) -> S {
-        self.momenta[i]
+        self.momenta.as_ref().get(i).copied().unwrap_or(S::from_f64(0.0))
     }
     /// The exact error of the rounded sum, whichever of the two is larger.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -86,20 +99,26 @@ impl<S: Scalar, const D: usize> Carry<S> for Compensation<S, D> {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
-        for (carried, lost) in self.coordinates.iter_mut().zip(coordinates) {
+        fit::<S, H>(&mut self.coordinates, coordinates.len());
+        fit::<S, H>(&mut self.momenta, momenta.len());
+        for (carried, lost) in self.coordinates.as_mut().iter_mut().zip(coordinates) {
             *carried = *lost;
         }
-        for (carried, lost) in self.momenta.iter_mut().zip(momenta) {
+        for (carried, lost) in self.momenta.as_mut().iter_mut().zip(momenta) {
             *carried = *lost;
         }
     }
 }
 
-impl<S: Numbers, const D: usize> Numbers for Compensation<S, D> {
+/// Vectors with their length before them.
+impl<S: Scalar, H: Shape> Numbers for Compensated<S, H> {
     fn pass(&mut self, tape: &mut Tape) {
-        let Self { coordinates, momenta } = self;
-        coordinates.pass(tape);
-        momenta.pass(tape);
+        for list in [&mut self.coordinates, &mut self.momenta] {
+            if !H::IS_FIXED {
+                fit::<S, H>(list, tape.length(list.as_ref().len()));
+            }
+            list.as_mut().iter_mut().for_each(|number| number.pass(tape));
+        }
     }
 }
 

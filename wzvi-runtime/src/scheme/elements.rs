@@ -55,7 +55,7 @@ pub(crate) use bath::{damping, rates};
 pub use beside::Placements;
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
-pub use memory::{CompensationVec, Memory};
+pub use memory::Memory;
 pub use pairs::{Pair, Row};
 pub(crate) use passes::are_finite;
 pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
@@ -72,10 +72,10 @@ pub use crate::algebra::memory::{Iteration, Method};
 use hamiltonian::{DRIFT, FORCE, NOISE};
 
 use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::shape::Shape;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
-use crate::scheme::gauss::Shape;
 use crate::scheme::plan::Facts;
 use crate::scheme::system::no_nan;
 

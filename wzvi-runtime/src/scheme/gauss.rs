@@ -22,14 +22,13 @@ mod dense;
 mod equations;
 mod kept;
 mod newton;
-mod shape;
 mod stages;
 mod stiff;
 mod sweep;
 mod table;
 mod wide;
 
-use crate::algebra::carry::Carry;
+use crate::algebra::carry::{self, Carry};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Constants, Of, Over, Parameters, Scalar};
 use crate::algebra::solve::Effort;
@@ -40,9 +39,9 @@ use crate::scheme::elements::{self, Elements, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
 use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives};
 
+pub use crate::algebra::shape::{Dynamic, Fixed, Shape};
 pub use advance::Prepared;
 pub use kept::Memory;
-pub use shape::{Dynamic, Fixed, Shape};
 pub use stages::{One, Stages};
 
 /// The discrete embedding with `S` quadrature points, from 1 to 16: symplectic, symmetric, of order `2S`, and consistent
@@ -161,8 +160,8 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     };
     type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, N>;
     type Memory<S: Scalar> = Memory<S, F::Shape, F::Noises, N>;
-    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
-    type Carry<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
+    type Carry<S: Scalar> = carry::Compensated<S, F::Shape>;
 
     fn memory(system: &F) -> Self::Memory<f64> {
         advance::memory(system)

@@ -12,7 +12,7 @@ use super::part::{self, Parts, Shares};
 use super::windowed::WithBath;
 use super::word::{A, Act, B, O, Part, Spelling, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
@@ -23,7 +23,7 @@ use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
 use crate::scheme::elements::{Elements, Taken, check_new};
-use crate::scheme::gauss::{Field, Shape, gather, parameters};
+use crate::scheme::gauss::{Field, gather, parameters};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
 
@@ -103,7 +103,7 @@ where
     type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, K>;
     /// That of the O parts, then that of the flows: the other way round a step of three degrees of freedom takes 4 % longer.
     type Memory<S: Scalar> = (part::Memory<S>, stages::Memory<S, F::Shape>);
-    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = Plain;
 
     fn increments(system: &F, degrees: usize) -> usize {

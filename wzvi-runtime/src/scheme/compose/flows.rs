@@ -19,14 +19,15 @@ use super::lagrangian::{self, Followed};
 use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, follow};
 use super::substeps::{By, Half, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
+use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
-use crate::scheme::gauss::{Field, Shape, gather, parameters};
+use crate::scheme::gauss::{Field, gather, parameters};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives,
@@ -52,7 +53,7 @@ where
     };
     type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>>;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
-    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = Plain;
 
     fn memory(system: &F) -> Self::Memory<f64> {

@@ -15,13 +15,12 @@ use super::lagrangian::{self, Followed};
 use super::linear::Linear;
 use super::stages::{Memory, Rooms, Stage, Stages, add, advance, follow};
 use super::substeps::{By, Half, Substep, plan};
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Elements, Point, Slopes, check_new, slopes, value_of_part};
-use crate::scheme::gauss::Shape;
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{At, Hamiltonian as _, Lift, Properties, Scheme, Segment, without_derivatives};
 
@@ -126,7 +125,7 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
     type Prepared<K: Constant> = Prepared;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
-    type Compensated<S: Scalar> = <F::Shape as Shape>::Compensation<S>;
+    type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = Plain;
 
     fn memory(system: &F) -> Self::Memory<f64> {

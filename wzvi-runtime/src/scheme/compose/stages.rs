@@ -7,12 +7,12 @@ use super::windowed;
 use crate::algebra::carry::Carry;
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::are_finite;
-use crate::scheme::gauss::Shape;
 use crate::scheme::system::{Hamiltonian, Segment, check_lengths, fits};
 
 /// The parts of a step.

@@ -5,11 +5,12 @@ use std::marker::PhantomData;
 use super::explicit::{advance_explicit, advance_explicit_vectors};
 use super::side_by_side::go_side_by_side;
 use super::{
-    CompensationVec, Elements, Memory, Quadrature, Unknowns, check_new, discrete_lagrangian,
-    discrete_lagrangian_gradient, iterate, step_momentum,
+    Elements, Memory, Quadrature, Unknowns, check_new, discrete_lagrangian, discrete_lagrangian_gradient,
+    iterate, step_momentum,
 };
-use crate::algebra::carry::{Carry, Plain};
+use crate::algebra::carry::{Carry, Compensated, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::shape::Dynamic;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
@@ -59,7 +60,7 @@ where
     };
     type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = Memory<S>;
-    type Compensated<S: Scalar> = CompensationVec<S>;
+    type Compensated<S: Scalar> = Compensated<S, Dynamic>;
     type Carry<S: Scalar> = Plain;
 
     fn memory(system: &H) -> Memory<f64> {

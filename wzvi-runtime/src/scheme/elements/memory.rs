@@ -9,7 +9,6 @@ use super::rounding::Rounding;
 use super::side_by_side::is_side_by_side;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
 use super::{Elements, Quadrature, Unknowns};
-use crate::algebra::carry::{Carry, Compensation};
 use crate::algebra::memory::{Iteration, Method, Report, Request, StepMemory, Threads};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Room;
@@ -408,43 +407,5 @@ impl<S: Scalar> Memory<S> {
         let pattern = |visit: Visit<'_>| pattern(system, scheme, degrees, visit);
         self.solver.linear = (is_implicit && !const { is_side_by_side::<S>() })
             .then(|| Linear::new(&pattern, scheme.unknowns.count(degrees)));
-    }
-}
-
-/// [`Compensation`] with a size known only at run time; empty until the first step.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CompensationVec<S> {
-    coordinates: Vec<S>,
-    momenta: Vec<S>,
-}
-
-impl<S: Scalar> Carry<S> for CompensationVec<S> {
-    const CARRIES: bool = true;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_coordinate(&self, i: usize) -> S {
-        self.coordinates.get(i).copied().unwrap_or(S::from_f64(0.0))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_momentum(&self, i: usize) -> S {
-        self.momenta.get(i).copied().unwrap_or(S::from_f64(0.0))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(base: S, increment: S, carried: S) -> (S, S) {
-        Compensation::<S, 1>::add(base, increment, carried)
-    }
-    fn keep(&mut self, coordinates: &[S], momenta: &[S]) {
-        let zero = S::from_f64(0.0);
-        self.coordinates.resize(coordinates.len(), zero);
-        self.momenta.resize(momenta.len(), zero);
-        self.coordinates.copy_from_slice(coordinates);
-        self.momenta.copy_from_slice(momenta);
-    }
-}
-
-impl<S: Scalar> Numbers for CompensationVec<S> {
-    fn pass(&mut self, tape: &mut Tape) {
-        self.coordinates.pass(tape);
-        self.momenta.pass(tape);
     }
 }

@@ -1,7 +1,6 @@
 //! The step of a Gauss method.
 
 use super::kept::{Given, GivenOf, LeftOf, Lists, Memory, MemoryOf};
-use super::shape::Shape;
 use super::stiff::Modes;
 use super::sweep::Solved;
 use super::table::Table;
@@ -10,6 +9,7 @@ use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
+use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, fits, no_nan, without_derivatives};

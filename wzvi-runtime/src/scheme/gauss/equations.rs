@@ -3,11 +3,11 @@
 use super::Field;
 use super::advance::Common;
 use super::kept::{Given, Lists, OfStages, Room};
-use super::shape::Shape;
 use super::stages::{Part, Parts, Stages};
 use super::sweep::Relative;
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
+use crate::algebra::shape::Shape;
 
 /// The equations of a step.
 pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {

@@ -3,11 +3,11 @@
 use super::Field;
 use super::beside::Alone;
 use super::newton::Newton;
-use super::shape::Shape;
 use super::stages::{Part, Scratch, Stages};
 use super::stiff::Modal;
 use crate::algebra::memory::{Iteration, Report, Request, StepMemory};
 use crate::algebra::scalar::{Mask, Rounded, Scalar};
+use crate::algebra::shape::Shape;
 use crate::algebra::stages::plus;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::Elements;

@@ -2,8 +2,8 @@
 
 use super::Field;
 use super::equations::Step;
-use super::shape::Shape;
 use crate::algebra::scalar::{Constant, Over, Parameters, Scalar};
+use crate::algebra::shape::Shape;
 pub use crate::algebra::stages::Stages;
 
 /// The unit of arithmetic for numbers `S`: all stages of one path in the lanes of a register, or one stage.

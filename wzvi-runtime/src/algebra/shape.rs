@@ -3,17 +3,10 @@
 
 use std::fmt::Debug;
 
-use crate::algebra::carry::{Carry, Compensation};
-use crate::algebra::scalar::Scalar;
-use crate::scheme::elements::CompensationVec;
-
 /// The type of the lists of a system.
 pub trait Shape: Debug + Clone + Copy + Default + 'static {
     /// A list.
     type Of<T: Copy + Debug>: AsRef<[T]> + AsMut<[T]> + Clone + Debug;
-
-    /// Compensated sums of the increments of a state.
-    type Compensation<S: Scalar>: Carry<S>;
 
     /// Whether lists are arrays, whose length is known before there is a state.
     const IS_FIXED: bool;
@@ -37,12 +30,11 @@ pub trait Shape: Debug + Clone + Copy + Default + 'static {
 }
 
 /// Arrays.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fixed<const D: usize>;
 
 impl<const D: usize> Shape for Fixed<D> {
     type Of<T: Copy + Debug> = [T; D];
-    type Compensation<S: Scalar> = Compensation<S, D>;
     const IS_FIXED: bool = true;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -52,12 +44,11 @@ impl<const D: usize> Shape for Fixed<D> {
 }
 
 /// Vectors.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dynamic;
 
 impl Shape for Dynamic {
     type Of<T: Copy + Debug> = Vec<T>;
-    type Compensation<S: Scalar> = CompensationVec<S>;
     const IS_FIXED: bool = false;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
