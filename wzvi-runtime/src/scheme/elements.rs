@@ -40,7 +40,6 @@ mod linear;
 mod memory;
 mod pairs;
 mod passes;
-mod past;
 #[doc(hidden)]
 pub mod places;
 mod preference;

@@ -126,7 +126,7 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
 }
 
 /// The outcome of the fast iteration.
-pub(super) struct Solved {
+struct Solved {
     iterations: u32,
     solution: Solution,
 }
@@ -171,7 +171,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         if const { is_side_by_side::<S>() } {
-            return self.solve_side_by_side(scratch);
+            // Where steps begin with another method paths go alone, and one that turns out to need it ends with an error.
+            let known = scratch.known;
+            return self.iterate(scratch, known, Iteration::FixedPoint);
         }
         scratch.solver.kept.begin();
         let mut solved = self.attempt(scratch);
@@ -253,7 +255,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
 
     /// Solves from the extrapolation of `known` past steps; leaves `u` and `P`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn iterate(
+    fn iterate(
         self,
         scratch: &mut Scratch<'_, S>,
         known: u8,

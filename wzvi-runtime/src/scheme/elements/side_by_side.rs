@@ -4,11 +4,11 @@
 //! those of others go on. Where a path needs more than a fixed point that contracts, all go alone in this step.
 
 use super::change::{beyond, moved};
-use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING, Solved};
-use super::memory::{Lists, Scratch};
+use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING};
+use super::memory::Lists;
 use super::pairs::LEAST_IN_COLUMNS;
 use super::step::Step;
-use super::{CONTRACTS, Elements, Iteration, Quadrature, Stage, Unknowns};
+use super::{CONTRACTS, Elements, Quadrature, Stage, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::astray;
 use crate::error::StepFailure;
@@ -81,19 +81,6 @@ impl<R: Scalar> Pace<R> {
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
-    /// [`Step::solve`] of all paths by the fixed point.
-    ///
-    /// # Errors
-    /// If a path needs another method.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn solve_side_by_side(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
-        if self.scheme.is_linear || scratch.solver.preference.is_newton() {
-            return Err(astray(0, f64::INFINITY));
-        }
-        let known = scratch.known;
-        self.iterate(scratch, known, Iteration::FixedPoint)
-    }
-
     /// [`Step::is_solved`] of all paths.
     ///
     /// # Errors
