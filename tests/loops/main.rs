@@ -7,6 +7,7 @@ mod elements;
 mod lattice;
 mod one_by_one;
 mod pairs;
+mod ranges;
 #[allow(unused, clippy::all, clippy::pedantic, reason = "written by a program")]
 mod random {
     include!(concat!(env!("OUT_DIR"), "/loops.rs"));

@@ -136,8 +136,12 @@ impl<'a> Interpreter<'a, '_> {
         if difference.shifted(if or_equal { -1 } else { 0 }).is_some_and(|rest| self.is_nonnegative(&rest)) {
             return Value::Known(false);
         }
-        let splits = |case: &Case| matches!(difference.slope(case.variable), Some(1 | -1));
-        if let Some(case) = self.now.loops.cases.iter_mut().rev().find(|case| splits(case)) {
+        // The bounds of a loop read those around it alone: the innermost loop of the condition is the one to split.
+        let Loops { active, cases, .. } = &mut self.now.loops;
+        let innermost = active.iter().rfind(|known| difference.loops().contains(&known.variable));
+        let splits = |known: &&Loop| matches!(difference.slope(known.variable), Some(1 | -1));
+        let variable = innermost.filter(splits).map(|known| known.variable);
+        if let Some(case) = cases.iter_mut().find(|case| Some(case.variable) == variable) {
             let known = case.assumed.iter().find(|a| a.difference == *difference && a.or_equal == or_equal);
             if let Some(known) = known {
                 return Value::Known(known.holds);

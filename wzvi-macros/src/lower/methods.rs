@@ -86,8 +86,8 @@ impl<'a> Interpreter<'a, '_> {
                 self.total(true, items, syntax)?
             }
             ("fold", [start, function]) => self.fold(&sequence, start, function, syntax)?,
-            ("len" | "count", _) => match &sequence.length {
-                Some(length) => Value::index(length.clone()),
+            ("len" | "count", _) => match self.length(&sequence) {
+                Some(length) => Value::index(length),
                 None => Value::integer(self.items(&sequence, from)?.len() as i128),
             },
             ("iter" | "into_iter" | "copied" | "cloned" | "collect" | "to_vec" | "clone" | "as_slice", _) => {

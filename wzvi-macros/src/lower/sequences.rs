@@ -138,12 +138,12 @@ impl Sequence {
     }
 
     /// Concatenation: two sums, and, if both have positions, one list.
-    fn chained(a: Rc<Self>, b: Rc<Self>) -> Self {
+    fn chained(this: &Interpreter<'_, '_>, a: Rc<Self>, b: Rc<Self>) -> Self {
         let (source, depth) = (Source::Chain(a.clone(), b.clone()), a.depth.max(b.depth) + 1);
-        let (Some(_), Some(_), Some(first)) = (&a.item, &b.item, a.length.clone()) else {
+        let (Some(_), Some(_), Some(first)) = (&a.item, &b.item, this.length(&a)) else {
             return Self::walked(source, depth);
         };
-        let length = b.length.as_ref().and_then(|second| first.add(second));
+        let length = this.length(&b).and_then(|second| first.add(&second));
         Self::new((source, depth), length, move |this, k, at| {
             let rest = k.subtract(&first)?;
             match this.is_less(&rest, false) {
@@ -180,6 +180,13 @@ impl<'a> Interpreter<'a, '_> {
         }
     }
 
+    /// The number of items where it is asked for; loops end at once where an iterator's is negative.
+    pub(super) fn length(&self, sequence: &Sequence) -> Option<Index> {
+        let length = sequence.length.as_ref()?;
+        let is_natural = sequence.is_list() || self.is_nonnegative(length);
+        Some(if is_natural { length.clone() } else { length.maximum(&Index::default()) })
+    }
+
     /// The sequence made by a method with an optional argument, at `at`; `from` is the place of the original sequence.
     pub(super) fn adapted(
         &mut self,
@@ -194,7 +201,7 @@ impl<'a> Interpreter<'a, '_> {
             "filter" => return Some(Sequence::walked(Source::Filter(inner, argument.clone()), depth)),
             "flat_map" => return Some(Sequence::walked(Source::Flat(inner, Some(argument.clone())), depth)),
             "flatten" => return Some(Sequence::walked(Source::Flat(inner, None), depth)),
-            "chain" => return Some(Sequence::chained(inner, self.as_sequence(argument, at)?)),
+            "chain" => return self.as_sequence(argument, at).map(|b| Sequence::chained(self, inner, b)),
             _ => {}
         }
         let inner = self.positioned(inner, from)?;
