@@ -349,7 +349,8 @@ impl Bounds<'_> {
                 },
                 Atom::Of(Operation::Remainder, both) => {
                     let bound = if positive { Some(Index::default()) } else { both.1.shifted(-1) };
-                    self.proves(&both.0, depth - 1, left)
+                    // The remainder by a negative divisor is not below it.
+                    [&both.0, &both.1].into_iter().all(|part| self.proves(part, depth - 1, left))
                         && bound.is_some_and(|bound| proves(replaced(atom, &bound)))
                 }
                 Atom::Of(extreme, both) => {
@@ -443,6 +444,19 @@ mod tests {
         // The largest i + 1 is n: one too many.
         let largest = bounds.largest(&i().shifted(1).unwrap()).unwrap();
         assert_eq!(largest.subtract(&n()).unwrap().as_integer(), Some(0));
+    }
+
+    #[test]
+    fn remainders_are_below_natural_divisors_alone() {
+        let loops = [Loop { variable: 0, start: Index::default(), end: Index::integer(3) }];
+        let signed = [Table::default()];
+        let below = |tables: &[Table]| {
+            let rest = n().subtract(&i().remainder(&n()).unwrap()).unwrap().shifted(-1).unwrap();
+            Bounds { loops: &loops, tables }.is_nonnegative(&rest)
+        };
+        assert!(below(&natural()));
+        // 2 % -5 is 2.
+        assert!(!below(&signed));
     }
 
     #[test]
