@@ -37,6 +37,21 @@ pub(crate) fn check_scheme<E, H: Discretized<E, Vector = DVector<f64>>>(
     }
 }
 
+/// The allocations of so many steps of `h` after a first one, which makes room.
+pub(crate) fn later_allocations<E, H: Discretized<E>>(
+    system: &H,
+    state: &mut State<H::Vector>,
+    h: f64,
+    steps: u32,
+) -> u64 {
+    let mut stepper = system.stepper::<E>(h).unwrap();
+    stepper.step(state, &[]).unwrap();
+    let counted = allocation_counter::measure(|| {
+        (0..steps).for_each(|_| assert!(stepper.step(state, &[]).is_ok()));
+    });
+    counted.count_total
+}
+
 /// By a scheme of one part, and by one whose parts share their forces.
 pub(crate) fn check<H>(system: &H, degrees: usize, what: &str)
 where

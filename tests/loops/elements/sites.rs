@@ -1,5 +1,6 @@
 //! Sites that are not coupled go as a small system goes at each of them.
 
+use fixtures::steps::refused;
 use wzvi::nalgebra::{DVector, SVector};
 use wzvi::prelude::*;
 
@@ -111,9 +112,7 @@ fn one_site_that_fails_leaves_all_of_them() {
     }
     let mut bad = state.clone();
     bad.q[5] = f64::INFINITY;
-    let kept = bad.clone();
-    assert!(stepper.step(&mut bad, &[]).is_err());
-    assert_eq!(bad, kept);
+    refused(&bad, |bad| stepper.step(bad, &[]));
     for _ in 0..5 {
         stepper.step(&mut state, &[]).unwrap();
     }

@@ -1,5 +1,6 @@
 //! There and back, and noise that multiplies: very large and very small.
 
+use fixtures::steps::refused;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -101,11 +102,9 @@ fn multiplicative_noise_near_its_pole() {
         }
     }
     for dw in [-2.0, 2.0] {
-        let mut state = state::<<Growth as Hamiltonian>::Vector>(&[0.6], &[0.8]);
-        let before = state;
-        let cause = growth.stepper::<Midpoint>(0.01).unwrap().step(&mut state, &[dw]).unwrap_err().cause;
+        let mut stepper = growth.stepper::<Midpoint>(0.01).unwrap();
+        let cause = refused(&State::new([0.6], [0.8]), |state| stepper.step(state, &[dw])).cause;
         assert!(matches!(cause, StepFailure::Singular { .. }), "{cause:?}");
-        assert_eq!(state, before);
     }
 }
 
