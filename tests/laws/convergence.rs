@@ -5,7 +5,7 @@
 //! them and [`SYSTEMATIC`], the terms of higher order at these step sizes (`O(h)` or `O(√h)` of the error at the
 //! coarsest step, spread over the fit) and the error of the reference (at most `h_ref/h = 1/16` of the finest).
 
-use fixtures::small::{DoubleWell, Kubo};
+use fixtures::small::{DoubleWell, Kubo, TwoAdditive};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
 
@@ -351,16 +351,6 @@ fn corrected_has_order_one_where_noises_commute() {
             vec![]
         });
     }
-}
-
-#[hamiltonian(
-    drift = |q, p| 0.5 * (q * q + p * p),
-    noise = [|_, p| sigma * p, |q, _| -gamma * q],
-    embedding = [DeltaPlus, Midpoint],
-)]
-struct TwoAdditive {
-    sigma: f64,
-    gamma: f64,
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What the compiler chooses is what a person would: how each step is solved, how many unknowns, what is known.
 
-use fixtures::small::{HenonHeiles, Kubo};
+use fixtures::small::{HenonHeiles, Kubo, TwoAdditive};
 use wzvi::prelude::*;
 
 use Knowledge::{Proven, Refuted};
@@ -61,16 +61,6 @@ fn kubo() {
     // The counter-term reads q p: P is found by one division.
     assert_eq!(solver::<Corrected<DeltaPlus>, Kubo>(), (Linear, 1));
     assert!(plan::<Mixed<DeltaPlus, Midpoint>, Kubo>().consistent);
-}
-
-#[hamiltonian(
-    drift = |q, p| 0.5 * (q * q + p * p),
-    noise = [|_, p| sigma * p, |q, _| -gamma * q],
-    embedding = [DeltaPlus, Midpoint],
-)]
-struct TwoAdditive {
-    sigma: f64,
-    gamma: f64,
 }
 
 #[test]

@@ -197,30 +197,6 @@ fn eliminate(columns: Vec<Vec<Real>>, mut b: Vec<Real>) -> Vec<Real> {
     b
 }
 
-/// SplitMix64.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [-1, 1).
-    pub(crate) fn uniform(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    /// Of either sign and of size `10^low` to `10^high`, logarithmically.
-    pub(crate) fn sized(&mut self, low: f64, high: f64) -> f64 {
-        let size = 10.0_f64.powf(low + (high - low) * 0.5 * (self.uniform() + 1.0));
-        size.copysign(self.uniform())
-    }
-}
-
 /// The value of which `percent` of `errors` are not above.
 pub(crate) fn percentile(errors: &[f64], percent: usize) -> f64 {
     let mut sorted = errors.to_vec();

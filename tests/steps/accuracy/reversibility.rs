@@ -1,30 +1,23 @@
 //! There and back, and noise that multiplies: very large and very small.
 
-use fixtures::steps::refused;
+use fixtures::extremes::Random;
+use fixtures::steps::{distance, numbers, refused};
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
-use wzvi::state::Vector;
 
-use super::reference::{Case, Random, compare, state};
+use super::reference::{Case, compare, state};
 use super::systems::{DoubleWell, Growth, Kepler, Kubo, Oscillator, Pendulum};
 
 /// How far a step by `E` and one back by `B` miss the start, in units in the last place of the largest component met.
 fn miss<E, B, H: Discretized<E> + Discretized<B>>(system: &H, case: &Case) -> f64 {
     let mut state = state::<<H as Hamiltonian>::Vector>(&case.q, &case.p);
-    let (start, mut largest) = (state.clone(), 0.0_f64);
-    let size = |state: &State<<H as Hamiltonian>::Vector>| {
-        state.q.components().iter().chain(state.p.components()).fold(0.0_f64, |size, x| size.max(x.abs()))
-    };
-    largest = largest.max(size(&state));
+    let mut met = vec![numbers(&state)];
     Stepper::<H, E>::new(system, case.h).unwrap().step(&mut state, &case.dw).unwrap();
-    largest = largest.max(size(&state));
+    met.push(numbers(&state));
     let back: Vec<f64> = case.dw.iter().map(|dw| -dw).collect();
     Stepper::<H, B>::new(system, -case.h).unwrap().step(&mut state, &back).unwrap();
-    let parts = |state: &State<<H as Hamiltonian>::Vector>| -> Vec<f64> {
-        state.q.components().iter().chain(state.p.components()).copied().collect()
-    };
-    let error = parts(&state).iter().zip(parts(&start)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    error / (f64::EPSILON * largest)
+    let largest = met.iter().flatten().fold(0.0_f64, |size, x| size.max(x.abs()));
+    distance(&numbers(&state), &met[0]) / (f64::EPSILON * largest)
 }
 
 /// Both steps round every component by one unit at most, and each passes on what it is given by a factor of two at most.

@@ -2,7 +2,9 @@
 
 use wzvi::prelude::*;
 
-use super::reference::{Case, Errors, Point, Random, Terms, compare, percentile};
+use fixtures::extremes::Random;
+
+use super::reference::{Case, Errors, Point, Terms, compare, percentile};
 use super::systems::{DoubleWell, Kepler, Kubo, Masses, Oscillator, Pendulum};
 
 /// Random steps of one system.

@@ -1,5 +1,6 @@
 //! A failed step leaves the stepper, all of it, bit for bit as it was.
 
+use fixtures::Uniform;
 use fixtures::stiff::SpringPendulum;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
@@ -20,11 +21,6 @@ struct Cubic;
 #[derive(Debug)]
 struct Chain {
     k: f64,
-}
-
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// The watch that refused the step refuses it again, whatever fails in between.
@@ -54,18 +50,18 @@ fn exercise<H: Discretized<Midpoint> + std::fmt::Debug>(
     system: &H,
     h: f64,
     start: &State<H::Vector>,
-    bad: impl Fn(&mut u64, &State<H::Vector>) -> (State<H::Vector>, Vec<f64>),
+    bad: impl Fn(&mut Uniform, &State<H::Vector>) -> (State<H::Vector>, Vec<f64>),
 ) {
     for seed in 1..=8 {
-        let mut seed = seed;
+        let mut random = Uniform(seed);
         let mut plain = system.stepper::<Midpoint>(h).unwrap();
         let mut tried = system.stepper::<Midpoint>(h).unwrap();
         let (mut expected, mut state) = (start.clone(), start.clone());
         let mut failures = 0;
         for _ in 0..30 {
-            while random(&mut seed) < 0.5 {
+            while random.draw() < 0.0 {
                 let before = format!("{tried:?}");
-                let (mut other, dw) = bad(&mut seed, &state);
+                let (mut other, dw) = bad(&mut random, &state);
                 assert!(tried.step(&mut other, &dw).is_err());
                 failures += 1;
                 assert_eq!(format!("{tried:?}"), before);
@@ -81,12 +77,12 @@ fn exercise<H: Discretized<Midpoint> + std::fmt::Debug>(
 
 #[test]
 fn a_failed_step_leaves_the_stepper() {
-    exercise(&Cubic, 0.1, &State::new([-1.0], [0.3]), |seed, state| {
-        let t = if random(seed) < 0.5 { state.t } else { 1e3 * random(seed) };
-        let (q, p, dw) = match (4.0 * random(seed)) as u32 {
+    exercise(&Cubic, 0.1, &State::new([-1.0], [0.3]), |random, state| {
+        let t = if random.draw() < 0.0 { state.t } else { 1e3 * random.draw() };
+        let (q, p, dw) = match random.below(4) {
             0 => ([f64::NAN], [0.0], vec![]),
             // No solution: h² (q + h p / 2) > 1.
-            1 => ([1e3 * (1.0 + random(seed))], [0.0], vec![]),
+            1 => ([1e3 * (2.0 + random.draw())], [0.0], vec![]),
             2 => ([0.1], [f64::INFINITY], vec![]),
             _ => ([state.q[0]], [state.p[0]], vec![1.0]),
         };
@@ -95,12 +91,12 @@ fn a_failed_step_leaves_the_stepper() {
         (state, dw)
     });
     let start = State::new(vec![-1.0, -0.8, -0.9], vec![0.1, 0.0, -0.1]);
-    exercise(&Chain { k: 2.0 }, 0.1, &start, |seed, state| {
-        let t = if random(seed) < 0.5 { state.t } else { 1e3 * random(seed) };
-        let n = 1 + (6.0 * random(seed)) as usize;
-        let (q, p, dw) = match (4.0 * random(seed)) as u32 {
+    exercise(&Chain { k: 2.0 }, 0.1, &start, |random, state| {
+        let t = if random.draw() < 0.0 { state.t } else { 1e3 * random.draw() };
+        let n = 1 + random.below(6);
+        let (q, p, dw) = match random.below(4) {
             0 => (vec![f64::NAN; n], vec![0.0; n], vec![]),
-            1 => (vec![1e3 * (1.0 + random(seed)); n], vec![0.0; n], vec![]),
+            1 => (vec![1e3 * (2.0 + random.draw()); n], vec![0.0; n], vec![]),
             2 => (vec![0.0; n], vec![0.0; n + 1], vec![]),
             _ => (vec![0.0; n], vec![0.0; n], vec![1.0]),
         };
