@@ -102,7 +102,7 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
         let remembers = scheme.remembers && !step.takes_one_correction(&scratch);
         let solved = step.solve(&mut scratch)?;
         let is_recorded = if !C::CARRIES && step.is_in_windows(&mut scratch) {
-            scratch.store_windows(scheme, remembers, q, p);
+            scratch.store_windows(scheme, remembers, q, p)?;
             true
         } else {
             step.finish(&mut scratch.lists);

@@ -26,6 +26,7 @@ use super::sums::{Stretch, Window};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
 use crate::algebra::scalar::{Number, Scalar};
 use crate::algebra::threads::Threads;
+use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::change::{Change, Seen};
 use crate::scheme::elements::memory::{Lists, Scratch};
 use crate::scheme::elements::passes::{Largest, in_blocks, subtract};
@@ -252,6 +253,9 @@ impl<S: Scalar> Scratch<'_, S> {
     }
 
     /// Adds the increments of a step to the state, and keeps its unknowns if later steps start from them (`remembers`).
+    ///
+    /// # Errors
+    /// [`StepFailure::Internal`] if the step was not taken in windows.
     #[inline(never)]
     pub(in crate::scheme::elements) fn store_windows(
         &mut self,
@@ -259,14 +263,15 @@ impl<S: Scalar> Scratch<'_, S> {
         remembers: bool,
         q: &mut [S],
         p: &mut [S],
-    ) {
+    ) -> Result<(), StepFailure> {
+        let missing = Err(StepFailure::Internal(StepPromise::Windows));
         let (Some(sweeps), MomentumUpdate::Multiple(factor)) =
             (self.solver.sweeps.as_deref_mut(), scheme.update)
         else {
-            return;
+            return missing;
         };
         let (Some(q), Some(p), Some(lists)) = (S::plain_mut(q), S::plain_mut(p), self.lists.plain()) else {
-            return;
+            return missing;
         };
         let past = if remembers {
             self.solver.past.rotate_right(1);
@@ -280,6 +285,7 @@ impl<S: Scalar> Scratch<'_, S> {
             instructions.run(Store { q, p, u, x, past, factor });
             Found::NOTHING
         });
+        Ok(())
     }
 }
 
