@@ -93,8 +93,8 @@ pub enum Whole {}
 #[derive(Clone, Copy, Debug)]
 pub enum Halved {}
 
-/// A source whose path has increments over any interval. The parts of a step then add up to the step, and a step that fails can be
-/// subdivided ([`Retry`](crate::path::retry::Retry)). Given rows of numbers are not divisible.
+/// A source whose path has increments over any interval. A step that fails can then be subdivided, and its parts add up to it. (`WongZakai` samples a
+/// velocity in each part, unless its sampling is exact: these do not.) See [`Retry`](crate::path::retry::Retry). Given rows of numbers are not divisible.
 ///
 /// Runs take a source `N: Divisible<R>`: every source drives [`Whole`] steps.
 #[diagnostic::on_unimplemented(

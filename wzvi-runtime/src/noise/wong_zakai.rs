@@ -266,7 +266,7 @@ impl Noise for WongZakai {
     }
 }
 
-/// Increments add up.
+/// Exact increments add up; sampled velocities are those of each part.
 impl Divisible for WongZakai {}
 
 impl Paths for WongZakai {
