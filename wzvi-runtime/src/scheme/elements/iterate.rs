@@ -172,6 +172,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     fn solve(self, scratch: &mut Scratch<'_, S>) -> Result<Solved, StepFailure> {
         if const { is_side_by_side::<S>() } {
             // Where steps begin with another method paths go alone, and one that turns out to need it ends with an error.
+            debug_assert!(
+                !self.scheme.is_linear,
+                "`Properties::in_lanes` is false where a step is one correction"
+            );
             let known = scratch.known;
             return self.iterate(scratch, known, Iteration::FixedPoint);
         }
