@@ -276,6 +276,32 @@ fn a_known_passage_comes_at_its_time() {
     assert!(never.mean().is_nan());
 }
 
+/// A straight line, with a noise that can be 0.
+#[hamiltonian(drift = |q, p| 0.5 * p * p, noise = [|q, p| -s * q], embedding = [Midpoint])]
+pub struct Line {
+    pub s: f64,
+}
+
+/// Steps of an eighth along a straight line are exact: `q = 1` at the last node or at the first. The bins go from the start to the end, in either
+/// direction of time, and each passage is in one.
+#[test]
+fn passages_at_either_end_are_in_a_bin() {
+    for (h, q, time, is_last) in [
+        (0.125, 0.0, 1.0, true),
+        (-0.125, 2.0, -1.0, false),
+        (0.125, 1.0, 0.0, false),
+        (-0.125, 1.0, 0.0, true),
+    ] {
+        let run =
+            Line { s: 0.0 }.ensemble::<Midpoint>(h).start(State::new([q], [1.0])).steps(8).paths(3).seed(1);
+        let run = run.first_passage("one", |state| state.q[0] - 1.0).run().expect("an ensemble");
+        let (passages, bins) = (&run.passages()[0], run.passages()[0].histogram());
+        assert_eq!((passages.passed(), passages.censored(), passages.mean()), (3, 0, time), "{h} {q}");
+        assert_eq!((bins.below(), bins.above()), (0, 0), "{h} {q}");
+        assert_eq!(bins.counts()[if is_last { bins.counts().len() - 1 } else { 0 }], 3, "{h} {q}");
+    }
+}
+
 #[test]
 fn times_are_chosen() {
     let run = everything(50).record_at([0.1, 1.0]).run().unwrap();

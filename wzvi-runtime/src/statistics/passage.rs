@@ -90,7 +90,8 @@ impl Passages {
             Passage::At(time) => {
                 self.times.push(time);
                 self.quantiles.push(time);
-                self.histogram.push(time);
+                // The last bin has its upper end, where a run ends or, back in time, starts.
+                self.histogram.push(time.min(self.histogram.edge(self.histogram.counts().len()).next_down()));
                 time
             }
             Passage::Censored => {
@@ -167,7 +168,7 @@ impl Passages {
         &self.quantiles
     }
 
-    /// These times in equal bins from the start to the end.
+    /// These times in equal bins from the start to the end; the last bin includes its upper end.
     pub fn histogram(&self) -> &Histogram {
         &self.histogram
     }
