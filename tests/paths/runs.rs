@@ -174,6 +174,17 @@ fn what_is_missing_or_senseless_is_said_before_the_run() {
     assert_eq!(error, ConfigError::Start(StepFailure::Dimension { expected: 3, got: 2 }).into());
 }
 
+/// A sum over no sites is 0, as in Rust; there is nothing to step.
+#[test]
+fn an_empty_system_has_no_energy_and_no_run() {
+    let (rotors, empty) = (Rotors { count: 0, sigma: 0.5 }, State::new(Vec::<f64>::new(), Vec::<f64>::new()));
+    assert_eq!(rotors.energy(&empty), 0.0);
+    let error =
+        rotors.simulate::<DeltaPlus>(0.1).start(empty).noise(Wiener::seed(1)).steps(1).run().unwrap_err();
+    assert_eq!(error, ConfigError::Start(StepFailure::Dimension { expected: 1, got: 0 }).into());
+    assert!(error.to_string().contains("the state is empty"), "{error}");
+}
+
 #[test]
 fn a_deterministic_system_takes_no_noise_and_any() {
     let run = || PENDULUM.simulate::<Midpoint>(0.1).start(State::new([1.0], [0.5])).until(50.0);

@@ -113,6 +113,9 @@ messages! { StepFailure:
     Self::Increments { expected, got } =>
         "the system has {expected} noise{}, but {got} increment{} given",
         if *expected == 1 { "" } else { "s" }, if *got == 1 { " was" } else { "s were" };
+    Self::Dimension { expected, got: 0 } =>
+        "the state is empty; a run of the system needs {expected} degree{} of freedom at least",
+        if *expected == 1 { "" } else { "s" };
     Self::Dimension { expected, got } =>
         "the system has {expected} degrees of freedom, but the state has {got}";
     Self::Index(error) => "{error}";

@@ -422,14 +422,14 @@ fn increments<'a, H: Elements, S>(system: &H, dw: &'a [S]) -> Result<&'a [S], St
     Ok(&dw[..expected])
 }
 
-/// Whether a state of `got` degrees of freedom fits the system.
+/// Whether a state of `got` degrees of freedom fits the system and can be stepped; an empty one cannot.
 ///
 /// # Errors
 /// [`StepFailure::Dimension`] if it does not, [`StepFailure::Index`] if an integer of the system is out of range.
 pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
     let expected = system.degrees();
-    if expected != 0 && expected != got {
-        return Err(StepFailure::Dimension { expected, got });
+    if expected != 0 && expected != got || got == 0 {
+        return Err(StepFailure::Dimension { expected: expected.max(H::PLACES.components), got });
     }
     places::check(system, got)
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Elements, Point, Slopes, check, slopes};
+use super::{Elements, Point, Slopes, check, places, slopes};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
@@ -18,7 +18,9 @@ pub(super) const FORCE: usize = 3;
 
 /// Whether `q` and `p` are those of a state of the system.
 pub(super) fn fits<H: Elements, S>(system: &H, q: &[S], p: &[S]) -> bool {
-    q.len() == p.len() && check(system, q.len()).is_ok()
+    // An empty sum is 0.
+    let is_empty = q.is_empty() && system.degrees() == 0 && places::check(system, 0).is_ok();
+    q.len() == p.len() && (is_empty || check(system, q.len()).is_ok())
 }
 
 /// The part that Hamiltonian `term` belongs to, and its acting noises.

@@ -38,7 +38,7 @@ type Lookup<'s> = &'s dyn Fn(usize, &[usize], Range<usize>) -> Entries;
 /// system does.
 pub(in crate::scheme::elements) fn check<H: Elements>(system: &H, degrees: usize) -> Result<(), StepFailure> {
     let components = H::PLACES.components;
-    if degrees == 0 || !degrees.is_multiple_of(components) {
+    if !degrees.is_multiple_of(components) {
         let expected = (degrees / components + 1).saturating_mul(components);
         return Err(StepFailure::Dimension { expected, got: degrees });
     }
