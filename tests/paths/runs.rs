@@ -8,6 +8,7 @@ use wzvi::Error;
 use wzvi::calculus::{DomainError, Nodes};
 use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
 use wzvi::increments::Interval;
+use wzvi::noise::Truncation;
 use wzvi::prelude::*;
 
 type V1 = wzvi::nalgebra::SVector<f64, 1>;
@@ -349,6 +350,26 @@ fn a_source_is_told_what_it_serves() {
     let rest = State::new(vec![0.0; 2], vec![0.0; 2]).at(2.0);
     rotors.simulate::<DeltaPlus>(0.1).start(rest).noise(&mut source).until(3.0).run().unwrap();
     assert_eq!(source.told, Some((false, 0.1, 2, 2.0)));
+}
+
+/// A run by an implicit scheme truncates increments; a later run with the same source, by a scheme that does not, is that of a new one.
+#[test]
+fn a_borrowed_source_is_as_it_was_after_a_run() {
+    fn after<N: Noise>(noise: &mut N) -> Option<wzvi::increments::Identity> {
+        let rest = State::new(vec![0.0; 2], vec![0.0; 2]);
+        let rotors = Rotors { count: 2, sigma: 0.5 };
+        rotors.simulate::<DeltaPlus>(0.1).start(rest).noise(&mut *noise).steps(3).run().expect("a run");
+        noise.identity()
+    }
+    fn check<N: Noise + Clone>(new: N, truncation: fn(&N) -> Truncation) {
+        let mut used = new.clone();
+        KUBO.simulate::<Midpoint>(0.1).start(start()).noise(&mut used).steps(3).run().expect("a run");
+        assert_eq!(truncation(&used), Truncation::Unset);
+        assert_eq!(after(&mut used), after(&mut new.clone()));
+    }
+    check(Wiener::seed(1), Wiener::truncation);
+    check(WongZakai::averaged(0.1).seed(1), WongZakai::truncation);
+    check(StepNormals::seed(1), StepNormals::truncation);
 }
 
 /// Chosen times are recorded beside the regular ones, with the increments in between; observables are columns of the recorded nodes.

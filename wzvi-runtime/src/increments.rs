@@ -44,7 +44,7 @@ impl Interval {
 
 /// A source of increments.
 pub trait Noise {
-    /// Called once before the first step, with the plan of the scheme (see [`Plan::truncates_increments`]), the step size, the number of
+    /// Called before the first step of each run, with the plan of the scheme (see [`Plan::truncates_increments`]), the step size, the number of
     /// processes and the time of the start. Sources that need none of this keep the default.
     ///
     /// # Errors

@@ -14,6 +14,7 @@
 
 use super::NoiseError;
 use crate::algebra::lanes::elementary::ln_shifted;
+use crate::scheme::plan::Plan;
 
 /// Whether and how increments are truncated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,10 +40,9 @@ impl Truncation {
         }
     }
 
-    pub(super) fn set_default(&mut self, k: f64) {
-        if *self == Self::Unset {
-            *self = Self::On(k);
-        }
+    /// What acts in a run with this plan.
+    pub(super) fn in_run(self, plan: &Plan) -> Self {
+        if self == Self::Unset && plan.truncates_increments() { Self::On(Self::DEFAULT) } else { self }
     }
 
     /// The largest increment of a step, given the standard deviation; infinite without truncation.

@@ -31,6 +31,8 @@ pub struct Wiener {
     path: u64,
     unit: f64,
     truncation: Truncation,
+    /// The truncation of the current run.
+    acting: Truncation,
     cursors: Vec<Cursor>,
     /// Those of single processes far from all others.
     distant: BTreeMap<usize, Cursor>,
@@ -52,6 +54,7 @@ impl Wiener {
             path: 0,
             unit: 1.0,
             truncation: Truncation::Unset,
+            acting: Truncation::Unset,
             cursors: vec![],
             distant: BTreeMap::new(),
             reached: NOWHERE,
@@ -65,7 +68,7 @@ impl Wiener {
     }
 
     pub(super) fn with_truncation(self, truncation: Truncation) -> Self {
-        Self { truncation, ..self }
+        Self { truncation, acting: truncation, ..self }
     }
 
     pub(super) fn with_seed(self, seed: u64) -> Self {
@@ -84,7 +87,7 @@ impl Wiener {
         self
     }
 
-    truncation_setters!(|noise, truncation| Self { truncation, ..noise });
+    truncation_setters!(Self::with_truncation);
 
     /// The truncation that is set.
     pub fn truncation(&self) -> Truncation {
@@ -179,8 +182,14 @@ impl Wiener {
         [self.unit.sqrt(), self.unit * self.unit.sqrt()]
     }
 
-    pub(super) fn truncation_mut(&mut self) -> &mut Truncation {
-        &mut self.truncation
+    /// The truncation of the current run.
+    pub(super) fn acting(&self) -> Truncation {
+        self.acting
+    }
+
+    /// A run with this plan begins.
+    pub(super) fn serve(&mut self, plan: &Plan) {
+        self.acting = self.truncation.in_run(plan);
     }
 
     /// A cursor on the same paths at another place, for the second end of a window.
@@ -224,7 +233,7 @@ impl Noise for Wiener {
             return Err(too_short(begin, interval.h));
         }
         self.reached = (end, to);
-        let bound = self.truncation.bound(interval.h, interval.h.abs().sqrt());
+        let bound = self.acting.bound(interval.h, interval.h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
             *dw = self.difference(process, &from, &to).clamp(-bound, bound);
         }
@@ -236,9 +245,7 @@ impl Noise for Wiener {
     }
 
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {
-        if plan.truncates_increments() {
-            self.truncation.set_default(Truncation::DEFAULT);
-        }
+        self.serve(plan);
         check_step(h)?;
         self.check(start)?;
         if h.abs() < LEAST_STEP * grid::resolution(start / self.unit) * self.unit {
@@ -249,7 +256,7 @@ impl Noise for Wiener {
 
     fn identity(&self) -> Option<Identity> {
         let identity = Identity::of("Wiener").with("seed", self.seed).with("path", self.path);
-        Some(identity.with("unit", self.unit).with("truncation", self.truncation))
+        Some(identity.with("unit", self.unit).with("truncation", self.acting))
     }
 }
 

@@ -222,7 +222,7 @@ impl Noise for WongZakai {
         check_step(interval.h)?;
         let h = interval.h.abs();
         let sign = interval.h.signum();
-        let bound = self.truncation().bound(h, self.deviation(h));
+        let bound = self.early.acting().bound(h, self.deviation(h));
         let exact = matches!(self.sampling, Sampling::Exact | Sampling::ExactCentred);
         let times = self.times(interval);
         let mut points = [GridTime::ZERO; 4];
@@ -252,9 +252,7 @@ impl Noise for WongZakai {
     }
 
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {
-        if plan.truncates_increments() {
-            self.early.truncation_mut().set_default(Truncation::DEFAULT);
-        }
+        self.early.serve(plan);
         check_step(h)?;
         self.check_window()?;
         self.early.check(start)
