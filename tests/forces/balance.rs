@@ -116,7 +116,13 @@ fn work_is_what_heat_leaves() {
     let ensemble = || MOVING.ensemble::<Baoab>(0.125).start(start).paths(3).seed(9).until(2.0);
     let statistics = ensemble().observe_work().keep_paths(1 << 20).run().unwrap();
     let kept = statistics.paths().unwrap();
+    let unobserved = ensemble().keep_paths(1 << 20).run().unwrap();
     for path in 0..3 {
+        // With arithmetic only, observing changes no bit of the path.
+        for node in 0..statistics.nodes().len() {
+            let alone = unobserved.paths().unwrap().at(path as usize, node).unwrap();
+            assert!(kept.at(path as usize, node).unwrap().starts_with(alone), "{path} {node}");
+        }
         let noise = wzvi::noise::StepNormals::seed(9).path(path);
         let single = MOVING.simulate::<Baoab>(0.125).start(start).noise(noise).until(2.0).run().unwrap();
         let values = kept.at(path as usize, statistics.nodes().len() - 1).unwrap();

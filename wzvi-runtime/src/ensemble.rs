@@ -297,8 +297,8 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// Observes `work`, `shadow work` and `heat` of each path since its start, in units of energy, as
     /// [`Trajectory::work`](crate::path::trajectory::Trajectory::work), its shadow part, and
     /// [`Trajectory::heat`](crate::path::trajectory::Trajectory::heat) do for a single path. It is for systems with a bath, forces or
-    /// friction. Each path is then stepped by itself, which takes the time of single paths. It excludes `retry`, `exactly`, and times
-    /// between nodes.
+    /// friction. Each path is then stepped by itself, which takes the time of single paths; where the system has elementary functions, the last
+    /// bits of paths may differ from those without it. It excludes `retry`, `exactly`, and times between nodes.
     pub fn observe_work(mut self) -> Self {
         self.setup.more.wanted.has_work = true;
         self
