@@ -3,6 +3,8 @@
 use fixtures::reference;
 use fixtures::small::{Driven, Pendulum};
 use fixtures::steps::{apart, asymmetry, distance, end, lanes_apart, order_of_step, refused, way_back};
+use wzvi::error::StepFailure;
+use wzvi::memory::Iteration;
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
@@ -330,14 +332,19 @@ struct Sites;
 /// A stepper that has seen a state of another size takes the steps of a new one, and accounts for the same work.
 #[test]
 fn steps_of_states_of_several_sizes_are_those_of_new_steppers() {
+    const H: f64 = 0.6;
     fn check<E>()
     where
         Sites: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
     {
-        let mut used = Sites.stepper::<E>(0.1).unwrap();
+        let mut used = Sites.stepper::<E>(H).unwrap();
         for sites in [1, 3, 1, 5, 2] {
-            let mut fresh = Sites.stepper::<E>(0.1).unwrap();
+            let mut fresh = Sites.stepper::<E>(H).unwrap();
             let start = State::new(vec![0.7; sites], vec![0.5; sites]);
+            // The fixed point alone does not reach the solution.
+            let mut sweeps = Sites.stepper::<E>(H).unwrap().iteration(Iteration::FixedPoint);
+            let cause = refused(&start, |state| sweeps.step(state, &[])).cause;
+            assert!(matches!(cause, StepFailure::NotConverged { .. }), "{sites} sites: {cause}");
             let (mut state, mut other) = (start.clone(), start);
             let before = used.exchanged().work;
             for _ in 0..3 {
