@@ -3,6 +3,7 @@
 use std::thread::sleep;
 use std::time::Duration;
 
+use fixtures::Uniform;
 use wzvi::checkpoint::Checkpoint;
 use wzvi::error::{Error, PathError};
 use wzvi::prelude::*;
@@ -199,6 +200,32 @@ fn what_cannot_be_estimated_is_an_error() {
     assert!(wrong.is_err());
     let section = run().section(|state| state.q[0]).time_averages().run().expect_err("nobody keeps sections");
     assert!(section.to_string().contains("section"), "{section}");
+}
+
+/// Units of a power of two change no digit, up to the largest numbers.
+#[test]
+fn correlations_have_no_largest_unit() {
+    let mut random = Uniform(3);
+    let values: Vec<f64> = (0..512).map(|_| 0.75 + 0.2 * random.draw()).collect();
+    let found = Autocorrelation::of(&values, H).expect("an autocorrelation");
+    for exponent in [-1000, -300, 300, 1000, 1023] {
+        let unit = 2.0_f64.powi(exponent);
+        let scaled: Vec<f64> = values.iter().map(|x| x * unit).collect();
+        let scaled = Autocorrelation::of(&scaled, H).expect("an autocorrelation");
+        assert_eq!(
+            (scaled.mean, scaled.standard_error),
+            (found.mean * unit, found.standard_error * unit),
+            "{exponent}"
+        );
+        assert_eq!((&scaled.function, scaled.time), (&found.function, found.time), "{exponent}");
+    }
+    // The difference of both ends is more than the largest number.
+    let turns: Vec<f64> =
+        values.iter().enumerate().map(|(i, x)| if i % 3 == 0 { f64::MAX } else { -x * f64::MAX }).collect();
+    let small: Vec<f64> = turns.iter().map(|x| x * 0.125).collect();
+    let [turns, small] =
+        [turns, small].map(|values| Autocorrelation::of(&values, H).expect("an autocorrelation"));
+    assert_eq!((turns.mean, turns.function), (small.mean * 8.0, small.function));
 }
 
 #[test]

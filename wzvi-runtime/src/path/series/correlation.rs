@@ -75,15 +75,18 @@ impl Autocorrelation {
             return Err(SeriesError::Short { length });
         }
         let all = || series.iter().flat_map(|values| values.as_ref());
-        let mean = all().sum::<f64>() / count as f64;
         if all().zip(all().skip(1)).all(|(value, next)| value == next) {
             return Err(SeriesError::Constant);
         }
-        // In units of a power of two: squares neither overflow nor vanish.
-        let largest = all().map(|x| (x - mean).abs()).fold(0.0, f64::max);
-        let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE);
-        let centred: Vec<Vec<f64>> =
-            series.iter().map(|values| values.as_ref().iter().map(|x| (x - mean) / unit).collect()).collect();
+        // In units of powers of two, of the values and of their deviations: neither sums nor squares overflow or vanish.
+        let of_values = unit(all().copied());
+        let mean = all().map(|x| x / of_values).sum::<f64>() / count as f64;
+        let deviation = |x: &f64| x / of_values - mean;
+        let of_deviations = unit(all().map(deviation));
+        let centred: Vec<Vec<f64>> = series
+            .iter()
+            .map(|values| values.as_ref().iter().map(|x| deviation(x) / of_deviations).collect())
+            .collect();
         let products = lagged_products(centred.iter().map(Vec::as_slice), length);
         let at = |lag: usize| products[lag] / (series.len() * (length - lag)) as f64;
         let variance = at(0);
@@ -93,15 +96,21 @@ impl Autocorrelation {
         let time = time * (1.0 + (2 * window + 1) as f64 / count as f64);
         let time_error = time * (4.0 / count as f64 * (window as f64 + 0.5 - time).max(0.5)).sqrt();
         Ok(Self {
-            mean,
-            variance: variance * unit * unit,
+            mean: mean * of_values,
+            variance: variance * (of_deviations * of_values).powi(2),
             function: ByLag { spacing, values: rho },
             time: time * spacing,
             time_error: time_error * spacing,
             window,
-            standard_error: unit * (2.0 * time * variance / count as f64).sqrt(),
+            standard_error: (2.0 * time * variance / count as f64).sqrt() * of_deviations * of_values,
         })
     }
+}
+
+/// The power of two below the largest of some numbers.
+fn unit(values: impl Iterator<Item = f64>) -> f64 {
+    let largest = values.map(f64::abs).fold(0.0, f64::max);
+    f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE)
 }
 
 /// The first lag that is [`WINDOW`] correlation times, and that time in samples; `None` unless it is within a tenth of the series.
