@@ -5,7 +5,8 @@
 //! code that shares nothing with the library; a part in which the determinant changes its sign, or that is not solved, is halved up to sixteen times before the
 //! branch is said to end. [`Reference`] is that; random states of wells and fields, with steps from 0.05 to 2, are its input.
 
-use fixtures::Uniform;
+use fixtures::steps::distance;
+use fixtures::{Uniform, larger};
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 
@@ -186,7 +187,7 @@ impl Reference {
                 }
             }
             let is_reversed = eliminate(&mut matrix, &mut residual)?;
-            let size = |v: &[f64]| v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let size = |v: &[f64]| v.iter().fold(0.0, |most, x| larger(most, x.abs()));
             let correction = size(&residual);
             y.iter_mut().zip(&residual).for_each(|(y, c)| *y -= c);
             if correction <= 1e-13 * (1.0 + size(&y)) {
@@ -216,11 +217,8 @@ impl Reference {
                 now.1.iter().zip(&before.1).map(|(a, b)| a + ratio * (a - b)).collect()
             };
             // A predicted part is within half of what it moves, where that is anything.
-            let moved = |y: &[f64], from: &[f64]| {
-                y.iter().zip(from).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
-            };
             let solved = self.solve(system, next * h, start, guess.clone()).filter(|(y, is_reversed)| {
-                !is_reversed && (now.0 == 0.0 || moved(y, &guess) <= 0.5 * moved(y, &now.1) + 1e-3)
+                !is_reversed && (now.0 == 0.0 || distance(y, &guess) <= 0.5 * distance(y, &now.1) + 1e-3)
             });
             match solved {
                 Some((y, _)) => {
@@ -343,7 +341,7 @@ where
 /// The largest distance of two ends, in units of what they are. Both are solved to rounding, which conditions of 1e5 leave below 1e-8; another branch
 /// is nearer only where two of them meet.
 fn apart(end: &[f64], other: &[f64]) -> f64 {
-    end.iter().zip(other).fold(0.0, |most, (a, b)| most.max((a - b).abs() / (1.0 + b.abs())))
+    end.iter().zip(other).fold(0.0, |most, (a, b)| larger(most, (a - b).abs() / (1.0 + b.abs())))
 }
 
 /// Steps of one scheme: runs of a few from random states, of which the first has nothing to extrapolate from.

@@ -2,6 +2,7 @@
 //!
 //! A deterministic run of constant step watches its energy (docs/guide/stability.md); what is right is never refused.
 
+use fixtures::larger;
 use fixtures::rest::ScaledWell;
 use fixtures::small::Kepler;
 use wzvi::error::{StepError, StepFailure};
@@ -70,7 +71,7 @@ fn the_energy_of_an_orbit_returns_after_each_passage() {
     let path = run.retry(Retry::halving(12)).run().unwrap();
     let off = |state: &Planar| (Kepler.energy(state) + 0.5).abs();
     let (inside, outside): (Vec<_>, Vec<_>) = path.states().iter().partition(|state| state.q.norm() < 0.02);
-    let largest = |states: &[&Planar]| states.iter().fold(0.0, |most, state| f64::max(most, off(state)));
+    let largest = |states: &[&Planar]| states.iter().fold(0.0, |most, state| larger(most, off(state)));
     println!(
         "{} of {} nodes: {:.3}, others {:.3}",
         inside.len(),

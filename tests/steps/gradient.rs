@@ -1,5 +1,6 @@
 //! Kicks by potentials with the square of the force: their order, what they keep, and that loops take the steps of straight-line code.
 
+use fixtures::larger;
 use fixtures::steps::{apart, asymmetry, lagrangian_gradient_off, lanes_apart, order, way_back};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
@@ -77,7 +78,7 @@ fn takahashi_and_imada_is_of_effective_order_4() {
             MASSES.simulate::<Composed<Verlet, TakahashiImada4>>(h).start(start).steps(steps).run().unwrap();
         let energies: Vec<f64> =
             path.iter().map(|state| MASSES.energy(state) - h * h / 24.0 * rate(state)).collect();
-        energies.iter().map(|energy| (energy - energies[0]).abs()).fold(0.0, f64::max)
+        energies.iter().map(|energy| (energy - energies[0]).abs()).fold(0.0, larger)
     };
     let slope = (drift(60) / drift(120)).log2();
     assert!((slope - 4.0).abs() < 0.2, "{slope}");

@@ -4,8 +4,8 @@
 //! moves are unbiased they add up like a random walk, `sqrt(n)` of them after `n` steps: 1e-13 after a million. If they
 //! are biased they add up to `n`: 1e-10. The bounds below lie between: they are some times the random walk.
 
-use fixtures::Uniform;
 use fixtures::small::{Kubo, Pendulum};
+use fixtures::{Uniform, larger};
 use wzvi::prelude::*;
 use wzvi::system::Segment;
 
@@ -41,7 +41,7 @@ fn drifts<E, H: Discretized<E>, const Q: usize>(
         if n % 1000 == 0 {
             for ((drift, now), first) in drifts.iter_mut().zip(quantities(&state)).zip(first) {
                 let relative = (now - first) / first;
-                *drift = [drift[0].max(relative.abs()), relative];
+                *drift = [larger(drift[0], relative.abs()), relative];
             }
         }
     }
@@ -185,10 +185,10 @@ fn check_residual<E, H: Discretized<E>>(system: &H, start: State<H::Vector>, nam
         if let Some((previous, previous_dw)) = &previous {
             let left = system.euler_lagrange_residual(previous, &segment, previous_dw, &dw);
             let left = left.node.components().iter().chain(left.momentum.components());
-            residual = left.fold(residual, |most, x| most.max(x.abs()));
+            residual = left.fold(residual, |most, x| larger(most, x.abs()));
         }
         let numbers = state.q.components().iter().chain(state.p.components());
-        size = numbers.fold(size, |size, x| size.max(x.abs()));
+        size = numbers.fold(size, |size, x| larger(size, x.abs()));
         previous = Some((segment, dw));
     }
     println!("{name}: discrete Euler-Lagrange residual {residual:.1e} at size {size:.1}");
@@ -234,7 +234,7 @@ fn the_energy_error_of_the_pendulum_is_bounded() {
     for n in 0..100_000 {
         stepper.step(&mut state, &[]).unwrap();
         let window = &mut windows[n / 10_000];
-        *window = window.max((Pendulum.energy(&state) - first).abs());
+        *window = larger(*window, (Pendulum.energy(&state) - first).abs());
     }
     println!("pendulum, h = {h}, energy error per 10⁴ steps: {windows:?}");
     // H - H_h = (h²/24) H''(X, X) + O(h⁴) with X the field: at most (p² + sin² q)/24 h² ≈ 0.16 h² on this orbit, twice

@@ -1,5 +1,6 @@
 //! The modified energy: its terms against known ones, and how its drift falls with the step size.
 
+use fixtures::larger;
 use fixtures::small::{HenonHeiles, Pendulum};
 use fixtures::stiff::Fput;
 use wzvi::modified::{Conservative, ModifiedBy, ModifiedHamiltonian};
@@ -44,7 +45,7 @@ where
     for _ in 0..steps {
         stepper.step(&mut state, &[]).unwrap();
         let now = energies(&state);
-        drifts = [0, 1].map(|i| drifts[i].max((now[i] - first[i]).abs()));
+        drifts = [0, 1].map(|i| larger(drifts[i], (now[i] - first[i]).abs()));
     }
     drifts
 }

@@ -6,7 +6,7 @@
 
 use std::array::from_fn;
 
-use fixtures::Uniform as Random;
+use fixtures::{Uniform as Random, larger};
 use wzvi::prelude::*;
 use wzvi::scalar::Dual;
 
@@ -283,7 +283,7 @@ fn symplectic_defect<const N: usize>(m: [[f64; N]; N]) -> f64 {
         for b in 0..N {
             let product: f64 = (0..d).map(|i| m[i][a] * m[d + i][b] - m[d + i][a] * m[i][b]).sum();
             let expected = f64::from(b == a + d) - f64::from(a == b + d);
-            defect = defect.max((product - expected).abs());
+            defect = larger(defect, (product - expected).abs());
         }
     }
     defect / largest(m.iter().flatten()).powi(2)
@@ -320,7 +320,7 @@ fn check_scheme<E: Scheme, const N: usize, H: Discretized<E>>(
             );
             // The same step on another number type.
             assert!((got[i] - dual[i].value).abs() <= STEP * scale);
-            worst[1] = worst[1].max((got[i] - expected[i]).abs() / scale);
+            worst[1] = larger(worst[1], (got[i] - expected[i]).abs() / scale);
         }
         worst[0] = worst[0].max(defect);
     }

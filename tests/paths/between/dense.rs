@@ -19,10 +19,7 @@ type V1 = SVector<f64, 1>;
 struct Chain;
 
 fn distance<V: wzvi::state::Vector>(a: &State<V>, b: &State<V>) -> [f64; 2] {
-    let largest = |a: &V, b: &V| {
-        a.components().iter().zip(b.components()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    [largest(&a.q, &b.q), largest(&a.p, &b.p)]
+    [(&a.q, &b.q), (&a.p, &b.p)].map(|(a, b)| fixtures::steps::distance(a.components(), b.components()))
 }
 
 /// The largest errors of q and p inside steps of size `h`, of `E` from nodes of the reference, which is `Gauss<16>` in sixteenths of the step.

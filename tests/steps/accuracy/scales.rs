@@ -1,5 +1,6 @@
 //! Sizes: of parameters, states, steps and frequencies; exact zeros.
 
+use fixtures::larger;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -129,7 +130,7 @@ fn amplitude(h: f64, steps: u32) -> f64 {
     let mut largest = 0.0_f64;
     for _ in 0..steps {
         stepper.step(&mut state, &[]).unwrap();
-        largest = largest.max(state.q[0].abs());
+        largest = larger(largest, state.q[0].abs());
     }
     largest
 }

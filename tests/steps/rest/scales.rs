@@ -1,5 +1,6 @@
 //! Systems of elements: masses and places of very different size, and all units.
 
+use fixtures::steps::distance;
 use wzvi::prelude::*;
 
 /// On-site springs, springs to the next, and a quartic coupling, with masses of their own; as loops and unrolled.
@@ -184,8 +185,8 @@ fn a_stiff_lattice_is_homogeneous() {
     for k in [-280, -150, 150, 280] {
         let scale = 10.0_f64.powi(k);
         let scaled = step(scale);
-        let size = one.q.iter().map(|q: &f64| q.abs()).fold(0.0, f64::max);
-        let error = scaled.q.iter().zip(&one.q).map(|(a, b)| (a / scale - b).abs()).fold(0.0, f64::max);
+        let size = one.q.amax();
+        let error = distance((&scaled.q / scale).as_slice(), one.q.as_slice());
         assert!(error <= 1e-12 * size, "1e{k}: {error:e}");
     }
 }
@@ -206,7 +207,7 @@ fn chains_at_rest_far_from_the_origin() {
                     .step(&mut state, &[])
                     .unwrap_or_else(|error| panic!("{place:e}, 1e{exponent}, step {n}: {error}"));
             }
-            let moved = state.q.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let moved = distance(state.q.as_slice(), &q);
             // Rounding of places gives the whole chain a speed: a random walk of kicks of h k ε |place|.
             let kick = 5.0 * f64::EPSILON * place.abs();
             let bound = 10.0 * amplitude + 10.0 * kick * 0.05 * f64::from(STEPS).powf(1.5);
