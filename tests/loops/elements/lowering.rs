@@ -113,24 +113,31 @@ systems! {
     };
 }
 
-/// A family beside single noises, and two families, count their increments in the order of the list, at every size.
+/// A family beside single noises, and two families, count their increments in the order of the list, at every size and
+/// with every kind of count.
 macro_rules! mixed_noises {
-    ($name:ident, [$($generics:tt)*], $space:ty) => {
+    ($name:ident, [$($generics:tt)*], $space:ty, $three:expr, $two:expr) => {
         #[hamiltonian(
-            drift = |q: $space, p: $space| p.iter().map(|p| 0.5 * p * p).sum::<f64>(),
-            noise = [|q, _| a * q[0], [|q, _, k| q[k] * q[k] * (k + 1) as f64; 3], |_, p| p[1], [|q, p, k| q[k] - 2.0 * p[k]; 2]],
-            embedding = Midpoint,
+            drift = |q: $space, p: $space| p.iter().map(|p| 0.25 * two as f64 * p * p).sum::<f64>(),
+            noise = [|q, _| a * q[0], [|q, _, k| q[k] * q[k] * (k + 1) as f64; $three], |_, p| p[1], [|q, p, k| q[k] - 2.0 * p[k]; $two]],
+            embedding = [Midpoint, DeltaPlus],
         )]
         struct $name $($generics)* {
             a: f64,
+            two: usize,
         }
     };
 }
 
-mixed_noises!(MixedLiteral, [], [f64; 3]);
-mixed_noises!(MixedLong, [], [f64; 20]);
-mixed_noises!(MixedGeneric, [<const N: usize>], [f64; N]);
-mixed_noises!(MixedSlice, [], &[f64]);
+const THREE: usize = 3;
+
+mixed_noises!(MixedLiteral, [], [f64; 3], 3, 2);
+mixed_noises!(MixedLong, [], [f64; 20], 3, 2);
+mixed_noises!(MixedGeneric, [<const N: usize>], [f64; N], 3, 2);
+mixed_noises!(MixedSlice, [], &[f64], 3, 2);
+mixed_noises!(MixedAtRunTime, [], &[f64], self.two + 1, self.two);
+mixed_noises!(MixedConstant, [], [f64; 20], THREE, self.two);
+mixed_noises!(MixedCounts, [<const M: usize>], &[f64], M, 2);
 
 #[test]
 fn families_stand_beside_other_noises() {
@@ -141,6 +148,18 @@ fn families_stand_beside_other_noises() {
             let mut moved = state.clone();
             assert_eq!(system.noises(), 7);
             system.stepper::<Midpoint>(0.01).unwrap().step(&mut moved, &[0.01; 7]).unwrap();
+            // Each increment drives its own noise: the coordinates move by its slopes in the momenta,
+            // and by h / dW = 1e-3 times the momenta.
+            for k in 0..7 {
+                let (mut moved, mut dw) = (state.clone(), [0.0; 7]);
+                dw[k] = 1e-6;
+                system.stepper::<DeltaPlus>(1e-9).unwrap().step(&mut moved, &dw).unwrap();
+                let slopes = [[0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2], [0.0, 1.0], [-2.0, 0.0], [0.0, -2.0]];
+                for i in 0..2 {
+                    let rate = (moved.q[i] - state.q[i]) / 1e-6;
+                    assert!((rate - slopes[k][i]).abs() < 0.01, "noise {k}: {rate}");
+                }
+            }
             (0..7).map(|k| system.noise_energy(k, &state)).collect::<Vec<f64>>()
         }};
     }
@@ -153,8 +172,13 @@ fn families_stand_beside_other_noises() {
         expected.extend((0..2).map(|k| q[k] - 2.0 * p[k]));
         expected
     };
-    assert_eq!(energies!(MixedLiteral { a }, 3, <[f64; 3]>::try_from), expected(3));
-    assert_eq!(energies!(MixedLong { a }, 20, <[f64; 20]>::try_from), expected(20));
-    assert_eq!(energies!(MixedGeneric::<5> { a }, 5, <[f64; 5]>::try_from), expected(5));
-    assert_eq!(energies!(MixedSlice { a }, 5, Ok::<Vec<f64>, Vec<f64>>), expected(5));
+    let two = 2;
+    let slice = Ok::<Vec<f64>, Vec<f64>>;
+    assert_eq!(energies!(MixedLiteral { a, two }, 3, <[f64; 3]>::try_from), expected(3));
+    assert_eq!(energies!(MixedLong { a, two }, 20, <[f64; 20]>::try_from), expected(20));
+    assert_eq!(energies!(MixedGeneric::<5> { a, two }, 5, <[f64; 5]>::try_from), expected(5));
+    assert_eq!(energies!(MixedSlice { a, two }, 5, slice), expected(5));
+    assert_eq!(energies!(MixedAtRunTime { a, two }, 5, slice), expected(5));
+    assert_eq!(energies!(MixedConstant { a, two }, 20, <[f64; 20]>::try_from), expected(20));
+    assert_eq!(energies!(MixedCounts::<3> { a, two }, 5, slice), expected(5));
 }

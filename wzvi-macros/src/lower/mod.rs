@@ -280,8 +280,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
                     None => self.tables.size(count),
                 })
             }
-            Syntax::Field(field) if names::is_self(&field.base) => Some(self.tables.size(count)),
-            Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
+            Syntax::Field(_) | Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
                 self.start();
                 let value = self.evaluate(count);
                 return self.as_index(&value, count);

@@ -187,6 +187,7 @@ impl Nests<'_> {
             return None;
         }
         let position = Indices::unchecked(&self.model.tables).position(number);
+        let position = if number.terms.is_empty() { position } else { quote!((#position)) };
         Some(quote!(__at.acting.contains(&#position)))
     }
 }
