@@ -2,6 +2,11 @@
 
 use wzvi::prelude::*;
 
+const ONE: usize = 1;
+const TWO: usize = 2;
+const FIVE: i64 = 5;
+const HALF: f64 = 0.5;
+
 /// Systems with sums over their coordinates, and the same sums as `reference`.
 macro_rules! sums {
     ($($name:ident = |$q:ident, $m:ident| $sum:expr;)*) => {$(
@@ -57,6 +62,13 @@ sums! {
         .map(|i| (0..q.len()).map(|j| if i <= (j + m) % 3 { q[i] * q[j] * q[j] } else { q[j] }).sum::<f64>())
         .sum::<f64>();
     Skipped = |q, m| q[0] * (q.iter().skip(m).count() + q.windows(3).len() + (m..q.len()).len()) as f64;
+    Arithmetic = |q, m| (TWO - ONE..=(TWO * TWO)).chain(0..TWO * TWO + ONE - 1).map(|i| q[i % q.len()] * (i + m) as f64).sum::<f64>()
+        + (-FIVE..FIVE).map(|i| i as f64 * q[(i + FIVE) as usize % q.len()].cos()).sum::<f64>();
+    Divided = |q, m| (0..q.len()).map(|i| (i as i64 - m as i64).div_euclid(3) as f64 * q[i]).sum::<f64>();
+    Compared = |q, m| q[0].powi((TWO + ONE) as i32) * if TWO * ONE == 2 && TWO > ONE { 1.5 } else { 0.5 }
+        + q.iter().skip(TWO - ONE).step_by(2).sum::<f64>() * TWO.pow(3).min(TWO * 3) as f64
+        + q[m % q.len()] * match TWO % ONE { 0 => -HALF / (HALF - 2.0), _ => HALF }
+        + q[0] * if HALF < HALF * HALF { -HALF } else { HALF - HALF * HALF };
     Chained = |q, m| q.iter().skip(m).chain(q.iter().take(2)).enumerate().map(|(i, q)| q * q * i as f64).sum::<f64>();
 }
 
@@ -71,4 +83,11 @@ fn an_outer_loop_is_not_split_by_the_variable_of_an_inner_one() {
 fn iterators_have_no_negative_number_of_items() {
     Skipped::check();
     Chained::check();
+}
+
+#[test]
+fn arithmetic_of_constants_has_their_type() {
+    Arithmetic::check();
+    Divided::check();
+    Compared::check();
 }

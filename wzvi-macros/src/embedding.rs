@@ -107,14 +107,6 @@ impl Embedding {
         let single = |l| [Points::one(l), Points::one(l)];
         match self {
             Self::DeltaPlus => single(Rational::ZERO),
-            Self::Midpoint
-            | Self::Verlet
-            | Self::Gauss(_)
-            | Self::Baoab
-            | Self::Obabo
-            | Self::Gjf
-            | Self::GjI
-            | Self::Splitting(_) => single(Rational::HALF),
             Self::DeltaMinus => single(Rational::ONE),
             &Self::Lambda(n, d) => single(promised(
                 Rational::new(n.into(), d.into()),
@@ -129,6 +121,8 @@ impl Embedding {
             | Self::Uncorrected(inner)
             | Self::Thermostat(inner)
             | Self::Isolated(inner) => inner.points(),
+            // Symmetric.
+            _ => single(Rational::HALF),
         }
     }
 
@@ -245,14 +239,6 @@ impl Embedding {
     fn spelling(&self) -> (String, Vec<Argument<'_>>) {
         use Argument::{Letters, Number, Scheme};
         let (name, arguments) = match self {
-            Self::DeltaPlus => ("DeltaPlus", Vec::new()),
-            Self::Midpoint => ("Midpoint", Vec::new()),
-            Self::DeltaMinus => ("DeltaMinus", Vec::new()),
-            Self::Verlet => ("Verlet", Vec::new()),
-            Self::Baoab => ("Baoab", Vec::new()),
-            Self::Obabo => ("Obabo", Vec::new()),
-            Self::Gjf => ("Gjf", Vec::new()),
-            Self::GjI => ("GjI", Vec::new()),
             Self::Splitting(word) => ("Splitting", vec![Letters(word)]),
             Self::Lambda(n, d) => ("Lambda", vec![Number(*n), Number(*d)]),
             Self::Gauss(stages) => ("Gauss", vec![Number(*stages)]),
@@ -262,6 +248,7 @@ impl Embedding {
             Self::Thermostat(inner) => ("Thermostat", vec![Scheme(inner)]),
             Self::Declared(declared) => return (declared.name(), Vec::new()),
             Self::Isolated(inner) => return inner.spelling(),
+            plain => return (format!("{plain:?}"), Vec::new()),
         };
         (name.to_owned(), arguments)
     }

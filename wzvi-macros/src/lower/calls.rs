@@ -5,6 +5,7 @@ use syn::punctuated::Punctuated;
 use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, ExprPath, FnArg, Pat, Token};
 
 use super::floats::meant_method;
+use super::integers::may_be_integer;
 use super::interpreter::{Closure, Interpreter};
 use super::names::{is_self, key, may_be_shared, type_of};
 use super::scope::Scope;
@@ -193,7 +194,11 @@ impl<'a> Interpreter<'a, '_> {
         match receiver.known()? {
             Value::Sequence(sequence) => self.sequence_method(sequence, &arguments, syntax),
             Value::Index(index) => self.integer_method(&index, &arguments, syntax),
-            // A constant that is not a list is a real number: integers have to be cast first.
+            Value::Constant(place) if may_be_integer(syntax, &arguments) => {
+                let index = self.given(&place);
+                self.integer_method(&index, &arguments, syntax)
+            }
+            // Any other constant that is not a list is a real number: integers have to be cast first.
             receiver @ (Value::Real(_) | Value::Constant(_)) => {
                 let values = [vec![receiver], arguments].concat();
                 let places: Vec<&Syntax> = [&*syntax.receiver].into_iter().chain(&syntax.args).collect();

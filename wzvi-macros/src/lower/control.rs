@@ -165,7 +165,7 @@ impl<'a> Interpreter<'a, '_> {
     fn as_constant(&mut self, value: &Value) -> Option<Expr> {
         match value {
             Value::Real(expr) => Some(*expr),
-            Value::Constant(place) => Some(self.parameter(&place.name, place.tokens.clone())),
+            Value::Constant(place) => Some(self.constant(place)),
             _ => None,
         }
     }

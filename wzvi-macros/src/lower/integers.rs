@@ -113,15 +113,6 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     fn binary_method(&mut self, name: &str, own: &Index, other: &Index) -> Option<Index> {
-        if let (Some(a), Some(b)) = (own.as_integer(), other.as_integer()) {
-            return Some(Index::integer(match name {
-                "abs_diff" => i128::try_from(a.abs_diff(b)).ok()?,
-                "rem_euclid" => a.checked_rem_euclid(b)?,
-                "div_euclid" => a.checked_div_euclid(b)?,
-                "min" => a.min(b),
-                _ => a.max(b),
-            }));
-        }
         match name {
             "min" => Some(own.minimum(other)),
             "max" => Some(own.maximum(other)),
@@ -138,9 +129,15 @@ impl<'a> Interpreter<'a, '_> {
             }
             // For nonnegative values, rounding towards zero is rounding down.
             _ if self.is_nonnegative(own) => own.divide(other),
-            _ => None,
+            _ => own.subtract(&self.binary_method("rem_euclid", own, other)?)?.divide(other),
         }
     }
+}
+
+/// Whether the receiver of a method with these arguments is an integer, if it is a constant.
+pub(super) fn may_be_integer(syntax: &ExprMethodCall, arguments: &[Value]) -> bool {
+    let is_real = is_real_method(&syntax.method.to_string()) && !arguments.iter().any(Value::is_integer);
+    METHODS.iter().any(|(known, _)| syntax.method == known) && !is_real
 }
 
 fn power(base: &Index, exponent: i128) -> Option<Index> {

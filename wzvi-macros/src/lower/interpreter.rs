@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
-use syn::{Block, Expr as Syntax, Stmt};
+use syn::{BinOp, Block, Expr as Syntax, Stmt};
 
 use super::Space;
 use super::loops::Loops;
@@ -244,9 +244,25 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         match value {
             Value::Real(expr) => Some(expr),
             Value::Poison => None,
-            Value::Constant(place) => Some(self.parameter(&place.name, place.tokens.clone())),
+            Value::Constant(place) => Some(self.constant(&place)),
             Value::Index(_) => self.refuse(expressions::integer_not_real(at)),
             value => self.mismatch(at, "an `f64`", &value),
+        }
+    }
+
+    /// A constant as a real number: arithmetic of constants is symbolic.
+    pub(super) fn constant(&mut self, place: &Place) -> Expr {
+        let Some((left, operator, right)) = &place.made_of else {
+            return self.parameter(&place.name, place.tokens.clone());
+        };
+        let left = left.as_ref().map_or(self.graph.integer(0), |left| self.constant(left));
+        let right = self.constant(right);
+        match operator {
+            BinOp::Add(_) => self.graph.add(left, right),
+            BinOp::Sub(_) => self.graph.subtract(left, right),
+            BinOp::Mul(_) => self.graph.multiply(left, right),
+            BinOp::Div(_) => self.graph.divide(left, right),
+            _ => self.parameter(&place.name, place.tokens.clone()),
         }
     }
 

@@ -25,11 +25,11 @@ mod value;
 
 use syn::ext::IdentExt;
 use syn::visit::Visit;
-use syn::{Expr as Syntax, Lit, ReturnType};
+use syn::{Expr as Syntax, ReturnType};
 
 use crate::diagnostics::Extent;
 use crate::diagnostics::{Diagnostics, expressions, messages};
-use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Role, Shape, peeled};
+use crate::input::{Container, Declaration, Hamiltonian, Length, PhaseSpace, Role, Shape};
 use crate::model::index::{Atom, Index, Loop};
 use crate::model::symbols::Symbols;
 use crate::model::{Family, Half, Noise, Slot, System, Term};
@@ -267,27 +267,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// The number of noises of a family: an integer expression of literals, constants, sizes and fields.
     fn family_count(&mut self, count: &'a Syntax) -> Option<Index> {
-        let count = peeled(count);
-        let known = match count {
-            Syntax::Lit(literal) => match &literal.lit {
-                Lit::Int(count) => count.base10_parse::<u32>().ok().map(|n| Index::integer(n.into())),
-                _ => None,
-            },
-            Syntax::Path(path) => {
-                let field = path.path.get_ident().and_then(|name| self.own_field(name));
-                Some(match field {
-                    Some((name, tokens)) => self.tables.named_size(&name, &tokens),
-                    None => self.tables.size(count),
-                })
-            }
-            Syntax::Field(_) | Syntax::MethodCall(_) | Syntax::Binary(_) | Syntax::Cast(_) => {
-                self.start();
-                let value = self.evaluate(count);
-                return self.as_index(&value, count);
-            }
-            _ => None,
-        };
-        known.or_else(|| self.refuse(expressions::family_count(count)))
+        self.start();
+        let value = self.evaluate(count).known()?;
+        let is_count = matches!(value, Value::Index(_) | Value::Constant(_));
+        let index = if is_count { self.as_index(&value, count) } else { None };
+        let index = index.filter(|index| index.as_integer().is_none_or(|known| u32::try_from(known).is_ok()));
+        index.or_else(|| self.refuse(expressions::family_count(count)))
     }
 }
 

@@ -105,14 +105,6 @@ impl<'a> Interpreter<'a, '_> {
         self.place(Place::new(name, tokens, field.kind.clone()), at)
     }
 
-    /// The field of a bare name, as displayed and as read, if no size or variable has the name.
-    pub(super) fn own_field(&self, name: &Ident) -> Option<(String, TokenStream)> {
-        if self.system.sizes.contains(name) {
-            return None;
-        }
-        self.named_field(name).map(displayed_and_read)
-    }
-
     fn field_names(&self) -> Vec<String> {
         self.system.fields.iter().map(|field| field.member.to_token_stream().to_string()).collect()
     }

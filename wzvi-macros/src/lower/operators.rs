@@ -51,10 +51,10 @@ impl<'a> Interpreter<'a, '_> {
                 let minus = BinOp::Sub(Default::default());
                 self.integer_operation(&Value::integer(0), &minus, &value, syntax)
             }
-            UnOp::Neg(_) => {
+            UnOp::Neg(_) => Value::operation(None, &BinOp::Sub(Default::default()), &value).or_else(|| {
                 let value = self.real(value, &syntax.expr)?;
                 Some(Value::Real(self.graph.negate(value)))
-            }
+            }),
             _ => self.denied(&value).or_else(|| self.mismatch(&syntax.expr, "a condition", &value)),
         }
     }
@@ -131,7 +131,10 @@ impl<'a> Interpreter<'a, '_> {
             Chain::Value(left) if self.are_integers(&left, &right) => {
                 return self.integer_operation(&left, operator, &right, link).map(Chain::Value);
             }
-            Chain::Value(left) => self.real(left, &link.left).map(|left| Chain::Value(Value::Real(left))),
+            Chain::Value(left) => match Value::operation(Some(&left), operator, &right) {
+                Some(constant) => return Some(Chain::Value(constant)),
+                None => self.real(left, &link.left).map(|left| Chain::Value(Value::Real(left))),
+            },
             chain => Some(chain),
         };
         let right = self.real(right, &link.right);
@@ -233,7 +236,12 @@ impl<'a> Interpreter<'a, '_> {
                 }
             }
             None => {
-                let (left, right) = (self.real(left, at_left), self.real(right, at_right));
+                // Constants are integers or real numbers: a cast reads both.
+                let read = match (&left, &right) {
+                    (Value::Constant(_), Value::Constant(_)) => Self::cast_to_real,
+                    _ => Self::real,
+                };
+                let (left, right) = (read(self, left, at_left), read(self, right, at_right));
                 let (left, right) = in_order(is_turned, left?, right?);
                 match (self.graph.as_number(left), self.graph.as_number(right)) {
                     (Some(a), Some(b)) => Value::Known(relation.holds(&a, &b)),
@@ -281,7 +289,7 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn cast(&mut self, syntax: &'a ExprCast) -> Option<Value> {
         let value = self.evaluate(&syntax.expr).known()?;
         if is_real_type(&syntax.ty) {
-            return self.cast_to_real(value, &syntax.expr);
+            return self.cast_to_real(value, &syntax.expr).map(Value::Real);
         }
         let name = match &*syntax.ty {
             Type::Path(path) => {
@@ -307,12 +315,12 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     /// `value as f64`
-    pub(super) fn cast_to_real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Value> {
-        Some(Value::Real(match value {
-            Value::Index(index) => self.index_as_real(&index),
-            Value::Constant(place) => self.parameter(&place.name, place.as_real()),
-            value => self.real(value, at)?,
-        }))
+    pub(super) fn cast_to_real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
+        match value {
+            Value::Index(index) => Some(self.index_as_real(&index)),
+            Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
+            value => self.real(value, at),
+        }
     }
 }
 

@@ -41,12 +41,8 @@ impl Tables {
             syn::Expr::Binary(_) | syn::Expr::Unary(_) => quote!((#expr)),
             _ => expr.to_token_stream(),
         };
-        self.named_size(name.strip_prefix("self.").unwrap_or(&name), &tokens)
-    }
-
-    /// A nonnegative integer displayed as `name`.
-    pub(super) fn named_size(&mut self, name: &str, tokens: &TokenStream) -> Index {
-        Index::atom(Atom::Given(self.add(name, tokens, true, Vec::new()), Vec::new()))
+        let name = name.strip_prefix("self.").unwrap_or(&name);
+        Index::atom(Atom::Given(self.add(name, &tokens, true, Vec::new()), Vec::new()))
     }
 
     /// The integer that `suffix` reads of the entries of a list.

@@ -3,12 +3,16 @@
 use std::rc::Rc;
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{ToTokens, quote};
+use syn::BinOp;
 
 use super::sequences::Sequence;
 use crate::input::Kind;
 use crate::model::Index;
 use crate::symbolic::Expr;
+
+/// The longest name of arithmetic of constants: an expression of more is one of real numbers.
+const LONGEST_NAME: usize = 256;
 
 /// The value of an expression. Cheap to copy.
 #[derive(Clone, Default)]
@@ -57,11 +61,13 @@ pub(super) struct Place {
     /// As it is read: `self.masses[2]`.
     pub(super) tokens: TokenStream,
     pub(super) kind: Kind,
+    /// The operands of arithmetic of constants; a sign has no left one.
+    pub(super) made_of: Option<(Option<Rc<Place>>, BinOp, Rc<Place>)>,
 }
 
 impl Place {
     pub(super) fn new(name: String, tokens: TokenStream, kind: Kind) -> Self {
-        Self { name, tokens, kind }
+        Self { name, tokens, kind, made_of: None }
     }
 
     /// The number as an `f64`.
@@ -94,6 +100,22 @@ impl Value {
 
     pub(super) fn integer(value: i128) -> Self {
         Self::index(Index::integer(value))
+    }
+
+    /// Arithmetic of constants: a constant, whose type only `rustc` knows either. `None` for other values.
+    pub(super) fn operation(a: Option<&Self>, operator: &BinOp, b: &Self) -> Option<Self> {
+        let (left, right) = match (a, b) {
+            (None, Self::Constant(b)) => (None, b),
+            (Some(Self::Constant(a)), Self::Constant(b)) => (Some(a.clone()), b),
+            _ => return None,
+        };
+        let (name, tokens) = left.as_ref().map(|a| (format!("{} ", a.name), &a.tokens)).unzip();
+        let name = format!("({}{} {})", name.unwrap_or_default(), operator.to_token_stream(), right.name);
+        let read = &right.tokens;
+        let is_short = name.len() <= LONGEST_NAME;
+        let mut place = Place::new(name, quote! { (#tokens #operator #read) }, Kind::Constant);
+        place.made_of = Some((left, *operator, right.clone()));
+        is_short.then(|| Self::Constant(place.into()))
     }
 
     pub(super) fn is_poison(&self) -> bool {
