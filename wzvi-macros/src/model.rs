@@ -206,6 +206,8 @@ pub(crate) struct System {
     pub(crate) t: Symbol,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) tables: Vec<Table>,
+    /// Integers of unsigned types that may be negative, in their loops.
+    pub(crate) naturals: Vec<(Vec<Loop>, Index)>,
     pub(crate) drift: Term,
     /// The parts of the drift, where the user has parted it: `drift = [H_A, H_B]`.
     pub(crate) parts: Vec<Term>,

@@ -146,3 +146,84 @@ fn ranges_are_found_without_running_loops() {
     assert!(matches!(required(1 << 33, 1 << 33, 10), StepFailure::Index(_)));
     assert!(Field { nx: 3, ny: 4 }.energy(&at_rest(12)).is_finite());
 }
+
+/// A system with `energy` beside `p[0]² / 2`, and a field.
+macro_rules! unsigned {
+    ($name:ident { $field:ident: $type:ty }, $space:ty, |$q:ident| $energy:expr) => {
+        #[hamiltonian(drift = |$q: $space, p: $space| 0.5 * p[0] * p[0] + $energy, embedding = [Midpoint])]
+        struct $name {
+            $field: $type,
+        }
+    };
+}
+
+unsigned!(Shorter { m: usize }, &[f64], |q| (0..q.len() - m).map(|i| q[i] * q[i]).sum::<f64>());
+unsigned!(Inner { m: u32 }, &[f64], |q| (0..q.len())
+    .map(|i| (0..i as u32 - m).map(|j| q[j as usize] * q[i]).sum::<f64>())
+    .sum::<f64>());
+unsigned!(Rest { m: usize }, &[f64], |q| q.iter().take(3 - m).map(|q| q * q).sum::<f64>());
+unsigned!(Number { m: usize }, &[f64], |q| (q.len() - m) as f64 * q[0]);
+unsigned!(Halves { m: usize }, &[f64], |q| ((q.len() - m) / 2) as f64 * q[0]);
+unsigned!(Narrow { m: usize }, &[f64], |q| (m as u8) as f64 * q[0]);
+unsigned!(Least { m: i64 }, &[f64], |q| f64::from(m as i8) * q[0]);
+unsigned!(Positive { m: i64 }, &[f64], |q| (m as usize) as f64 * q[0]);
+unsigned!(Line { m: usize }, [f64; 3], |q| (q.len() - m) as f64 * q[0]);
+unsigned!(Signed { m: i64 }, &[f64], |q| (0..q.len() as i64 - m).map(|i| q[i as usize]).sum::<f64>()
+    + (3 - m) as f64 * q[0]);
+unsigned!(Guarded { m: usize }, &[f64], |q| if m <= q.len() {
+    (0..q.len() - m).map(|i| q[i]).sum::<f64>()
+} else {
+    q[0]
+} + (0..q.len())
+    .map(|i| if i >= m { (i - m) as f64 * q[i] } else { 0.0 })
+    .sum::<f64>());
+
+#[test]
+fn integers_that_leave_their_type_are_refused() {
+    macro_rules! left {
+        ($system:expr, $name:literal, $value:literal) => {
+            let error = named(&$system, 3);
+            assert_eq!((error.name().as_str(), error.value()), ($name, $value), "{error}");
+            assert_eq!(error.limit(), IndexLimit::Natural);
+        };
+    }
+    // Where Rust panics.
+    left!(Shorter { m: 5 }, "n - m", -2);
+    left!(Inner { m: 1 }, "i - m", -1);
+    left!(Rest { m: 4 }, "-m + 3", -1);
+    left!(Number { m: 4 }, "n - m", -1);
+    left!(Halves { m: 5 }, "n - m", -2);
+    // Where it cuts off digits or the sign.
+    left!(Narrow { m: 256 }, "-m + 255", -1);
+    left!(Least { m: -130 }, "m + 128", -2);
+    left!(Positive { m: -7 }, "m", -7);
+    let error = Line { m: 5 }.stepper::<Midpoint>(0.1).map(drop).unwrap_err();
+    assert!(matches!(error, ConfigError::Index(error) if error.limit() == IndexLimit::Natural), "{error}");
+    assert!(Line { m: 5 }.energy(&State::new([0.1; 3], [0.2; 3])).is_nan());
+}
+
+#[test]
+fn integers_in_their_type_are_as_in_rust() {
+    macro_rules! energies {
+        ($($system:expr => $energy:expr;)*) => {$(
+            let state = at_rest(3);
+            assert!(($system.energy(&state) - 0.02 - $energy).abs() < 1e-15, "{}", stringify!($system));
+            $system.stepper::<Midpoint>(0.1).unwrap().step(&mut at_rest(3), &[]).unwrap();
+        )*};
+    }
+    energies! {
+        Shorter { m: 3 } => 0.0;
+        Shorter { m: 1 } => 0.02;
+        Inner { m: 0 } => 0.03;
+        Rest { m: 1 } => 0.02;
+        Number { m: 3 } => 0.0;
+        Halves { m: 0 } => 0.1;
+        Narrow { m: 255 } => 25.5;
+        Least { m: -128 } => -12.8;
+        Positive { m: 7 } => 0.7;
+        Signed { m: 5 } => -0.2;
+        Signed { m: 1 } => 0.4;
+        Guarded { m: 5 } => 0.1;
+        Guarded { m: 1 } => 0.2 + 0.1;
+    }
+}

@@ -9,19 +9,8 @@ use syn::{Error, Item};
 use super::{at, closest, quoted, source, suggest};
 use crate::symbolic::Rational;
 
-/// The keys that users know.
-const KEYS: &[&str] = &[
-    "drift",
-    "noise",
-    "force",
-    "noise_force",
-    "friction",
-    "damping",
-    "temperature",
-    "embedding",
-    "invariant",
-    "crate",
-];
+/// The keys that users know, with spaces between them.
+const KEYS: &str = "drift noise force noise_force friction damping temperature embedding invariant crate";
 const PATTERNS: &str = "the supported patterns are `|q, p|`, `|[x, y], [px, py]|` and `|q: [f64; 3], p: [f64; 3]|`, each with \
                         time as an optional third parameter";
 
@@ -155,7 +144,7 @@ pub(crate) fn not_a_struct(item: &Item) -> Error {
 
 /// The key that `key` may stand for.
 pub(crate) fn intended_key(key: &str) -> Option<&'static str> {
-    closest(key, KEYS.iter().copied()).or_else(|| synonym(key))
+    closest(key, KEYS.split(' ')).or_else(|| synonym(key))
 }
 
 const STRATONOVICH: &str = "noises are in the sense of Stratonovich; an Ito equation, `dX = a dt + Σ_k b_k dW_k`, has the Stratonovich drift \
@@ -189,10 +178,10 @@ pub(crate) fn missing_key(key: &str) -> Error {
 
 /// The keys as a list.
 fn keys() -> String {
-    let (others, last) = KEYS.split_at(KEYS.len() - 1);
-    format!("{} and {}", quoted(others), quoted(last))
+    let (others, last) = KEYS.rsplit_once(' ').unwrap_or_default();
+    format!("{} and {}", quoted(others.split(' ')), quoted([last]))
 }
 
 pub(crate) fn is_key(name: &str) -> bool {
-    KEYS.contains(&name)
+    KEYS.split(' ').any(|key| key == name)
 }

@@ -13,7 +13,7 @@ use crate::diagnostics::{Diagnostics, messages, source};
 pub(crate) struct Container {
     pub(crate) item: ItemStruct,
     pub(crate) fields: Vec<Field>,
-    /// Const generics of integer type.
+    /// Const generics of an unsigned type.
     pub(crate) sizes: Vec<syn::Ident>,
 }
 
@@ -28,7 +28,8 @@ pub(crate) struct Field {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
     Real,
-    Integer,
+    /// Whether its type is unsigned.
+    Integer(bool),
     /// An array, slice or `Vec`; its length where it is a literal.
     List(Rc<Kind>, Option<usize>),
     /// A tuple of numbers as an element of a list, with its type as written.
@@ -54,7 +55,7 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
         Field { member, kind: kind(&field.ty), conditions: conditions.cloned().collect() }
     });
     let sizes = item.generics.params.iter().filter_map(|parameter| match parameter {
-        GenericParam::Const(parameter) if kind(&parameter.ty) == Kind::Integer => {
+        GenericParam::Const(parameter) if kind(&parameter.ty) == Kind::Integer(true) => {
             Some(parameter.ident.clone())
         }
         _ => None,
@@ -70,7 +71,7 @@ fn kind(ty: &Type) -> Kind {
         Type::Slice(slice) => Kind::List(Rc::new(kind(&slice.elem)), None),
         Type::Tuple(tuple) => {
             let kinds: Vec<Kind> = tuple.elems.iter().map(kind).collect();
-            match kinds.iter().all(|kind| matches!(kind, Kind::Real | Kind::Integer)) {
+            match kinds.iter().all(|kind| matches!(kind, Kind::Real | Kind::Integer(_))) {
                 true => Kind::Tuple(kinds.into(), source(ty)),
                 false => other(ty),
             }
@@ -91,7 +92,7 @@ fn named_kind(segment: &syn::PathSegment, ty: &Type) -> Kind {
     };
     match (segment.ident.to_string().as_str(), argument) {
         ("f64", None) => Kind::Real,
-        (name, None) if is_integer_type(name) => Kind::Integer,
+        (name, None) if is_integer_type(name) => Kind::Integer(name.starts_with('u')),
         ("Vec", Some(GenericArgument::Type(element))) => Kind::List(Rc::new(kind(element)), None),
         ("Box" | "Rc" | "Arc", Some(GenericArgument::Type(inner))) => list_or_other(kind(inner), ty),
         _ => other(ty),
@@ -111,10 +112,8 @@ fn other(ty: &Type) -> Kind {
 }
 
 pub(crate) fn is_integer_type(name: &str) -> bool {
-    matches!(
-        name,
-        "i8" | "i16" | "i32" | "i64" | "i128" | "isize" | "u8" | "u16" | "u32" | "u64" | "u128" | "usize"
-    )
+    let digits = name.strip_prefix(['i', 'u']);
+    digits.is_some_and(|digits| ["8", "16", "32", "64", "128", "size"].contains(&digits))
 }
 
 /// The value of an integer literal.

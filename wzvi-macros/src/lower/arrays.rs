@@ -93,7 +93,9 @@ impl<'a> Interpreter<'a, '_> {
     fn entry(&mut self, id: u32, kind: &Kind, indices: Vec<Index>, at: &dyn ToTokens) -> Option<Value> {
         match kind {
             Kind::Real | Kind::Constant => Some(Value::Real(self.local(Slot::Entry(id, indices)))),
-            Kind::Integer => Some(Value::index(Index::atom(Atom::Given(id, indices)))),
+            &Kind::Integer(is_unsigned) => {
+                Some(Value::index(Index::atom(Atom::Given(id, indices))).unsigned(is_unsigned))
+            }
             Kind::List(inner, length) => {
                 let length = match length {
                     Some(length) => Index::integer(*length as i128),
@@ -228,21 +230,21 @@ impl<'a> Interpreter<'a, '_> {
     }
 
     pub(super) fn range(&mut self, syntax: &'a ExprRange) -> Option<Value> {
+        let mut is_unsigned = false;
         let mut bound = |bound: &'a Option<Box<Syntax>>| match bound {
             Some(bound) => {
                 let value = self.evaluate(bound);
-                self.as_index(&value, bound).map(Some)
+                is_unsigned |= matches!(value, Value::Index(_, true));
+                self.settled(&value, bound).map(Some)
             }
             None => Some(None),
         };
         let (start, end) = (bound(&syntax.start), bound(&syntax.end));
         let start = start?.unwrap_or_default();
-        let range = match end? {
-            Some(end) => {
-                let inclusive = i128::from(matches!(syntax.limits, RangeLimits::Closed(_)));
-                end.shifted(inclusive).and_then(|end| Sequence::range(start, Some(end)))
-            }
-            None => Sequence::range(start, None),
+        let inclusive = i128::from(matches!(syntax.limits, RangeLimits::Closed(_)));
+        let range = match end?.map(|end| end.shifted(inclusive)) {
+            Some(None) => None,
+            end => Sequence::range(start, end.flatten(), is_unsigned),
         };
         match range {
             Some(range) => Some(Value::sequence(range)),

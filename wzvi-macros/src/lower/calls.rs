@@ -193,7 +193,9 @@ impl<'a> Interpreter<'a, '_> {
         let arguments = self.elements(&syntax.args);
         match receiver.known()? {
             Value::Sequence(sequence) => self.sequence_method(sequence, &arguments, syntax),
-            Value::Index(index) => self.integer_method(&index, &arguments, syntax),
+            Value::Index(index, is_unsigned) => {
+                self.integer_method(&index, &arguments, syntax).map(|value| value.unsigned(is_unsigned))
+            }
             Value::Constant(place) if may_be_integer(syntax, &arguments) => {
                 let index = self.given(&place);
                 self.integer_method(&index, &arguments, syntax)

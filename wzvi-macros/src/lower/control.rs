@@ -136,9 +136,10 @@ impl<'a> Interpreter<'a, '_> {
 
     /// `if condition { then } else { otherwise }`, element by element; `None` if the two do not match.
     pub(super) fn select(&mut self, condition: Expr, then: &Value, otherwise: &Value) -> Option<Value> {
+        let at = proc_macro2::TokenStream::new();
         Some(match (then, otherwise) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Index(a), Value::Index(b)) if a == b => Value::Index(a.clone()),
+            (Value::Index(a, sign), Value::Index(b, _)) if a == b => Value::Index(a.clone(), *sign),
             (Value::Known(a), Value::Known(b)) if a == b => Value::Known(*a),
             (Value::Known(true), Value::Known(false)) => Value::Condition(condition),
             (Value::Known(false), Value::Known(true)) => Value::Condition(self.graph.not(condition)),
@@ -149,25 +150,16 @@ impl<'a> Interpreter<'a, '_> {
                 Value::Condition(self.graph.join(Junction::Or, then, otherwise))
             }
             (Value::Sequence(a), Value::Sequence(b)) => {
-                let at = proc_macro2::TokenStream::new();
                 let (a, b) = (self.known_list(a, &at)?, self.known_list(b, &at)?);
                 Value::list(self.select_all(condition, &a, &b)?.items.to_vec())
             }
             (Value::Tuple(a), Value::Tuple(b)) => Value::Tuple(self.select_all(condition, a, b)?),
-            _ => {
-                let (then, otherwise) = (self.as_constant(then)?, self.as_constant(otherwise)?);
+            (Value::Real(_) | Value::Constant(_), Value::Real(_) | Value::Constant(_)) => {
+                let (then, otherwise) = (self.real(then.clone(), &at)?, self.real(otherwise.clone(), &at)?);
                 Value::Real(self.graph.select(condition, then, otherwise))
             }
+            _ => return None,
         })
-    }
-
-    /// A real number or a constant that may be one.
-    fn as_constant(&mut self, value: &Value) -> Option<Expr> {
-        match value {
-            Value::Real(expr) => Some(*expr),
-            Value::Constant(place) => Some(self.constant(place)),
-            _ => None,
-        }
     }
 
     fn select_all(&mut self, condition: Expr, a: &Items, b: &Items) -> Option<Items> {

@@ -93,7 +93,7 @@ impl Interpreter<'_, '_> {
         }
         let place = |i: usize| -> &dyn ToTokens { places.get(i).map_or(at, |place| place) };
         match (name, arguments.as_slice()) {
-            ("from", [Value::Index(index)]) => return Some(Value::Real(self.index_as_real(index))),
+            ("from", [Value::Index(index, _)]) => return Some(Value::Real(self.index_as_real(index))),
             ("from", [value]) => return self.real(value.clone(), place(0)).map(Value::Real),
             ("powi", [x, n]) => return self.integer_power(x, n, place(0), place(1)),
             _ => {}
@@ -124,7 +124,7 @@ impl Interpreter<'_, '_> {
         let x = self.real(x.clone(), x_at);
         let parameter = match n {
             Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
-            Value::Index(index) if index.as_integer().is_none() && index.loops().is_empty() => {
+            Value::Index(index, _) if index.as_integer().is_none() && index.loops().is_empty() => {
                 Some(self.index_as_real(index))
             }
             _ => None,

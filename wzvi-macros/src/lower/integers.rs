@@ -5,32 +5,51 @@ use syn::{BinOp, ExprMethodCall};
 
 use super::floats::is_real_method;
 use super::interpreter::Interpreter;
-use super::methods::Methods;
+use super::methods::{Methods, are_known};
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::model::Index;
+use crate::model::{Bounds, Index, Loop};
 use crate::symbolic::Relation;
 
-const METHODS: &Methods = &[
-    ("pow", 1),
-    ("abs", 0),
-    ("abs_diff", 1),
-    ("rem_euclid", 1),
-    ("div_euclid", 1),
-    ("min", 1),
-    ("max", 1),
-    ("clone", 0),
-];
+const METHODS: &Methods = &[(0, "abs clone"), (1, "pow abs_diff rem_euclid div_euclid min max")];
 
 impl<'a> Interpreter<'a, '_> {
     /// An integer: a constant beside one is one, too.
     pub(super) fn as_index(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
         match value {
-            Value::Index(index) => Some((**index).clone()),
+            Value::Index(index, _) => Some((**index).clone()),
             Value::Constant(place) => Some(self.given(place)),
             Value::Poison => None,
             other => self.mismatch(at, "an integer", other),
         }
+    }
+
+    /// An integer where its value matters: one of an unsigned type has overflowed if it is negative.
+    pub(super) fn settled(&mut self, value: &Value, at: &dyn ToTokens) -> Option<Index> {
+        let index = self.as_index(value, at)?;
+        let may_be_negative = index.constant < 0 || index.terms.iter().any(|(_, multiple)| *multiple < 0);
+        if may_be_negative && matches!(value, Value::Index(_, true)) {
+            self.require_natural(&index, at)?;
+        }
+        Some(index)
+    }
+
+    /// Has an index that may be negative checked when a stepper is made, unless a condition guards it.
+    pub(super) fn require_natural(&mut self, index: &Index, at: &dyn ToTokens) -> Option<()> {
+        let loops = self.bounded(|bounds| bounds.loops.to_vec());
+        // The state is not empty.
+        let state = Loop { variable: u32::MAX, start: Index::default(), end: self.space.size.clone() };
+        let known = [&[state], loops.as_slice()].concat();
+        let bounds = Bounds { loops: &known, tables: self.tables.as_list() };
+        if self.now.branch > 0 || bounds.is_nonnegative(index) {
+            return Some(());
+        }
+        if index.as_integer().is_some() {
+            return self.refuse(expressions::integer_arithmetic(at));
+        }
+        let natural = (loops, index.clone());
+        self.naturals.place(natural.clone(), || natural);
+        Some(())
     }
 
     /// `value` as a known integer: for an exponent, a number of items, a position in a heterogeneous list. If it contains
@@ -38,7 +57,7 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn known_integer(&mut self, value: Value, at: &dyn ToTokens) -> Option<i128> {
         match &value {
             Value::Poison => None,
-            Value::Index(index) => match index.as_integer() {
+            Value::Index(index, _) => match index.as_integer() {
                 Some(known) => Some(known),
                 None if index.is_closed() && self.turns_of(index) => None,
                 None => self.refuse(expressions::index_not_known(at)),
@@ -56,7 +75,10 @@ impl<'a> Interpreter<'a, '_> {
         b: &Value,
         at: &dyn ToTokens,
     ) -> Option<Value> {
-        let (a, b) = (self.as_index(a, at)?, self.as_index(b, at)?);
+        let is_unsigned = [a, b].iter().any(|value| matches!(value, Value::Index(_, true)));
+        let is_linear = matches!(operator, BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_));
+        let read = if is_linear { Self::as_index } else { Self::settled };
+        let (a, b) = (read(self, a, at)?, read(self, b, at)?);
         let result = match operator {
             BinOp::Add(_) => a.add(&b),
             BinOp::Sub(_) => a.subtract(&b),
@@ -66,7 +88,7 @@ impl<'a> Interpreter<'a, '_> {
             _ if a.as_integer().is_none() && self.bounded(|bounds| bounds.is_below(&a, &b)) => Some(a),
             _ => a.remainder(&b),
         };
-        self.integer(result, at)
+        self.integer(result, at).map(|value| value.unsigned(is_unsigned))
     }
 
     /// The result of integer arithmetic, if it did not overflow.
@@ -96,8 +118,7 @@ impl<'a> Interpreter<'a, '_> {
         arguments: &[Value],
         syntax: &ExprMethodCall,
     ) -> Option<Value> {
-        let is_method = METHODS.iter().any(|(known, _)| syntax.method == known);
-        if !is_method && is_real_method(&syntax.method.to_string()) {
+        if !are_known(METHODS, &syntax.method) && is_real_method(&syntax.method.to_string()) {
             return self.refuse(expressions::integer_not_real(&syntax.receiver));
         }
         let result = match (self.known_method(METHODS, "integers", syntax)?, arguments.first()) {
@@ -137,7 +158,7 @@ impl<'a> Interpreter<'a, '_> {
 /// Whether the receiver of a method with these arguments is an integer, if it is a constant.
 pub(super) fn may_be_integer(syntax: &ExprMethodCall, arguments: &[Value]) -> bool {
     let is_real = is_real_method(&syntax.method.to_string()) && !arguments.iter().any(Value::is_integer);
-    METHODS.iter().any(|(known, _)| syntax.method == known) && !is_real
+    are_known(METHODS, &syntax.method) && !is_real
 }
 
 fn power(base: &Index, exponent: i128) -> Option<Index> {

@@ -13,8 +13,8 @@ use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
 use crate::input::{Container, Function, Kind, Library, peeled};
-use crate::model::Parameter;
 use crate::model::symbols::Symbols;
+use crate::model::{Index, Loop, Parameter};
 use crate::symbolic::{Expr, Graph};
 
 /// The most operations of one unrolled Hamiltonian.
@@ -47,6 +47,8 @@ pub(super) struct Interpreter<'a, 'd> {
     pub(super) symbols: Symbols,
     pub(super) tables: Tables,
     pub(super) space: Space<'a>,
+    /// Integers of unsigned types that may be negative, in their loops.
+    pub(super) naturals: Distinct<(Vec<Loop>, Index), (Vec<Loop>, Index)>,
     pub(super) now: Evaluation<'a>,
     diagnostics: &'d mut Diagnostics,
 }
@@ -80,8 +82,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         (system, root): (&'a Container, &'a Library),
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let (parameters, now) = (Distinct::default(), Evaluation::default());
-        Self { graph, system, parameters, root, symbols, tables, space, now, diagnostics }
+        let (parameters, naturals, now) = Default::default();
+        Self { graph, system, parameters, root, symbols, tables, space, naturals, now, diagnostics }
     }
 
     /// Starts the next Hamiltonian: clears everything but the graph and the meaning of its symbols.
@@ -245,13 +247,13 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             Value::Real(expr) => Some(expr),
             Value::Poison => None,
             Value::Constant(place) => Some(self.constant(&place)),
-            Value::Index(_) => self.refuse(expressions::integer_not_real(at)),
+            Value::Index(..) => self.refuse(expressions::integer_not_real(at)),
             value => self.mismatch(at, "an `f64`", &value),
         }
     }
 
     /// A constant as a real number: arithmetic of constants is symbolic.
-    pub(super) fn constant(&mut self, place: &Place) -> Expr {
+    fn constant(&mut self, place: &Place) -> Expr {
         let Some((left, operator, right)) = &place.made_of else {
             return self.parameter(&place.name, place.tokens.clone());
         };
@@ -277,7 +279,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     pub(super) fn place(&mut self, place: Place, at: &dyn ToTokens) -> Option<Value> {
         Some(match &place.kind {
             Kind::Real => Value::Real(self.parameter(&place.name, place.tokens.clone())),
-            Kind::Integer => Value::index(self.given(&place)),
+            &Kind::Integer(is_unsigned) => Value::index(self.given(&place)).unsigned(is_unsigned),
             Kind::List(element, length) => {
                 Value::sequence(Sequence::array(self.table(&place, element, *length)))
             }

@@ -20,7 +20,7 @@ impl<'a> Interpreter<'a, '_> {
         let scrutinee = self.evaluate(&syntax.expr);
         if !matches!(
             scrutinee,
-            Value::Index(_) | Value::Constant(_) | Value::Known(_) | Value::Condition(_) | Value::Poison
+            Value::Index(..) | Value::Constant(_) | Value::Known(_) | Value::Condition(_) | Value::Poison
         ) {
             return self.refuse(expressions::match_on(&syntax.expr, scrutinee.describe()));
         }
@@ -134,8 +134,8 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Known(_), value @ Value::Known(_)) => {
                 self.compared(&operator, (scrutinee.clone(), pattern), (value, pattern), pattern)
             }
-            (Value::Index(_) | Value::Constant(_), value @ (Value::Index(_) | Value::Constant(_))) => {
-                let own = Value::index(self.as_index(scrutinee, pattern)?);
+            (Value::Index(..) | Value::Constant(_), value @ (Value::Index(..) | Value::Constant(_))) => {
+                let own = Value::index(self.settled(scrutinee, pattern)?);
                 self.compared(&operator, (own, pattern), (value, pattern), pattern)
             }
             _ => {

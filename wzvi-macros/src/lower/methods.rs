@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use quote::ToTokens;
-use syn::{BinOp, Expr as Syntax, ExprMethodCall, GenericArgument, Type};
+use syn::{BinOp, Expr as Syntax, ExprMethodCall, GenericArgument, Ident, Type};
 
 use super::interpreter::Interpreter;
 use super::sequences::{Sequence, Source};
@@ -13,37 +13,27 @@ use crate::input::is_integer_type;
 use crate::model::Index;
 use crate::symbolic::Expr;
 
-/// Methods by name, with their numbers of arguments.
-pub(super) type Methods = [(&'static str, usize)];
+/// Methods by their number of arguments: names with spaces between them.
+pub(super) type Methods = [(usize, &'static str)];
 
 const OF_SEQUENCES: &Methods = &[
-    ("iter", 0),
-    ("into_iter", 0),
-    ("map", 1),
-    ("sum", 0),
-    ("product", 0),
-    ("zip", 1),
-    ("enumerate", 0),
-    ("rev", 0),
-    ("skip", 1),
-    ("take", 1),
-    ("step_by", 1),
-    ("windows", 1),
-    ("chunks", 1),
-    ("chain", 1),
-    ("filter", 1),
-    ("flat_map", 1),
-    ("flatten", 0),
-    ("fold", 2),
-    ("copied", 0),
-    ("cloned", 0),
-    ("len", 0),
-    ("count", 0),
-    ("collect", 0),
-    ("to_vec", 0),
-    ("clone", 0),
-    ("as_slice", 0),
+    (
+        0,
+        "iter into_iter sum product enumerate rev flatten copied cloned len count collect to_vec clone as_slice",
+    ),
+    (1, "map zip skip take step_by windows chunks chain filter flat_map"),
+    (2, "fold"),
 ];
+
+/// The methods, with their numbers of arguments.
+fn named(methods: &Methods) -> impl Iterator<Item = (&'static str, usize)> {
+    methods.iter().flat_map(|&(arguments, names)| names.split(' ').map(move |name| (name, arguments)))
+}
+
+/// Whether there is a method of this name.
+pub(super) fn are_known(methods: &Methods, name: &Ident) -> bool {
+    named(methods).any(|(known, _)| name == known)
+}
 
 impl<'a> Interpreter<'a, '_> {
     /// The name of the called method; reports a wrong call.
@@ -53,14 +43,11 @@ impl<'a> Interpreter<'a, '_> {
         receivers: &str,
         syntax: &ExprMethodCall,
     ) -> Option<&'static str> {
-        let known = methods.iter().find(|(known, _)| syntax.method == known);
-        let error = match known {
-            Some(&(name, arguments)) if arguments == syntax.args.len() => return Some(name),
-            Some(&(_, arguments)) => {
-                expressions::argument_count(&syntax.method, arguments, syntax.args.len())
-            }
+        let error = match named(methods).find(|(known, _)| syntax.method == known) {
+            Some((name, arguments)) if arguments == syntax.args.len() => return Some(name),
+            Some((_, arguments)) => expressions::argument_count(&syntax.method, arguments, syntax.args.len()),
             None => {
-                let names: Vec<&str> = methods.iter().map(|(name, _)| *name).collect();
+                let names: Vec<&str> = named(methods).map(|(name, _)| name).collect();
                 let name = syntax.method.to_string();
                 expressions::unknown_method(&syntax.method, &name, receivers, &names)
             }
@@ -87,7 +74,7 @@ impl<'a> Interpreter<'a, '_> {
             }
             ("fold", [start, function]) => self.fold(&sequence, start, function, syntax)?,
             ("len" | "count", _) => match self.length(&sequence) {
-                Some(length) => Value::index(length),
+                Some(length) => Value::index(length).unsigned(true),
                 None => Value::integer(self.items(&sequence, from)?.len() as i128),
             },
             ("iter" | "into_iter" | "copied" | "cloned" | "collect" | "to_vec" | "clone" | "as_slice", _) => {

@@ -88,7 +88,7 @@ pub(crate) fn lower(
     let temperature = declaration.temperature.as_ref().map(|given| interpreter.temperature(given));
     let invariants = interpreter.terms(declaration.of(Role::Invariant));
 
-    let Interpreter { mut graph, symbols, tables, parameters, space, .. } = interpreter;
+    let Interpreter { mut graph, symbols, tables, parameters, space, naturals, .. } = interpreter;
     let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape);
     let invariant_names = declaration
         .of(Role::Invariant)
@@ -114,6 +114,7 @@ pub(crate) fn lower(
         t,
         parameters: parameters.values,
         tables: tables.into_list(),
+        naturals: naturals.values,
         drift,
         parts,
         noise: noise.into_iter().flatten().collect(),
@@ -188,7 +189,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let count = self.family_count(count)?;
         let variable = self.symbols.variable(0);
         let range = Loop { variable, start: Index::default(), end: count.clone() };
-        let term = self.term(noise, Some(Member::Any(&range)));
+        let term = self.term(noise, Some((Index::atom(Atom::Loop(variable)), Some(&range))));
         if !self.takes_turns(variable) {
             return Some(vec![Noise { term: term?, family: Some(Family { variable, count }), is_force }]);
         }
@@ -197,7 +198,7 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             return self.refuse(expressions::too_many_members(&noise.family, MOST_MEMBERS));
         }
         let members = (0..count).map(|member| {
-            let term = self.term(noise, Some(Member::Known(member)))?;
+            let term = self.term(noise, Some((Index::integer(member), None)))?;
             Some(Noise { term, family: None, is_force })
         });
         members.collect()
@@ -243,16 +244,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         let closure = &hamiltonian.closure;
         let (q, p) = (self.vector(Half::Coordinates), self.vector(Half::Momenta));
         let mut values = vec![q, p, Value::Real(self.graph.symbol(self.space.t))];
-        let (range, number) = match member {
-            Some(Member::Any(range)) => (Some(range), Some(Index::atom(Atom::Loop(range.variable)))),
-            Some(Member::Known(member)) => (None, Some(Index::integer(member))),
-            None => (None, None),
-        };
+        let (number, range) = member.unzip();
         if let Some(number) = number {
             values.truncate(closure.inputs.len().saturating_sub(1));
-            values.push(Value::index(number));
+            values.push(Value::index(number).unsigned(true));
         }
-        self.inside(range, |this| {
+        self.inside(range.flatten(), |this| {
             for (pattern, value) in closure.inputs.iter().zip(values) {
                 this.bind(pattern, value);
             }
@@ -269,15 +266,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     fn family_count(&mut self, count: &'a Syntax) -> Option<Index> {
         self.start();
         let value = self.evaluate(count).known()?;
-        let is_count = matches!(value, Value::Index(_) | Value::Constant(_));
+        let is_count = matches!(value, Value::Index(..) | Value::Constant(_));
         let index = if is_count { self.as_index(&value, count) } else { None };
         let index = index.filter(|index| index.as_integer().is_none_or(|known| u32::try_from(known).is_ok()));
         index.or_else(|| self.refuse(expressions::family_count(count)))
     }
 }
 
-/// Which member of a family is meant.
-enum Member<'l> {
-    Any(&'l Loop),
-    Known(i128),
-}
+/// Which member of a family is meant: its number, and the loop over all members if it is any of them.
+type Member<'l> = (Index, Option<&'l Loop>);

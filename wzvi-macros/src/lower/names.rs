@@ -30,7 +30,7 @@ impl<'a> Interpreter<'a, '_> {
         }
         let tokens = name.to_token_stream();
         if self.system.sizes.contains(name) {
-            return Some(Value::index(self.tables.size(&syn::parse_quote!(#tokens))));
+            return Some(Value::index(self.tables.size(&syn::parse_quote!(#tokens))).unsigned(true));
         }
         if let Some(binding) = self.now.scope.find_from_anywhere(name) {
             return Some(binding.value.borrow().clone());

@@ -1,10 +1,10 @@
 //! Literals, operators, casts, comparisons, indices.
 
 use quote::{ToTokens, quote};
-use syn::{BinOp, Expr as Syntax, ExprBinary, ExprCast, ExprUnary, Lit, Type, UnOp};
+use syn::{BinOp, Expr as Syntax, ExprBinary, ExprCast, ExprUnary, Lit, UnOp};
 
 use super::interpreter::Interpreter;
-use super::names::is_real_type;
+use super::names::{is_real_type, key};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::{Kind, is_integer_type, peeled};
@@ -223,7 +223,7 @@ impl<'a> Interpreter<'a, '_> {
                 Some([a, b].map(|holds| Some(Index::integer(holds.into()))))
             }
             _ if self.are_integers(&left, &right) => {
-                Some([self.as_index(&left, at_left), self.as_index(&right, at_right)])
+                Some([self.settled(&left, at_left), self.settled(&right, at_right)])
             }
             _ => None,
         };
@@ -261,7 +261,9 @@ impl<'a> Interpreter<'a, '_> {
         {
             return Some(left);
         }
+        self.now.branch += 1;
         let right = self.evaluate(&syntax.right);
+        self.now.branch -= 1;
         self.combine(junction, (left, &*syntax.left), (right, &*syntax.right))
     }
 
@@ -291,23 +293,34 @@ impl<'a> Interpreter<'a, '_> {
         if is_real_type(&syntax.ty) {
             return self.cast_to_real(value, &syntax.expr).map(Value::Real);
         }
-        let name = match &*syntax.ty {
-            Type::Path(path) => {
-                path.path.segments.last().map(|last| last.ident.to_string()).unwrap_or_default()
-            }
-            _ => String::new(),
-        };
+        let written = key(&syntax.ty);
+        let name = written.rsplit("::").next().unwrap_or_default();
+        let is_unsigned = name.starts_with('u');
         match value {
             _ if name == "f32" => self.refuse(expressions::single_precision(&syntax.ty)),
-            _ if !is_integer_type(&name) => self.refuse(expressions::unknown_cast(&syntax.ty)),
-            Value::Index(index) => match index.as_integer() {
-                Some(value) if !fits(value, &name) => self.refuse(expressions::integer_arithmetic(syntax)),
-                _ => Some(Value::Index(index)),
-            },
+            _ if !is_integer_type(name) => self.refuse(expressions::unknown_cast(&syntax.ty)),
+            Value::Index(index, was_unsigned) => {
+                let (least, most) = limits(name);
+                match index.as_integer() {
+                    Some(value) if !(least..=most).contains(&value) => {
+                        return self.refuse(expressions::integer_arithmetic(syntax));
+                    }
+                    _ => {}
+                }
+                // Of more digits than any size.
+                let is_wide = most > i128::from(u32::MAX);
+                if !is_wide || (is_unsigned && !was_unsigned) {
+                    self.require_natural(&index.shifted(-least)?, syntax)?;
+                }
+                if !is_wide {
+                    self.require_natural(&Index::integer(most).subtract(&index)?, syntax)?;
+                }
+                Some(Value::Index(index, is_unsigned))
+            }
             Value::Constant(place) => {
                 let (name, tokens, ty) = (place.name.clone(), &place.tokens, &syntax.ty);
-                let cast = Place::new(name, quote! { (#tokens as #ty) }, Kind::Integer);
-                Some(Value::index(self.given(&cast)))
+                let cast = Place::new(name, quote! { (#tokens as #ty) }, Kind::Constant);
+                Some(Value::index(self.given(&cast)).unsigned(is_unsigned))
             }
             Value::Real(_) => self.refuse(expressions::truncation(syntax)),
             other => self.mismatch(&syntax.expr, "a number", &other),
@@ -317,7 +330,7 @@ impl<'a> Interpreter<'a, '_> {
     /// `value as f64`
     pub(super) fn cast_to_real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         match value {
-            Value::Index(index) => Some(self.index_as_real(&index)),
+            Value::Index(..) => self.settled(&value, at).map(|index| self.index_as_real(&index)),
             Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
             value => self.real(value, at),
         }
@@ -372,14 +385,13 @@ pub(super) fn compound(operator: &BinOp) -> Option<BinOp> {
     })
 }
 
-/// Whether an integer type holds `value`.
-fn fits(value: i128, ty: &str) -> bool {
+/// The least and the largest number of an integer type.
+fn limits(ty: &str) -> (i128, i128) {
     let is_unsigned = ty.starts_with('u');
     // `usize` and `isize` have 64 on some machine.
     let bits: u32 = ty.trim_start_matches(['i', 'u']).parse().unwrap_or(64);
     let of_value = if is_unsigned { bits } else { bits - 1 };
     // An `i128` holds no larger value of `u128`.
     let most = i128::MAX >> 127_u32.saturating_sub(of_value);
-    let least = if is_unsigned { 0 } else { -most - 1 };
-    (least..=most).contains(&value)
+    (if is_unsigned { 0 } else { -most - 1 }, most)
 }

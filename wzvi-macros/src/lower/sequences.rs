@@ -60,11 +60,11 @@ impl Sequence {
     }
 
     /// `None` if its length overflows.
-    pub(super) fn range(start: Index, end: Option<Index>) -> Option<Self> {
-        let length = end.as_ref().map(|end| end.subtract(&start));
-        let length = length.map_or(Some(None), |length| length.map(Some))?;
+    pub(super) fn range(start: Index, end: Option<Index>, is_unsigned: bool) -> Option<Self> {
+        let length = if let Some(end) = &end { Some(end.subtract(&start)?) } else { None };
         let source = Source::Range(start.clone(), end);
-        Some(Self::new((source, 1), length, move |_, k, _| Some(Value::index(start.add(k)?))))
+        let item = move |k: &Index| Some(Value::index(start.add(k)?).unsigned(is_unsigned));
+        Some(Self::new((source, 1), length, move |_, k, _| item(k)))
     }
 
     pub(super) fn array(array: Array) -> Self {
@@ -208,7 +208,7 @@ impl<'a> Interpreter<'a, '_> {
         let length = inner.length.clone();
         let number = match name {
             "enumerate" => {
-                return Some(Sequence::zipped(Sequence::range(Index::default(), None)?.into(), inner));
+                return Some(Sequence::zipped(Sequence::range(Index::default(), None, true)?.into(), inner));
             }
             "zip" => {
                 let other = self.as_sequence(argument, at)?;
@@ -219,7 +219,7 @@ impl<'a> Interpreter<'a, '_> {
                 let last = end.shifted(-1)?;
                 return Some(Sequence::moved(inner, length, move |k| last.subtract(k)));
             }
-            "skip" | "take" => self.as_index(argument, at)?,
+            "skip" | "take" => self.settled(argument, at)?,
             _ => Index::integer(self.known_integer(argument.clone(), at)?),
         };
         let least = i128::from(!matches!(name, "skip" | "take"));
@@ -348,8 +348,10 @@ impl<'a> Interpreter<'a, '_> {
                     Value::Known(true) => f(this, item),
                     Value::Known(false) => Some(zero),
                     Value::Condition(condition) if !one_by_one => {
-                        let value = f(this, item)?;
-                        Some(this.graph.select(condition, value, zero))
+                        this.now.branch += 1;
+                        let value = f(this, item);
+                        this.now.branch -= 1;
+                        Some(this.graph.select(condition, value?, zero))
                     }
                     other => this.no_condition(predicate, &other, one_by_one, at),
                 }

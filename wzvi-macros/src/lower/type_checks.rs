@@ -159,7 +159,7 @@ fn bindings(field: &Field, used: &[Ident]) -> Vec<TokenStream> {
 
 /// Whether the field is copied into scope: then `a > 0.0` and `f64::sin(a)` are valid without `*`.
 fn is_scalar(field: &Field) -> bool {
-    matches!(field.kind, Kind::Real | Kind::Integer)
+    matches!(field.kind, Kind::Real | Kind::Integer(_))
 }
 
 /// The tokens with every `self` referring to the surrounding method, whichever macro wrote it.

@@ -19,8 +19,9 @@ const LONGEST_NAME: usize = 256;
 pub(super) enum Value {
     /// A real number, symbolically.
     Real(Expr),
-    /// An integer, known or an expression of loop variables, sizes and integers of the struct.
-    Index(Rc<Index>),
+    /// An integer, known or an expression of loop variables, sizes and integers of the struct, and whether its type is known to
+    /// be unsigned.
+    Index(Rc<Index>, bool),
     /// A constant, whose type only `rustc` knows.
     Constant(Rc<Place>),
     /// A condition that is known.
@@ -95,7 +96,15 @@ impl Value {
     }
 
     pub(super) fn index(index: Index) -> Self {
-        Self::Index(index.into())
+        Self::Index(index.into(), false)
+    }
+
+    /// The same with an integer of an unsigned type.
+    pub(super) fn unsigned(self, is_unsigned: bool) -> Self {
+        match self {
+            Self::Index(index, _) => Self::Index(index, is_unsigned),
+            other => other,
+        }
     }
 
     pub(super) fn integer(value: i128) -> Self {
@@ -135,14 +144,14 @@ impl Value {
     }
 
     pub(super) fn is_integer(&self) -> bool {
-        matches!(self, Self::Index(_))
+        matches!(self, Self::Index(..))
     }
 
     pub(super) fn depth(&self) -> u32 {
         match self {
             Self::Tuple(items) => items.depth,
             Self::Sequence(sequence) => sequence.depth.max(sequence.length.as_ref().map_or(0, Index::depth)),
-            Self::Index(index) => index.depth(),
+            Self::Index(index, _) => index.depth(),
             _ => 0,
         }
     }
@@ -150,7 +159,7 @@ impl Value {
     /// The number of integers in the expression of an integer or a length.
     pub(super) fn atoms(&self) -> usize {
         match self {
-            Self::Index(index) => index.atoms(),
+            Self::Index(index, _) => index.atoms(),
             Self::Sequence(sequence) => sequence.length.as_ref().map_or(0, Index::atoms),
             _ => 0,
         }
@@ -160,7 +169,7 @@ impl Value {
     pub(super) fn describe(&self) -> &'static str {
         match self {
             Self::Real(_) => "a real number",
-            Self::Index(index) => match index.as_integer() {
+            Self::Index(index, _) => match index.as_integer() {
                 Some(_) => "an integer",
                 None => "an integer that is known at run time",
             },

@@ -1,7 +1,7 @@
 //! Indices and slots for a reader.
 
 use super::index::{Atom, Index, Operation};
-use super::{Element, Half, Slot, System, Table};
+use super::{Half, Loop, Slot, System, Table};
 use crate::diagnostics::promised;
 use crate::symbolic::signed;
 
@@ -88,10 +88,10 @@ impl Names<'_> {
 }
 
 impl System {
-    /// An index in the loops of `element`, whose variables are called by their nesting.
-    pub(crate) fn index_in(&self, element: &Element, index: &Index) -> String {
+    /// An index in `loops`, whose variables are called by their nesting.
+    pub(crate) fn index_in(&self, loops: &[Loop], index: &Index) -> String {
         let letter = |variable: u32| {
-            let depth = element.loops.iter().position(|known| known.variable == variable);
+            let depth = loops.iter().position(|known| known.variable == variable);
             depth.map_or("k", letter_at)
         };
         Names { tables: &self.tables, letter: &letter }.index(index)

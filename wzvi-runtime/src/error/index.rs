@@ -40,6 +40,7 @@ enum Limit {
     Points,
     Entries,
     Integers,
+    Natural,
     Divisor,
 }
 
@@ -52,6 +53,8 @@ pub enum IndexLimit {
     Entries(usize),
     /// An `isize`.
     Integers,
+    /// Not negative: an integer of an unsigned type, or its distance from the largest or least number of a type.
+    Natural,
     /// Not zero.
     Divisor,
 }
@@ -62,6 +65,7 @@ impl IndexError {
             IndexLimit::Points(count) => (Limit::Points, count),
             IndexLimit::Entries(count) => (Limit::Entries, count),
             IndexLimit::Integers => (Limit::Integers, 0),
+            IndexLimit::Natural => (Limit::Natural, 0),
             IndexLimit::Divisor => (Limit::Divisor, 0),
         };
         let value = [(value >> 64) as u64, value as u64];
@@ -88,6 +92,7 @@ impl IndexError {
             Limit::Points => IndexLimit::Points(self.count),
             Limit::Entries => IndexLimit::Entries(self.count),
             Limit::Integers => IndexLimit::Integers,
+            Limit::Natural => IndexLimit::Natural,
             Limit::Divisor => IndexLimit::Divisor,
         }
     }
@@ -122,6 +127,9 @@ impl fmt::Display for IndexError {
             }
             IndexLimit::Integers => {
                 write!(f, "`{name}` is {value}, but integers range from {} to {}", isize::MIN, isize::MAX)?;
+            }
+            IndexLimit::Natural => {
+                write!(f, "`{name}` is {value}, but an integer leaves its type where this is negative")?
             }
             IndexLimit::Divisor => write!(f, "`{name}` is a divisor, but it is 0")?,
         }

@@ -440,6 +440,14 @@ pub fn check<H: Elements>(system: &H, got: usize) -> Result<(), StepFailure> {
 /// [`ConfigError::Parameter`] if a parameter is NaN, [`ConfigError::Index`] if an index is out of range.
 pub(crate) fn check_new<H: Elements>(system: &H) -> Result<(), ConfigError> {
     no_nan(system)?;
+    check_places(system)
+}
+
+/// Checks the integers of the system of a new stepper, as far as they do not depend on the size of the state.
+///
+/// # Errors
+/// [`ConfigError::Index`] if an index is out of range.
+pub(crate) fn check_places<H: Elements>(system: &H) -> Result<(), ConfigError> {
     match system.degrees() {
         0 => Ok(()),
         degrees => {

@@ -134,13 +134,12 @@ impl Indices<'_> {
     /// An entry at known indices as an `f64`; NaN if it does not exist, which is reported when a stepper is made.
     pub(crate) fn constant_entry(&self, table: u32, indices: &[Index]) -> TokenStream {
         let lengths = self.tables.get(table as usize).map_or(&[][..], |table| &table.lengths);
-        let is_there = |(index, length): (&Index, Option<&Option<usize>>)| {
-            let length = length.copied().flatten()?;
+        let is_there = |(dimension, index): (usize, &Index)| {
+            let length = lengths.get(dimension).copied().flatten()?;
             index.as_integer().filter(|index| (0..length as i128).contains(index))
         };
-        let lengths = (0..indices.len()).map(|dimension| lengths.get(dimension));
         let unchecked = Indices::unchecked(self.tables);
-        match indices.iter().zip(lengths).all(|both| is_there(both).is_some()) {
+        match indices.iter().enumerate().all(|both| is_there(both).is_some()) {
             true => unchecked.entry(table, indices),
             false => self.or_nan(&self.entry(table, indices)),
         }

@@ -21,6 +21,11 @@ pub(super) fn emit(system: &System) -> TokenStream {
     for element in system.terms().flat_map(|term: &Term| &term.values) {
         nests.extend(places.nest(element));
     }
+    // Places have better names in errors.
+    for (loops, index) in &system.naturals {
+        let index = places.index(index, loops);
+        nests.extend(places.in_loops(loops, &quote!(__wzvi::elements::places::Slot::Unsigned(#index),)));
+    }
     if nests.is_empty() {
         return nests;
     }
@@ -90,59 +95,62 @@ impl Places<'_> {
         if slots.is_empty() && ends.into_iter().all(|end| sizes.is_integer(end)) {
             return TokenStream::new();
         }
-        let loops = element.loops.iter().map(|known| {
-            let (start, end) = (self.index(&known.start, element), self.index(&known.end, element));
-            quote!(__wzvi::elements::places::Loop(#start, #end),)
-        });
-        let loops: Vec<TokenStream> = loops.collect();
         let slots = slots.into_iter().map(|slot| match slot {
             Slot::State(_, index) => {
                 let kind = if bounds.is_nonnegative(index) { quote!(Natural) } else { quote!(State) };
-                let index = self.index(index, element);
+                let index = self.index(index, &element.loops);
                 quote!(__wzvi::elements::places::Slot::#kind(#index),)
             }
             Slot::Entry(table, indices) => {
-                let positions = self.positions(*table, indices, element, None);
+                let positions = self.positions(*table, indices, &element.loops, None);
                 let table = count(*table as usize);
                 quote!(__wzvi::elements::places::Slot::Entry(#table, #positions),)
             }
             Slot::Number(index) => {
-                let index = self.index(index, element);
+                let index = self.index(index, &element.loops);
                 quote!(__wzvi::elements::places::Slot::Number(#index),)
             }
         });
         let slots: TokenStream = slots.collect();
-        quote!(__wzvi::elements::places::Nest::new(&[#(#loops)*], &[#slots]),)
+        self.in_loops(&element.loops, &slots)
     }
 
-    fn index(&mut self, index: &Index, element: &Element) -> TokenStream {
+    fn in_loops(&mut self, loops: &[Loop], slots: &TokenStream) -> TokenStream {
+        let ranges = loops.iter().map(|known| {
+            let (start, end) = (self.index(&known.start, loops), self.index(&known.end, loops));
+            quote!(__wzvi::elements::places::Loop(#start, #end),)
+        });
+        let ranges: TokenStream = ranges.collect();
+        quote!(__wzvi::elements::places::Nest::new(&[#ranges], &[#slots]),)
+    }
+
+    fn index(&mut self, index: &Index, loops: &[Loop]) -> TokenStream {
         let terms = index.terms.iter().map(|(atom, coefficient)| {
-            let (atom, coefficient) = (self.atom(atom, element), Literal::i128_unsuffixed(*coefficient));
+            let (atom, coefficient) = (self.atom(atom, loops), Literal::i128_unsuffixed(*coefficient));
             quote!((#atom, #coefficient),)
         });
         let terms: TokenStream = terms.collect();
-        let (constant, text) =
-            (Literal::i128_unsuffixed(index.constant), self.system.index_in(element, index));
+        let (constant, text) = (Literal::i128_unsuffixed(index.constant), self.system.index_in(loops, index));
         quote!(__wzvi::elements::places::Index::new(&[#terms], #constant, #text))
     }
 
-    fn atom(&mut self, atom: &Atom, element: &Element) -> TokenStream {
+    fn atom(&mut self, atom: &Atom, loops: &[Loop]) -> TokenStream {
         let (name, both) = match atom {
             Atom::Loop(variable) => {
-                let depth = element.loops.iter().position(|known| known.variable == *variable);
+                let depth = loops.iter().position(|known| known.variable == *variable);
                 let depth = count(depth.unwrap_or(usize::MAX));
                 return quote!(__wzvi::elements::places::Atom::Loop(#depth));
             }
             Atom::Size => return quote!(__wzvi::elements::places::Atom::Size),
             Atom::Given(table, indices) => {
                 let read = quote!(|__integer| __integer as __wzvi::i128);
-                let positions = self.positions(*table, indices, element, Some(read));
+                let positions = self.positions(*table, indices, loops, Some(read));
                 let table = count(*table as usize);
                 return quote!(__wzvi::elements::places::Atom::Given(#table, #positions));
             }
             Atom::Of(operation, both) => (quote::format_ident!("{}", format!("{operation:?}")), both),
         };
-        let (a, b) = (self.index(&both.0, element), self.index(&both.1, element));
+        let (a, b) = (self.index(&both.0, loops), self.index(&both.1, loops));
         quote!(__wzvi::elements::places::Atom::#name(&[#a, #b]))
     }
 
@@ -151,7 +159,7 @@ impl Places<'_> {
         &mut self,
         table: u32,
         indices: &[Index],
-        element: &Element,
+        loops: &[Loop],
         wide: Option<TokenStream>,
     ) -> TokenStream {
         let Some(Table { tokens, suffix, .. }) = self.system.tables.get(table as usize) else {
@@ -191,11 +199,11 @@ impl Places<'_> {
                 }
             };
         }
-        let bounds = Bounds { loops: &element.loops, tables: &self.system.tables };
+        let bounds = Bounds { loops, tables: &self.system.tables };
         let inside: Vec<bool> =
             (0..indices.len()).map(|level| self.is_inside(&bounds, table, indices, level)).collect();
         let positions = indices.iter().zip(inside).map(|(index, is_inside)| {
-            let index = self.index(index, element);
+            let index = self.index(index, loops);
             quote!(__wzvi::elements::places::Position::new(#index, #is_inside),)
         });
         let positions: TokenStream = positions.collect();

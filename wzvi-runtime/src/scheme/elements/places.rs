@@ -84,6 +84,8 @@ pub enum Slot {
     Entry(usize, &'static [Position]),
     /// An integer as a real number.
     Number(Index),
+    /// An integer that must not be negative.
+    Unsigned(Index),
 }
 
 /// Reads of the elements in the same loops that the compiler has not proven to be in range.

@@ -183,7 +183,9 @@ where
     type Carry<S: Scalar> = H::Carry<S>;
 
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
-        system.prepare(lift, h)
+        let prepared = system.prepare(lift, h)?;
+        elements::check_places(system)?;
+        Ok(prepared)
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {

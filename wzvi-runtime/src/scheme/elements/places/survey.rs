@@ -120,6 +120,13 @@ impl Survey<'_> {
                 }
                 Slot::Entry(table, positions) => self.given(*table, positions, fixed).map(drop),
                 Slot::Number(index) => self.span(index, fixed).map(drop),
+                Slot::Unsigned(index) => match self.span(index, fixed)?.low {
+                    0.. => Ok(()),
+                    low => {
+                        let error = IndexError::new(&index.name, low, IndexLimit::Natural);
+                        Err(Fault { error, needs_degrees: false })
+                    }
+                },
             }),
         }
     }
