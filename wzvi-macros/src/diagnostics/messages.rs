@@ -58,6 +58,8 @@ messages! {
     scheme_arguments(found, example: &str) = "wrong generic arguments; write it as in `{example}`";
     wrapper_inside(found) = "`Corrected` and `Uncorrected` wrap a whole scheme: \
         `Corrected<Mixed<Midpoint, DeltaPlus>>`, never inside another";
+    whole_inside(found) { scheme = source(&found); } = "`{scheme}` is listed by itself: `Corrected`, `Uncorrected` and `Mixed` take schemes of quadrature \
+        points, such as `DeltaPlus`, `Midpoint`, `DeltaMinus` and `Lambda<N, D>`";
     thermostat_inside(found) = "a thermostat wraps a scheme that is not itself a thermostat: `Thermostat<Midpoint>`, \
         `Thermostat<Gauss<2>>`";
     mixed_inside_mixed(found) = "the arguments of `Mixed` are `DeltaPlus`, `Midpoint`, `DeltaMinus` or \

@@ -143,6 +143,7 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
         ("Thermostat", ..) if is_whole => {
             return Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>"));
         }
+        _ if !is_whole && names().any(|known| known == text) => return Err(messages::whole_inside(ty)),
         _ if messages::is_of_ito(name) => return Err(messages::embedding_of_ito(name)),
         _ => return Err(messages::unknown_embedding(name, meant(&text), &listed())),
     })

@@ -9,6 +9,9 @@
         Mixed<DeltaPlus>,
         &Midpoint,
         fn(),
+        Corrected<Verlet>,
+        Mixed<Gauss<2>, Midpoint>,
+        Uncorrected<Thermostat<Midpoint>>,
     ],
 )]
 struct System;
