@@ -403,7 +403,8 @@ pub trait Discretized<E>: Hamiltonian + Sized {
     }
 
     /// The momentum `P` of the step from `before` to `after`. The generated step does not store it: it follows from the equations of the node
-    /// momenta, given both ends. NaN if no momentum satisfies both equations, as between states that no step joins.
+    /// momenta, given both ends. NaN if no momentum satisfies both equations, as between states that no step joins, and where the rounding of
+    /// `P` has no bound: in long steps, where the forces depend on `P` so strongly that `Σ_s a_s |∂²F/∂q∂P|` does not contract.
     fn step_momentum(
         &self,
         before: &State<Self::Vector>,
