@@ -180,10 +180,10 @@ impl Passages {
     }
 
     /// The standard error of [`Passages::rate`] as a ratio of two means over paths, `√(Σ (d - rate T)²) / Σ T`, for any law of the times.
-    /// `d` is 1 for a path that passed and 0 for others, and `T` its time before passing. NaN if none passed; the rate is then below three
+    /// `d` is 1 for a path that passed and 0 for others, and `T` its time before passing. NaN of one path, and if none passed; the rate is then below three
     /// passages in the time of all paths, with 95 % confidence.
     pub fn rate_error(&self) -> f64 {
-        if self.passed() == 0 {
+        if self.passed() == 0 || self.passed() + self.waits.count() == 1 {
             return f64::NAN;
         }
         let (rate, passed) = (self.rate(), self.passed() as f64);
@@ -302,6 +302,18 @@ pub(crate) fn crossing([start, end]: [f64; 2], [before, after]: [f64; 2]) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A standard error is a spread between paths: one path has none, as for a mean.
+    #[test]
+    fn one_path_has_no_error_of_its_rate() {
+        let mut passages =
+            Passages::new("one".into(), [0.0, 2.0], Histogram::new(0.0, 2.0, 4).unwrap(), false);
+        passages.push(Passage::At(0.5));
+        assert_eq!((passages.rate(), passages.rate_error().is_nan()), (2.0, true));
+        passages.push(Passage::Censored);
+        // Σ (d - rate T)² of d, T = 1, 0.5 and 0, 2 with the rate 1/2.5.
+        assert!((passages.rate_error() - f64::hypot(0.8, 0.8) / 2.5).abs() < 1e-15);
+    }
 
     #[test]
     fn crossings_are_interpolated() {
