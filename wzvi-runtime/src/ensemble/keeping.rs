@@ -25,7 +25,8 @@ const MOST_LISTED: usize = 32;
 impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end: see
     /// [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for bit. Only the number of
-    /// paths may grow from one run to the next.
+    /// paths may grow from one run to the next: of one system, from one start or from [`Ensemble::starts`] of 512 paths or more. Lists of starts, and
+    /// systems by path, must be the same.
     ///
     /// With [`Ensemble::until_error`] the run ends at once if the checkpoint meets the targets. Otherwise, and after a stop, it continues.
     ///

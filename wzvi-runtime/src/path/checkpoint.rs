@@ -60,7 +60,7 @@
 //!
 //! The checkpoint of an [`Ensemble`](crate::ensemble::Ensemble) holds the statistics of its first chunks of paths, and a resumed run merges
 //! the others in the same order. The table and the guarantee above hold as well. The file has its own kind (`wzvi-ensemble`). The
-//! number of paths may grow; an incomplete last chunk is run again.
+//! number of paths may grow, unless starts are listed or each path has its own system; an incomplete last chunk is run again.
 //!
 //! Observables and events are compared by their names and by their values at the start and at the next three nodes of path 0. The file grows
 //! with the number of recorded times, observables and bins, and with that of the paths only if they are kept.
