@@ -203,6 +203,27 @@ fn results_by_path_are_columns() {
     assert!(everything(9).run().unwrap().passages()[0].by_path().is_none());
 }
 
+/// Nothing holds it.
+#[hamiltonian(drift = |q, p| 0.5 * p * p - q.powi(4), noise = [|q, p| -s * q], embedding = [Midpoint])]
+pub struct Falling {
+    pub s: f64,
+}
+
+/// A path that fails in the middle of a divided step was looked at for the last time at the node before it.
+#[test]
+fn paths_are_lost_at_nodes() {
+    let falling = Falling { s: 1.0 };
+    let run = falling.ensemble::<Midpoint>(0.1).start(State::new([0.5], [0.0])).paths(40).seed(3).until(2.0);
+    let run = run.retry(Retry::halving(3)).record_every(1).allow_losses(1.0).keep_paths(1 << 20);
+    let run = run.first_passage("never", |_| 1.0).run().unwrap();
+    let node = |step: u64| run.nodes()[step as usize].time();
+    assert!(run.failures().iter().filter(|failure| failure.error.t > node(failure.error.step)).count() > 10);
+    for failure in run.failures() {
+        let passage = run.passages()[0].by_path().unwrap()[failure.path as usize];
+        assert_eq!(passage, Passage::Lost(node(failure.error.step)));
+    }
+}
+
 /// The first passage of Brownian motion through 1 before time 1: `2 Φ(-1) = 0.3173`. Watched at nodes only, the level is as
 /// good as `0.5826 √h` farther away (M. Broadie, P. Glasserman, S. Kou, Math. Finance 7, 1997), up to `o(√h)`; the
 /// correction is 16 standard errors of this run, and what it leaves has to be within five.

@@ -253,7 +253,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 let failure = if group.has_failed(lane) { failures.next() } else { None };
                 let passage = match failure {
                     _ if !time.is_nan() => Passage::At(*time),
-                    Some(failure) => Passage::Lost(failure.error.t),
+                    Some(failure) => Passage::Lost(self.job.grid.time(failure.error.step)),
                     None => Passage::Censored,
                 };
                 self.statistics.see(group.path(lane), &Seen::Passage { event, passage });

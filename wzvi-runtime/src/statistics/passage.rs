@@ -42,7 +42,7 @@ pub enum Passage {
     At(f64),
     /// It reached the end.
     Censored,
-    /// It failed at this time.
+    /// It failed, after a last node at this time.
     Lost(f64),
 }
 
