@@ -141,13 +141,12 @@ impl<'a> Interpreter<'a, '_> {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
             (Value::Index(a, sign), Value::Index(b, _)) if a == b => Value::Index(a.clone(), *sign),
             (Value::Known(a), Value::Known(b)) if a == b => Value::Known(*a),
-            (Value::Known(true), Value::Known(false)) => Value::Condition(condition),
-            (Value::Known(false), Value::Known(true)) => Value::Condition(self.graph.not(condition)),
-            (Value::Condition(a), Value::Condition(b)) => {
-                let negated = self.graph.not(condition);
-                let then = self.graph.join(Junction::And, condition, *a);
-                let otherwise = self.graph.join(Junction::And, negated, *b);
-                Value::Condition(self.graph.join(Junction::Or, then, otherwise))
+            (Value::Known(_) | Value::Condition(_), Value::Known(_) | Value::Condition(_)) => {
+                let holds = Value::Condition(condition);
+                let fails = self.denied(&holds)?;
+                let then = self.combine(Junction::And, (holds, &at), (then.clone(), &at))?;
+                let otherwise = self.combine(Junction::And, (fails, &at), (otherwise.clone(), &at))?;
+                self.combine(Junction::Or, (then, &at), (otherwise, &at))?
             }
             (Value::Sequence(a), Value::Sequence(b)) => {
                 let (a, b) = (self.known_list(a, &at)?, self.known_list(b, &at)?);

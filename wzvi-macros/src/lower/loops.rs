@@ -38,7 +38,7 @@ struct Case {
 #[derive(Default)]
 pub(super) struct Loops {
     /// Outermost first.
-    active: Vec<Loop>,
+    pub(super) active: Vec<Loop>,
     cases: Vec<Case>,
     /// The loop to be evaluated in turns: the evaluation up to it is abandoned.
     by_turns: Option<u32>,
@@ -53,18 +53,6 @@ impl<'a> Interpreter<'a, '_> {
     /// Number of loops around the current expression.
     pub(super) fn loop_depth(&self) -> usize {
         self.now.loops.active.len()
-    }
-
-    /// Evaluates `body` inside a given loop.
-    pub(super) fn inside<T>(
-        &mut self,
-        range: Option<&Loop>,
-        body: impl FnOnce(&mut Self) -> Option<T>,
-    ) -> Option<T> {
-        self.now.loops.active.extend(range.cloned());
-        let value = body(self);
-        self.now.loops.active.clear();
-        value
     }
 
     /// Whether the evaluation was abandoned for turns of the loop over `variable`; if so, resumes it.

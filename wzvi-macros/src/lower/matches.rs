@@ -129,9 +129,7 @@ impl<'a> Interpreter<'a, '_> {
     ) -> Option<Value> {
         match (scrutinee, value) {
             (Value::Poison, _) | (_, Value::Poison) => None,
-            (Value::Condition(_), Value::Known(true)) => Some(scrutinee.clone()),
-            (Value::Condition(_), Value::Known(false)) => self.denied(scrutinee),
-            (Value::Known(_), value @ Value::Known(_)) => {
+            (Value::Known(_) | Value::Condition(_), value @ Value::Known(_)) => {
                 self.compared(&operator, (scrutinee.clone(), pattern), (value, pattern), pattern)
             }
             (Value::Index(..) | Value::Constant(_), value @ (Value::Index(..) | Value::Constant(_))) => {

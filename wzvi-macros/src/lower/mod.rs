@@ -249,17 +249,18 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             values.truncate(closure.inputs.len().saturating_sub(1));
             values.push(Value::index(number).unsigned(true));
         }
-        self.inside(range.flatten(), |this| {
-            for (pattern, value) in closure.inputs.iter().zip(values) {
-                this.bind(pattern, value);
-            }
-            let value = this.evaluate(&closure.body);
-            let result = interpreter::result_of(&closure.body);
-            match hamiltonian.role.is_covector() {
-                true => this.covector(value, result),
-                false => this.energy(value, result),
-            }
-        })
+        self.now.loops.active.extend(range.flatten().cloned());
+        for (pattern, value) in closure.inputs.iter().zip(values) {
+            self.bind(pattern, value);
+        }
+        let value = self.evaluate(&closure.body);
+        let result = interpreter::result_of(&closure.body);
+        let value = match hamiltonian.role.is_covector() {
+            true => self.covector(value, result),
+            false => self.energy(value, result),
+        };
+        self.now.loops.active.clear();
+        value
     }
 
     /// The number of noises of a family: an integer expression of literals, constants, sizes and fields.

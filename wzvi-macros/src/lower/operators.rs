@@ -218,6 +218,13 @@ impl<'a> Interpreter<'a, '_> {
                 return self.refuse(expressions::unsupported(operator, "this operator", remedy));
             }
         };
+        if let (&Value::Condition(condition), other) | (other, &Value::Condition(condition)) = (&left, &right)
+            && relation == Relation::Equal
+            && let Some(opposite) = self.denied(other)
+        {
+            let is_same = self.select(condition, other, &opposite)?;
+            return if matches!(operator, BinOp::Ne(_)) { self.denied(&is_same) } else { Some(is_same) };
+        }
         let integers = match (&left, &right) {
             (&Value::Known(a), &Value::Known(b)) => {
                 Some([a, b].map(|holds| Some(Index::integer(holds.into()))))

@@ -70,6 +70,13 @@ fn integers_of_the_struct_select() {
             true => q,
             false => p,
         },
+        |q: f64, p: f64| if if n > 1 { q > p } else { true } { q } else { p },
+        |q: f64, p: f64| if if n > 1 { false } else { q < p } { q } else { p },
+        |q: f64, p: f64| if (q < p) == (n > 2) { q } else { p },
+        |q: f64, p: f64| {
+            let yes = true;
+            if (q > p) != yes && yes && yes == (n > 2) { q } else { p }
+        },
         |q: f64, p: f64| match q > p {
             false => q + p,
             true => p,
