@@ -93,8 +93,7 @@ impl Interpreter<'_, '_> {
         }
         let place = |i: usize| -> &dyn ToTokens { places.get(i).map_or(at, |place| place) };
         match (name, arguments.as_slice()) {
-            ("from", [Value::Index(index, _)]) => return Some(Value::Real(self.index_as_real(index))),
-            ("from", [value]) => return self.real(value.clone(), place(0)).map(Value::Real),
+            ("from", [value]) => return self.cast_to_real(value.clone(), place(0)).map(Value::Real),
             ("powi", [x, n]) => return self.integer_power(x, n, place(0), place(1)),
             _ => {}
         }
