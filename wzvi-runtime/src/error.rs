@@ -112,7 +112,8 @@ pub enum ConfigError {
     },
     /// A setting that the builder needs is missing.
     Missing(&'static str),
-    /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be counted.
+    /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be counted; or times are so late that
+    /// steps of this size end where they begin.
     End {
         /// Start time.
         start: f64,
@@ -154,7 +155,7 @@ messages! { ConfigError:
          take another step size", Brief(*h);
     Self::Missing(what) => "the run needs {what}";
     Self::End { start, end, h } =>
-        "cannot run from t = {} to t = {} in steps of {}; check the sign and the size of h",
+        "cannot run from t = {} to t = {} in steps of {}; check the sign of h, and its size, which must not vanish beside t",
         Brief(*start), Brief(*end), Brief(*h);
     Self::Start(cause) => "the start is not usable: {cause}";
     Self::PathSystem { path, cause } => "the system of path {path} is not usable: {cause}";

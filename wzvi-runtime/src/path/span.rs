@@ -100,6 +100,12 @@ impl Grid {
         Ok(Some(noise))
     }
 
+    /// Whether each node has a time of its own: steps are no shorter than the distance of two numbers at the later end.
+    fn has_times(&self) -> bool {
+        let latest = self.start.abs().max(self.time(self.steps).abs());
+        self.steps == 0 || latest.next_up() - latest <= self.h.abs()
+    }
+
     /// The time of a node.
     #[inline]
     pub(crate) fn time(&self, node: u64) -> f64 {
@@ -161,6 +167,9 @@ impl<V: Vector> Span<V> {
         }
         let start = checked(system, self.start)?;
         let grid = grid(self.end, self.is_exact, start.t, h)?;
+        if !grid.has_times() {
+            return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h });
+        }
         Ok((start, grid))
     }
 }

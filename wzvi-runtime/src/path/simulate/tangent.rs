@@ -110,6 +110,7 @@ where
         } = setup;
         // Nothing is shown, and steps are not in lanes.
         let Execution { threads, stop, handle, .. } = execution;
+        let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let is_exact = span.is_exact;
         let (start, grid) = span.checked::<H, E>(system, h)?;
         let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
@@ -130,7 +131,6 @@ where
         let degrees = start.q.components().len();
         let processes = system.increments(degrees);
         let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
-        let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
         let mut stepper = Varied::<H, E>::new(whole, system, h, &start, parameters)?;
         let (mut state, mut dw) = (start, vec![0.0; processes]);
         let mut path = Single {
