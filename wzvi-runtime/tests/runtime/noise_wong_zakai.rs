@@ -1,5 +1,6 @@
 //! Wong-Zakai increments against the path that they approximate.
 
+use wzvi_runtime::increments::Identity;
 use wzvi_runtime::noise::{Interval, Noise, Sampling, Truncation, Wiener, WongZakai};
 use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
 
@@ -87,24 +88,25 @@ pub(crate) const IMPLICIT: Plan = Plan {
     commuting: Knowledge::Proven,
 };
 
+/// What acts in a run is in the identity of the source; what the user has set stays.
 #[test]
 fn a_run_may_truncate_unless_told_otherwise() {
-    let mut noises = [
-        WongZakai::averaged(0.02),
-        WongZakai::averaged(0.02).untruncated(),
-        WongZakai::averaged(0.02).truncated(2),
-    ];
-    noises.iter_mut().for_each(|noise| noise.prepare(&IMPLICIT, 0.02, 1, 0.0).unwrap());
-    assert_eq!(
-        noises.map(|noise| noise.truncation()),
-        [Truncation::On(4.0), Truncation::Off, Truncation::On(2.0)]
-    );
-    let mut noises = [Wiener::seed(1), Wiener::seed(1).untruncated(), Wiener::seed(1).truncated(2.5)];
-    noises.iter_mut().for_each(|noise| noise.prepare(&IMPLICIT, 0.02, 1, 0.0).unwrap());
-    assert_eq!(
-        noises.map(|noise| noise.truncation()),
-        [Truncation::On(4.0), Truncation::Off, Truncation::On(2.5)]
-    );
+    fn acting<N: Noise>(mut noise: N) -> Option<Identity> {
+        noise.prepare(&IMPLICIT, 0.02, 1, 0.0).unwrap();
+        noise.identity()
+    }
+    let averaged = || WongZakai::averaged(0.02);
+    assert_eq!(acting(averaged()), acting(averaged().truncated(4)));
+    assert_eq!(acting(averaged().untruncated()), averaged().untruncated().identity());
+    assert_eq!(acting(averaged().truncated(2)), averaged().truncated(2).identity());
+    assert_ne!(acting(averaged()), acting(averaged().untruncated()));
+    let wiener = || Wiener::seed(1);
+    assert_eq!(acting(wiener()), acting(wiener().truncated(4)));
+    assert_eq!(acting(wiener().untruncated()), wiener().untruncated().identity());
+    assert_eq!(acting(wiener().truncated(2.5)), wiener().truncated(2.5).identity());
+    let mut noise = wiener();
+    noise.prepare(&IMPLICIT, 0.02, 1, 0.0).unwrap();
+    assert_eq!(noise.truncation(), Truncation::Unset);
 }
 
 /// Settings in any order give the same noise.
