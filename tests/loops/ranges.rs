@@ -68,7 +68,7 @@ sums! {
     Divided = |q, m| (0..q.len()).map(|i| (i as i64 - m as i64).div_euclid(3) as f64 * q[i]).sum::<f64>();
     Compared = |q, m| q[0].powi((TWO + ONE) as i32) * if TWO * ONE == 2 && TWO > ONE { 1.5 } else { 0.5 }
         + q.iter().skip(TWO - ONE).step_by(2).sum::<f64>() * TWO.pow(3).min(TWO * 3) as f64
-        + q[m % q.len()] * match TWO % ONE { 0 => -HALF / (HALF - 2.0), _ => HALF }
+        + q[m % q.len()] * match (TWO + ONE) % TWO { 1 => -HALF / (HALF - 2.0), _ => HALF }
         + q[0] * f64::from(-FACTOR) + q[0] * f64::from(FACTOR * FACTOR)
         + q[0] * if HALF < HALF * HALF { -HALF } else { HALF - HALF * HALF };
     Chained = |q, m| q.iter().skip(m).chain(q.iter().take(2)).enumerate().map(|(i, q)| q * q * i as f64).sum::<f64>();
