@@ -1,7 +1,7 @@
 //! Runs that end by themselves: standard errors that are small enough, antithetic pairs, deadlines and Ctrl-C.
 
 use fixtures::edge::Edge;
-use fixtures::small::Kubo;
+use fixtures::small::{Kubo, TwoAdditive};
 use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -14,16 +14,6 @@ use wzvi::error::Error;
 use wzvi::prelude::*;
 
 const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
-
-#[hamiltonian(
-    drift = |q, p| 0.5 * (q * q + p * p),
-    noise = [|q, p| sigma * p, |q, p| gamma * q],
-    embedding = [Midpoint],
-)]
-pub struct Additive {
-    pub sigma: f64,
-    pub gamma: f64,
-}
 
 fn kubo(seed: u64) -> Ensemble<'static, Kubo, Midpoint> {
     kubo_from_start(seed).until(1.0)
@@ -76,11 +66,11 @@ fn targets_that_make_no_sense_are_refused() {
 /// Linear dynamics, additive noise: the mean of a pair is the path without noise, the energy of both the same in the mean.
 #[test]
 fn odd_observables_have_their_exact_mean() {
-    let system = Additive { sigma: 0.3, gamma: 0.8 };
+    let system = TwoAdditive { sigma: 0.3, gamma: -0.8 };
     let run =
         || system.ensemble::<Midpoint>(0.1).start(State::new([1.0], [0.0])).paths(4096).seed(5).steps(33);
     let paired = run().antithetic().run().unwrap();
-    let quiet = Additive { sigma: 0.0, gamma: 0.0 };
+    let quiet = TwoAdditive { sigma: 0.0, gamma: -0.0 };
     let quiet =
         quiet.ensemble::<Midpoint>(0.1).start(State::new([1.0], [0.0])).paths(1).seed(5).steps(33).run();
     for name in ["q", "p"] {
@@ -95,7 +85,7 @@ fn odd_observables_have_their_exact_mean() {
         );
     }
     // Of an even one both paths say the same where the start is zero: half as many samples.
-    let even = |run: Ensemble<'_, Additive, Midpoint>| {
+    let even = |run: Ensemble<'_, TwoAdditive, Midpoint>| {
         run.start(State::new([0.0], [0.0])).observe("q²", |state| state.q[0] * state.q[0]).run().unwrap()
     };
     let (alone, paired) = (even(run()), even(run().antithetic()));

@@ -245,50 +245,55 @@ fn facts_do_not_depend_on_the_spelling_of_the_size() {
     check::<SitesOfState>();
 }
 
-/// The lines of a text without their indentation.
-fn has_line(text: &str, line: &str) -> bool {
-    text.lines().any(|candidate| candidate.trim() == line)
+/// Whether these are lines of a text, whose indentation does not count.
+fn has_lines(text: &str, lines: &[&str]) {
+    for line in lines {
+        assert!(text.lines().any(|candidate| candidate.trim() == *line), "no line {line:?} in\n{text}");
+    }
 }
 
 #[test]
 fn equations_are_those_of_the_paper() {
     let text = <Pendulum as Discretized<DeltaPlus>>::EQUATIONS;
-    for line in [
-        "H0 = p²/2 - omega² cos(q)",
-        "L_d = P Δq - h (P²/2 - omega² cos(q_i))",
-        // The paper's q_{i+1} = q_i + h p_{i+1}, p_{i+1} = p_i - h omega² sin(q_i).
-        "∂L_d/∂P = 0:  Δq = P h",
-        "p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)",
-        "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
-        "H0 is a first integral: kept by the step nearly, within O(h)",
-    ] {
-        assert!(has_line(text, line), "no line {line:?} in\n{text}");
-    }
+    has_lines(
+        text,
+        &[
+            "H0 = p²/2 - omega² cos(q)",
+            "L_d = P Δq - h (P²/2 - omega² cos(q_i))",
+            // The paper's q_{i+1} = q_i + h p_{i+1}, p_{i+1} = p_i - h omega² sin(q_i).
+            "∂L_d/∂P = 0:  Δq = P h",
+            "p_i = -D1 L_d:  P = p_i + δp,  δp = -omega² h sin(q_i)",
+            "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
+            "H0 is a first integral: kept by the step nearly, within O(h)",
+        ],
+    );
     let text = <Kubo as Discretized<Uncorrected<DeltaPlus>>>::EQUATIONS;
-    for line in [
-        "H1 = sigma (p² + q²)/2",
-        "L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2",
-        "∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW",
-        "p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW",
-        "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
-        "converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2",
-        "h → 0, then ε → 0: X_{ε,n} → X_ε → X",
-        "ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving",
-    ] {
-        assert!(has_line(text, line), "no line {line:?} in\n{text}");
-    }
+    has_lines(
+        text,
+        &[
+            "H1 = sigma (p² + q²)/2",
+            "L_d = P Δq - a h (P² + q_i²)/2 - sigma ΔW (P² + q_i²)/2",
+            "∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW",
+            "p_i = -D1 L_d:  P = p_i + δp,  δp = -a q_i h - sigma q_i ΔW",
+            "p_{i+1} = D2 L_d:  p_{i+1} - p_i = δp",
+            "converges to another system, with drift Hamiltonian H0 - D; D = q p sigma²/2",
+            "h → 0, then ε → 0: X_{ε,n} → X_ε → X",
+            "ε → 0, then h → 0: X_{ε,n} → X_n → the system with H0 - D, not X: not asymptotically preserving",
+        ],
+    );
     let text = <Kubo as Discretized<Midpoint>>::EQUATIONS;
-    for line in [
-        "q_{i+1/2} = Δq/2 + q_i",
-        "∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW",
-        "p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2",
-        "p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp",
-        "converges to the Stratonovich system; D = 0",
-        "ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving",
-        "each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one",
-    ] {
-        assert!(has_line(text, line), "no line {line:?} in\n{text}");
-    }
+    has_lines(
+        text,
+        &[
+            "q_{i+1/2} = Δq/2 + q_i",
+            "∂L_d/∂P = 0:  Δq = a P h + sigma P ΔW",
+            "p_i = -D1 L_d:  P = p_i + δp,  δp = (-a q_{i+1/2} h - sigma q_{i+1/2} ΔW)/2",
+            "p_{i+1} = D2 L_d:  p_{i+1} - p_i = 2 δp",
+            "converges to the Stratonovich system; D = 0",
+            "ε → 0, then h → 0: X_{ε,n} → X_n → X: asymptotically preserving",
+            "each first integral of X is one of every X_ε: its rates along H0 and each noise vanish one by one",
+        ],
+    );
     let without_noise = <Pendulum as Discretized<Midpoint>>::EQUATIONS;
     assert!(!without_noise.contains("X_"), "{without_noise}");
 }
