@@ -48,7 +48,7 @@ const _: () = {
         Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
         StepFailure, Straight, StraightLine, bool, f64, str, usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
+            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
         },
         embedding::{Corrected, DeltaPlus},
         gauss::Fixed,
@@ -103,7 +103,6 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
             let sigma: f64 = self.sigma;
             match part {
                 0 => {

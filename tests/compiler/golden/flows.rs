@@ -70,7 +70,7 @@ const _: () = {
         self as wzvi, Constant, Discretized, Facts, Kind, Knowledge, Lift, Number, Of,
         Option, Over, Reals, SVector, Scalar, Scheme, Sized, Some, bool, f64, str, usize,
         compose::{Form, Nystrom, Parted, WholeOf},
-        elements::{Alone, Elements, Given, Point, Run, Slopes, Sums, Usual},
+        elements::{Alone, Elements, Given, Point, Slopes, Sums, Usual},
         embedding::Verlet, gauss::{Field, Fixed},
     };
     #[automatically_derived]
@@ -129,7 +129,6 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
             let omega: f64 = self.omega;
             let epsilon: f64 = self.epsilon;
             let t = at.t;

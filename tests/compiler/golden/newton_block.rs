@@ -49,7 +49,7 @@ const _: () = {
         Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver, StepFailure,
         Straight, StraightLine, Variables, bool, f64, str, usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
+            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -95,7 +95,6 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
             match part {
                 0 => {
                     if wanted.by_p {

@@ -82,7 +82,7 @@ const _: () = {
         Result, SVector, Scalar, Scheme, Sized, Solution, Solver, StepFailure, Straight,
         StraightLine, bool, f64, str, usize, compose::General,
         elements::{
-            Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes, Stage, Sums,
+            Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums,
         },
         embedding::{DeltaPlus, Midpoint, Uncorrected},
         gauss::Fixed,
@@ -142,7 +142,6 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
             let a: f64 = self.a;
             let sigma: f64 = self.sigma;
             match part {

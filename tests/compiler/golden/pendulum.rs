@@ -46,8 +46,8 @@ const _: () = {
         Plan, Reals, Result, SVector, Scalar, Scheme, Sized, Solution, Solver,
         StepFailure, Straight, StraightLine, bool, f64, str, usize, compose::General,
         elements::{
-            Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Run, Slopes,
-            Stage, Sums, Usual,
+            Alone, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage,
+            Sums, Usual,
         },
         embedding::Midpoint, gauss::Fixed,
     };
@@ -84,7 +84,6 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            use Run as _;
             let omega: f64 = self.omega;
             match part {
                 0 => {

@@ -163,6 +163,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
     let shape = shape(model.line.as_ref().map(|line| line.phase.q.len()));
     let structure = structure(texts);
     let (f64, usize, elements) = (f64_type(), quote!(__wzvi::usize), quote!(__wzvi::elements));
+    let runs = model.line.is_none().then(|| quote!(use #elements::Run as _;));
     let body = quote! {
             const FACTS: __wzvi::Facts = #known;
             type Shape = #shape;
@@ -196,7 +197,7 @@ fn elements(model: &mut System, facts: &Facts, has_curvature: bool, texts: &Text
                 __by_q: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
                 __by_p: &mut (impl #elements::Sums<__S> + ?__wzvi::Sized),
             ) {
-                use #elements::Run as _;
+                #runs
                 #of_slopes
                 match __part {
                     #slopes
