@@ -166,7 +166,13 @@ fn first_mode<const N: usize>() -> State<wzvi::nalgebra::SVector<f64, N>> {
 
 #[test]
 fn sizes_are_const_generics() {
-    assert_eq!(<Fput<32> as Discretized<Midpoint>>::PLAN.unknowns, 32);
+    let plan = <Fput<32> as Discretized<Midpoint>>::PLAN;
+    assert_eq!(plan.unknowns, 32);
+    let text = Plan { unknowns: usize::MAX, ..plan }.to_string();
+    assert!(
+        text.starts_with("step by Newton's method (unknowns by the size of the state) of order 2"),
+        "{text}"
+    );
     assert_eq!(<Fput<32> as Discretized<DeltaPlus>>::PLAN.solver, Solver::Explicit);
     let fput = Fput::<32> { beta: 0.25 };
     assert_eq!(fput.degrees(), 32);

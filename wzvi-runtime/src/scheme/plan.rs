@@ -136,7 +136,7 @@ impl Facts {
 pub struct Plan {
     /// How the hardest block of the step is solved.
     pub solver: Solver,
-    /// Size of the largest coupled block of unknowns (0 if explicit).
+    /// Size of the largest coupled block of unknowns: 0 if explicit, `usize::MAX` where only the state knows it.
     pub unknowns: usize,
     /// Order in `h` without noise.
     pub order: u32,
@@ -153,12 +153,16 @@ pub struct Plan {
 /// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.solver {
+            Solver::Explicit => "explicit step",
+            Solver::Linear => "linear step",
+            Solver::Newton => "step by Newton's method",
+        })?;
         match (self.solver, self.unknowns) {
-            (Solver::Explicit, _) => f.write_str("explicit step")?,
-            (Solver::Linear, 1) => f.write_str("linear step (one unknown)")?,
-            (Solver::Linear, unknowns) => write!(f, "linear step ({unknowns} unknowns)")?,
-            (Solver::Newton, 1) => f.write_str("step by Newton's method (one unknown)")?,
-            (Solver::Newton, unknowns) => write!(f, "step by Newton's method ({unknowns} unknowns)")?,
+            (Solver::Explicit, _) => {}
+            (_, 1) => f.write_str(" (one unknown)")?,
+            (_, usize::MAX) => f.write_str(" (unknowns by the size of the state)")?,
+            (_, unknowns) => write!(f, " ({unknowns} unknowns)")?,
         }
         write!(f, " of order {}", self.order)?;
         let noise = match self.noise {
