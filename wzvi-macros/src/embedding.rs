@@ -121,8 +121,14 @@ impl Embedding {
             | Self::Uncorrected(inner)
             | Self::Thermostat(inner)
             | Self::Isolated(inner) => inner.points(),
-            // Symmetric.
-            _ => single(Rational::HALF),
+            Self::Midpoint
+            | Self::Verlet
+            | Self::Gauss(_)
+            | Self::Baoab
+            | Self::Obabo
+            | Self::Gjf
+            | Self::GjI
+            | Self::Splitting(_) => single(Rational::HALF),
         }
     }
 

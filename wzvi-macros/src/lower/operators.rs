@@ -308,11 +308,8 @@ impl<'a> Interpreter<'a, '_> {
             _ if !is_integer_type(name) => self.refuse(expressions::unknown_cast(&syntax.ty)),
             Value::Index(index, was_unsigned) => {
                 let (least, most) = limits(name);
-                match index.as_integer() {
-                    Some(value) if !(least..=most).contains(&value) => {
-                        return self.refuse(expressions::integer_arithmetic(syntax));
-                    }
-                    _ => {}
+                if index.as_integer().is_some_and(|value| !(least..=most).contains(&value)) {
+                    return self.refuse(expressions::integer_arithmetic(syntax));
                 }
                 // Of more digits than any size.
                 let is_wide = most > i128::from(u32::MAX);
