@@ -86,8 +86,8 @@ pub struct StepNormals {
     level: u32,
     is_antithetic: bool,
     truncation: Truncation,
-    /// The truncation of the current run.
-    acting: Truncation,
+    /// Whether the current run truncates unless told otherwise.
+    truncates: bool,
     /// The step size of the run, once it is known: shorter steps are its halves.
     h: Option<f64>,
     /// The last block of each process.
@@ -116,7 +116,7 @@ impl StepNormals {
             level: 0,
             is_antithetic: false,
             truncation: Truncation::Unset,
-            acting: Truncation::Unset,
+            truncates: false,
             h: None,
             drawn: Vec::new(),
         }
@@ -135,7 +135,7 @@ impl StepNormals {
         self
     }
 
-    truncation_setters!(|noise, truncation| Self { truncation, acting: truncation, ..noise });
+    truncation_setters!(|noise, truncation| Self { truncation, ..noise });
 
     /// The truncation that is set.
     pub fn truncation(&self) -> Truncation {
@@ -146,7 +146,7 @@ impl StepNormals {
     #[cfg(feature = "ensemble")]
     pub(crate) fn with_truncation(mut self, truncation: Truncation) -> Self {
         if truncation != Truncation::Unset {
-            (self.truncation, self.acting) = (truncation, truncation);
+            self.truncation = truncation;
         }
         self
     }
@@ -169,9 +169,14 @@ impl StepNormals {
         key(self.seed, process, h, self.level)
     }
 
+    /// The truncation of the current run.
+    fn acting(&self) -> Truncation {
+        self.truncation.in_run(self.truncates)
+    }
+
     /// The largest normal, in absolute value, for steps of size `h`.
     pub(crate) fn clip(&self, h: f64) -> f64 {
-        match self.acting {
+        match self.acting() {
             Truncation::On(k) => clip_bound(h, k),
             Truncation::Unset | Truncation::Off => f64::INFINITY,
         }
@@ -254,7 +259,7 @@ impl Noise for StepNormals {
     }
 
     fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, _start: f64) -> Result<(), NoiseError> {
-        self.acting = self.truncation.in_run(plan);
+        self.truncates = plan.truncates_increments();
         self.truncation.check()?;
         check_step(h)?;
         self.h = Some(h);
@@ -266,7 +271,7 @@ impl Noise for StepNormals {
         let identity = Identity::of("StepNormals").with("seed", self.seed).with("path", self.path);
         let identity =
             identity.with("antithetic", self.is_antithetic).with("step size", self.h.unwrap_or(f64::NAN));
-        Some(identity.with("truncation", self.acting))
+        Some(identity.with("truncation", self.acting()))
     }
 }
 

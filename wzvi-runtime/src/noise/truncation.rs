@@ -14,7 +14,6 @@
 
 use super::NoiseError;
 use crate::algebra::lanes::elementary::ln_shifted;
-use crate::scheme::plan::Plan;
 
 /// Whether and how increments are truncated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,9 +39,9 @@ impl Truncation {
         }
     }
 
-    /// What acts in a run with this plan.
-    pub(super) fn in_run(self, plan: &Plan) -> Self {
-        if self == Self::Unset && plan.truncates_increments() { Self::On(Self::DEFAULT) } else { self }
+    /// What acts in a run that truncates unless told otherwise, or does not.
+    pub(super) fn in_run(self, truncates: bool) -> Self {
+        if self == Self::Unset && truncates { Self::On(Self::DEFAULT) } else { self }
     }
 
     /// The largest increment of a step, given the standard deviation; infinite without truncation.

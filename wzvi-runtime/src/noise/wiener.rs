@@ -31,8 +31,8 @@ pub struct Wiener {
     path: u64,
     unit: f64,
     truncation: Truncation,
-    /// The truncation of the current run.
-    acting: Truncation,
+    /// Whether the current run truncates unless told otherwise.
+    truncates: bool,
     cursors: Vec<Cursor>,
     /// Those of single processes far from all others.
     distant: BTreeMap<usize, Cursor>,
@@ -54,7 +54,7 @@ impl Wiener {
             path: 0,
             unit: 1.0,
             truncation: Truncation::Unset,
-            acting: Truncation::Unset,
+            truncates: false,
             cursors: vec![],
             distant: BTreeMap::new(),
             reached: NOWHERE,
@@ -68,7 +68,7 @@ impl Wiener {
     }
 
     pub(super) fn with_truncation(self, truncation: Truncation) -> Self {
-        Self { truncation, acting: truncation, ..self }
+        Self { truncation, ..self }
     }
 
     pub(super) fn with_seed(self, seed: u64) -> Self {
@@ -184,12 +184,12 @@ impl Wiener {
 
     /// The truncation of the current run.
     pub(super) fn acting(&self) -> Truncation {
-        self.acting
+        self.truncation.in_run(self.truncates)
     }
 
     /// A run with this plan begins.
     pub(super) fn serve(&mut self, plan: &Plan) {
-        self.acting = self.truncation.in_run(plan);
+        self.truncates = plan.truncates_increments();
     }
 
     /// A cursor on the same paths at another place, for the second end of a window.
@@ -233,7 +233,7 @@ impl Noise for Wiener {
             return Err(too_short(begin, interval.h));
         }
         self.reached = (end, to);
-        let bound = self.acting.bound(interval.h, interval.h.abs().sqrt());
+        let bound = self.acting().bound(interval.h, interval.h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
             *dw = self.difference(process, &from, &to).clamp(-bound, bound);
         }
@@ -256,7 +256,7 @@ impl Noise for Wiener {
 
     fn identity(&self) -> Option<Identity> {
         let identity = Identity::of("Wiener").with("seed", self.seed).with("path", self.path);
-        Some(identity.with("unit", self.unit).with("truncation", self.acting))
+        Some(identity.with("unit", self.unit).with("truncation", self.acting()))
     }
 }
 
