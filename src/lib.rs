@@ -246,7 +246,7 @@ pub mod __private {
 
     pub use wzvi_runtime::algebra::carry::{Carry, Compensation, Plain};
     pub use wzvi_runtime::algebra::scalar::{
-        Constant, Factored, Mask, Number, Of, Over, Reals, Rounded, Scalar, Truths,
+        Constant, Factored, Mask, Number, Of, Over, Reals, Rounded, Scalar, Truths, Varied,
     };
     pub use wzvi_runtime::algebra::solve::*;
     pub use wzvi_runtime::algebra::state::{State, Vector};
@@ -262,6 +262,7 @@ pub mod __private {
     pub use wzvi_runtime::scheme::plan::{Facts, Knowledge, NoiseClass, Plan, Solver};
     pub use wzvi_runtime::scheme::system::{
         Discretized, Hamiltonian, Kind, Lift, Scheme, Solution, Straight, StraightLine, covector, gradient,
+        varied,
     };
 
     pub use crate::__bindings as bindings;

@@ -83,9 +83,9 @@ fn loops_have_the_friction_of_straight_lines() {
 fn read<H: Elements>(system: &H, numbers: usize) -> (Vec<f64>, Vec<f64>, Option<f64>) {
     let (mut damping, mut inverse) = (vec![0.0; numbers], vec![0.0; 3]);
     let bath = H::FACTS.bath.unwrap();
-    bath.damping(system, &[0.5, 0.0, 2.0], &mut damping);
-    bath.inverse_mass(system, &mut inverse);
-    (damping, inverse, bath.temperature(system))
+    bath.damping((system, &[]), &[0.5, 0.0, 2.0], &mut damping);
+    bath.inverse_mass((system, &[]), &mut inverse);
+    (damping, inverse, bath.temperature((system, &[])))
 }
 
 #[test]

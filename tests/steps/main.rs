@@ -21,6 +21,7 @@ mod quadrature;
 mod random {
     include!(concat!(env!("OUT_DIR"), "/steps.rs"));
 }
+mod constants;
 mod reference;
 mod rest;
 mod symplectic;

@@ -118,7 +118,9 @@ fn dual_numbers_differentiate_the_step() {
     let mut q = [Dual { value: start[0], derivative: [1.0] }];
     let mut p = [Dual::from_f64(start[1])];
     let (well, dw) = (DoubleWell { sigma: 0.3 }, [Dual::from_f64(0.2)]);
-    Discretized::<Rk4>::advance(&well, &(), 0.0, 0.1, &mut q, &mut p, &dw, &mut Scratch::default()).unwrap();
+    let prepared = Discretized::<Rk4>::prepare(&well, 0.1).unwrap();
+    Discretized::<Rk4>::advance(&well, &prepared, 0.0, 0.1, &mut q, &mut p, &dw, &mut Scratch::default())
+        .unwrap();
     let difference = (end(start[0] + 1e-5, start[1]) - end(start[0] - 1e-5, start[1])) / 2e-5;
     assert_eq!(q[0].value, end(start[0], start[1]));
     // The difference has errors of h² and of rounding over h.

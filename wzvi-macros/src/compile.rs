@@ -80,7 +80,7 @@ fn compile(
     let container = container?;
     stubs.recognise(&container.item, &declaration);
     let phase_space = input::read_phase_space(&mut declaration, diagnostics)?;
-    stubs.set_degrees(phase_space.degrees());
+    stubs.degrees = phase_space.degrees();
 
     // lower
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;

@@ -160,7 +160,7 @@ const _: () = {
             }
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let g: f64 = self.g;
+            let g = at.parameter(0, self.g);
             let size = (at.degrees() / 2) as isize;
             match part {
                 0 => {
@@ -186,6 +186,7 @@ const _: () = {
                         total = total + b0;
                     }
                     {
+                        let g = S::of_constant(g);
                         for i1 in 0 as isize..size {
                             let q_2i = at.q[(2 * i1) as usize];
                             let q_2i_plus_1 = at.q[(2 * i1 + 1) as usize];
@@ -208,13 +209,13 @@ const _: () = {
                                     let sum = difference2 * difference2
                                         + difference * difference;
                                     b0 = b0
-                                        + -(mass_i * mass_j * (sum.recip() * sum.sqrt()) * g);
+                                        + -(g * (mass_i * mass_j * (sum.recip() * sum.sqrt())));
                                 }
                             }
                             total = total + b0;
                         }
                     }
-                    total * S::from_f64(at.h)
+                    total * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -232,12 +233,12 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
-            let g: f64 = self.g;
+            let g = at.parameter(0, self.g);
             let size = (at.degrees() / 2) as isize;
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, size, [0]) {
                             let first0 = (2 * i0) as usize;
                             let first1 = i0 as usize;
@@ -257,17 +258,17 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
+                        let g = T::of_constant(g);
                         struct Interaction;
-                        impl Pair<4, 1, 2, 1, 2> for Interaction {
+                        impl Pair<5, 2, 1, 2> for Interaction {
                             #[cfg_attr(not(debug_assertions), inline(always))]
                             fn slopes<T: Scalar>(
-                                [q_2i,
+                                [g,
+                                factor,
+                                q_2i,
                                 q_2i_plus_1,
                                 mass_i,
-                                factor,
-                                ]: [T; 4],
-                                [g,
-                                ]: [f64; 1],
+                                ]: [T; 5],
                                 [q_2j,
                                 q_2j_plus_1,
                                 ]: [T; 2],
@@ -281,14 +282,14 @@ const _: () = {
                                 let product = factor * (mass_i * mass_j);
                                 let inverse = sum.recip();
                                 let product2 = inverse * (inverse * sum.sqrt());
-                                let product3 = difference2 * product * product2 * g;
-                                let product4 = product2 * (difference * product) * g;
+                                let product3 = g * (difference2 * product * product2);
+                                let product4 = g * (product2 * (difference * product));
                                 ([product3, product4], [-product3, -product4])
                             }
                         }
                         by_q.begin_rows::<2>(&at.q[0..at.degrees()]);
                         for i1 in by_q.outer(1, 0 as isize..size) {
-                            let factor = T::from_f64(at.h);
+                            let factor = T::of_constant(at.h);
                             let q_2i = T::of(at.q[(2 * i1) as usize]);
                             let q_2i_plus_1 = T::of(at.q[(2 * i1 + 1) as usize]);
                             let mass_i = T::from_f64(self.mass[i1 as usize]);
@@ -299,8 +300,7 @@ const _: () = {
                                     Row {
                                         first: (2 * i2) as usize,
                                         len,
-                                        own: [q_2i, q_2i_plus_1, mass_i, factor],
-                                        constants: [g],
+                                        own: [g, factor, q_2i, q_2i_plus_1, mass_i],
                                         entries: [&self.mass[i2 as usize..]],
                                         places: [(2 * i1) as usize, (2 * i1 + 1) as usize],
                                     },

@@ -74,7 +74,7 @@ const _: () = {
             nests: &[Nest::new(&[], &[Slot::Natural(Index::new(&[], 0, "0"))])],
         };
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let beta: f64 = self.beta;
+            let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
             match part {
                 0 => {
@@ -92,7 +92,7 @@ const _: () = {
                         total = total + b0;
                     }
                     {
-                        let quarter_beta = 0.25 * beta;
+                        let quarter_beta = S::of_constant(beta * 0.25);
                         let mut b0 = S::from_f64(0.0);
                         if let (i1, len @ 1..) = wzvi::elements::stretch(0, size - 1) {
                             let first0 = (i1 + 1) as usize;
@@ -106,18 +106,18 @@ const _: () = {
                                 let difference_squared = difference * difference;
                                 b0 = b0
                                     + difference_squared
-                                        * (difference_squared * quarter_beta + 0.5);
+                                        * (quarter_beta * difference_squared + 0.5);
                             }
                         }
                         total = total + b0;
                     }
                     {
-                        let quarter_beta = 0.25 * beta;
+                        let quarter_beta = S::of_constant(beta * 0.25);
                         let q0 = at.q[0];
                         let q0_squared = q0 * q0;
-                        total = total + q0_squared * (q0_squared * quarter_beta + 0.5);
+                        total = total + q0_squared * (quarter_beta * q0_squared + 0.5);
                     }
-                    total * S::from_f64(at.h)
+                    total * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -135,12 +135,12 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
-            let beta: f64 = self.beta;
+            let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
                             let s0 = &at.p[first0..first0 + len];
@@ -152,7 +152,8 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
-                        let factor = T::from_f64(at.h);
+                        let beta = T::of_constant(beta);
+                        let factor = T::of_constant(at.h);
                         if let (i1, len @ 1..) = by_q
                             .stretch::<1, _>(0, size - 1, [1, 0])
                         {
@@ -167,7 +168,7 @@ const _: () = {
                                 let q_i_plus_1 = T::of(s0[place]);
                                 let q_i = T::of(s1[place]);
                                 let difference = q_i_plus_1 - q_i;
-                                let product = (difference * difference * beta + 1.0)
+                                let product = (beta * (difference * difference) + 1.0)
                                     * (factor * difference);
                                 let ahead = product;
                                 b1.add(place, -product + carried1);
@@ -178,10 +179,11 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
-                        let factor = T::from_f64(at.h);
+                        let beta = T::of_constant(beta);
+                        let factor = T::of_constant(at.h);
                         if by_q.clip::<1, _>(1, [0]).1 > 0 {
                             let q0 = T::of(at.q[0]);
-                            by_q.add(0, factor * (q0 * (q0 * q0 * beta + 1.0)));
+                            by_q.add(0, factor * (q0 * (beta * (q0 * q0) + 1.0)));
                         }
                     }
                 }
@@ -196,12 +198,12 @@ const _: () = {
             wanted: Slopes,
             into: &mut impl Curvature<S>,
         ) {
-            let beta: f64 = self.beta;
+            let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = S::from_f64(at.h);
+                        let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
@@ -210,8 +212,8 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
-                        let three_beta = 3.0 * beta;
-                        let factor = S::from_f64(at.h);
+                        let three_beta = S::of_constant(beta * 3.0);
+                        let factor = S::of_constant(at.h);
                         if let (i1, len @ 1..) = wzvi::elements::stretch(0, size - 1) {
                             let first0 = (i1 + 1) as usize;
                             let first1 = i1 as usize;
@@ -223,7 +225,7 @@ const _: () = {
                                 let q_i = s1[place];
                                 let difference = q_i_plus_1 - q_i;
                                 let product = factor
-                                    * (difference * difference * three_beta + 1.0);
+                                    * (three_beta * (difference * difference) + 1.0);
                                 into.add_qq(
                                     (i1 + 1) as usize,
                                     (i1 + 1) as usize,
@@ -241,10 +243,10 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
-                        let three_beta = 3.0 * beta;
-                        let factor = S::from_f64(at.h);
+                        let three_beta = S::of_constant(beta * 3.0);
+                        let factor = S::of_constant(at.h);
                         let q0 = at.q[0];
-                        into.add_qq(0, 0, true, factor * (q0 * q0 * three_beta + 1.0));
+                        into.add_qq(0, 0, true, factor * (three_beta * (q0 * q0) + 1.0));
                     }
                 }
                 _ => {}

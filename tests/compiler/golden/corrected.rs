@@ -70,23 +70,24 @@ const _: () = {
             [("sigma", self.sigma)].get(index).copied()
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let sigma: f64 = self.sigma;
+            let sigma = at.parameter(0, self.sigma);
             match part {
                 0 => {
                     let q = at.q[0];
                     let p = at.p[0];
-                    (q * q + p * p) * 0.5 * S::from_f64(at.h)
+                    (q * q + p * p) * 0.5 * S::of_constant(at.h)
                 }
                 1 if at.acting.contains(&0) => {
+                    let sigma = S::of_constant(sigma);
                     let q = at.q[0];
                     let p = at.p[0];
-                    q * p * sigma * at.increment(0)
+                    sigma * (q * p) * at.increment(0)
                 }
                 2 => {
-                    let sigma_squared = sigma * sigma;
+                    let sigma_squared = S::of_constant(sigma * sigma);
                     let q = at.q[0];
                     let p = at.p[0];
-                    q * p * sigma_squared * at.increment(0) * at.increment(0) * weight
+                    sigma_squared * (q * p) * at.increment(0) * at.increment(0) * weight
                 }
                 _ => S::from_f64(0.0),
             }
@@ -103,38 +104,39 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            let sigma: f64 = self.sigma;
+            let sigma = at.parameter(0, self.sigma);
             match part {
                 0 => {
                     if wanted.by_q {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
                         by_q.add(0, q * factor);
                     }
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
                 }
                 1 if at.acting.contains(&0) => {
                     if (wanted.by_q || wanted.by_p) {
+                        let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
                         let q = T::of(at.q[0]);
                         let p = T::of(at.p[0]);
-                        by_q.add(0, p * factor * sigma);
-                        by_p.add(0, q * factor * sigma);
+                        by_q.add(0, sigma * (p * factor));
+                        by_p.add(0, sigma * (q * factor));
                     }
                 }
                 2 => {
                     if (wanted.by_q || wanted.by_p) {
-                        let sigma_squared = sigma * sigma;
+                        let sigma_squared = T::of_constant(sigma * sigma);
                         let factor = T::of(at.increment(0)) * T::of(at.increment(0))
                             * weight;
                         let q = T::of(at.q[0]);
                         let p = T::of(at.p[0]);
-                        by_q.add(0, p * factor * sigma_squared);
-                        by_p.add(0, q * factor * sigma_squared);
+                        by_q.add(0, sigma_squared * (p * factor));
+                        by_p.add(0, sigma_squared * (q * factor));
                     }
                 }
                 _ => {}

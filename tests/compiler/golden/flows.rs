@@ -91,28 +91,28 @@ const _: () = {
             [("omega", self.omega), ("epsilon", self.epsilon)].get(index).copied()
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let omega: f64 = self.omega;
-            let epsilon: f64 = self.epsilon;
+            let omega = at.parameter(0, self.omega);
+            let epsilon = at.parameter(1, self.epsilon);
             let t = at.t;
             match part {
                 0 => {
-                    let product = omega * omega * 0.5;
-                    let product2 = t.cos() * epsilon;
+                    let product = S::of_constant(omega * omega * 0.5);
+                    let product2 = S::of_constant(t.cos() * epsilon);
                     let q = at.q[0];
                     let p = at.p[0];
-                    ((q * product2 + product) * (q * q) + p * p * 0.5)
-                        * S::from_f64(at.h)
+                    ((product + q * product2) * (q * q) + p * p * 0.5)
+                        * S::of_constant(at.h)
                 }
                 3 => {
-                    let omega_squared = omega * omega;
+                    let omega_squared = S::of_constant(omega * omega);
                     let q = at.q[0];
                     let p = at.p[0];
-                    (q * q * omega_squared + p * p) * 0.5 * S::from_f64(at.h)
+                    (omega_squared * (q * q) + p * p) * 0.5 * S::of_constant(at.h)
                 }
                 4 => {
-                    let product = t.cos() * epsilon;
+                    let product = S::of_constant(t.cos() * epsilon);
                     let q = at.q[0];
-                    q * (q * q) * product * S::from_f64(at.h)
+                    product * (q * (q * q)) * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -129,43 +129,43 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            let omega: f64 = self.omega;
-            let epsilon: f64 = self.epsilon;
+            let omega = at.parameter(0, self.omega);
+            let epsilon = at.parameter(1, self.epsilon);
             let t = at.t;
             match part {
                 0 => {
                     if wanted.by_q {
-                        let omega_squared = omega * omega;
-                        let product = 3.0 * epsilon * t.cos();
-                        let factor = T::from_f64(at.h);
+                        let omega_squared = T::of_constant(omega * omega);
+                        let product = T::of_constant(epsilon * 3.0 * t.cos());
+                        let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
-                        by_q.add(0, factor * (q * (q * product + omega_squared)));
+                        by_q.add(0, factor * (q * (omega_squared + q * product)));
                     }
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
                 }
                 3 => {
                     if wanted.by_q {
-                        let omega_squared = omega * omega;
-                        let factor = T::from_f64(at.h);
+                        let omega_squared = T::of_constant(omega * omega);
+                        let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
-                        by_q.add(0, q * factor * omega_squared);
+                        by_q.add(0, omega_squared * (q * factor));
                     }
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }
                 }
                 4 => {
                     if wanted.by_q {
-                        let product = 3.0 * epsilon * t.cos();
-                        let factor = T::from_f64(at.h);
+                        let product = T::of_constant(epsilon * 3.0 * t.cos());
+                        let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
-                        by_q.add(0, factor * (q * q) * product);
+                        by_q.add(0, product * (factor * (q * q)));
                     }
                 }
                 _ => {}
@@ -183,8 +183,8 @@ const _: () = {
             [lift(0, self.omega), lift(1, self.epsilon)]
         }
         const IS_STIFF: bool = true;
-        fn stiffness(&self, k: &mut [f64]) {
-            let omega: f64 = self.omega;
+        fn stiffness<K: Constant>(&self, parameters: &[K], k: &mut [K]) {
+            let omega = K::parameter(parameters, 0, self.omega);
             k[0] = omega * omega;
         }
         #[cfg_attr(not(debug_assertions), inline(always))]

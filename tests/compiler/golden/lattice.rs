@@ -85,7 +85,7 @@ const _: () = {
             [("k", self.k)].get(index).copied()
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let k: f64 = self.k;
+            let k = at.parameter(0, self.k);
             match part {
                 0 => {
                     let mut total = S::from_f64(0.0);
@@ -106,7 +106,7 @@ const _: () = {
                         total = total + b0;
                     }
                     {
-                        let half_k = 0.5 * k;
+                        let half_k = S::of_constant(k * 0.5);
                         let mut b0 = S::from_f64(0.0);
                         let mut i1: isize = 0;
                         let end: isize = N as isize;
@@ -139,7 +139,7 @@ const _: () = {
                         }
                         total = total + b0;
                     }
-                    total * S::from_f64(at.h)
+                    total * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -157,11 +157,11 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
-            let k: f64 = self.k;
+            let k = at.parameter(0, self.k);
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<2, _>(0, N as isize, [0])
                         {
                             let first0 = (2 * i0) as usize;
@@ -179,9 +179,10 @@ const _: () = {
                         }
                     }
                     if wanted.by_q {
+                        let k = T::of_constant(k);
                         let mut b3 = [T::from_f64(0.0); 256];
                         let mut b1 = [T::from_f64(0.0); 256];
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let mut i1: isize = 0;
                         let end: isize = N as isize;
                         while i1 < end {
@@ -239,8 +240,8 @@ const _: () = {
                                     let q_2i = T::of(points1[place][0]);
                                     let q_2_i_plus_1_mod_N_plus_1 = T::of(points0[place][1]);
                                     let q_2i_plus_1 = T::of(points1[place][1]);
-                                    let product = factor
-                                        * ((q_2_i_plus_1_mod_N - q_2i) * k).sin() * k;
+                                    let product = k
+                                        * (factor * (k * (q_2_i_plus_1_mod_N - q_2i)).sin());
                                     let product2 = factor
                                         * (q_2_i_plus_1_mod_N_plus_1 - q_2i_plus_1);
                                     points2.add_part(place, 1, product2);

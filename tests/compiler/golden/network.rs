@@ -212,7 +212,7 @@ const _: () = {
                         }
                         total = total + b0;
                     }
-                    total * S::from_f64(at.h)
+                    total * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -234,7 +234,7 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
                             let s0 = &at.p[first0..first0 + len];
@@ -247,12 +247,11 @@ const _: () = {
                     }
                     if wanted.by_q {
                         struct Interaction;
-                        impl Pair<1, 0, 0, 3, 2> for Interaction {
+                        impl Pair<1, 0, 3, 2> for Interaction {
                             #[cfg_attr(not(debug_assertions), inline(always))]
                             fn slopes<T: Scalar>(
                                 [factor,
                                 ]: [T; 1],
-                                []: [f64; 0],
                                 []: [T; 0],
                                 [strength_i,
                                 q_bonds_i_0,
@@ -271,7 +270,7 @@ const _: () = {
                             3,
                             2,
                         >::new();
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if by_q
                             .gathers(
                                 0,
@@ -304,7 +303,7 @@ const _: () = {
                                         let q_bonds_i_1 = T::of(at.q[list1[lane][1] as usize]);
                                         block.read(lane, [strength_i, q_bonds_i_0, q_bonds_i_1]);
                                     }
-                                    block.take::<Interaction, 1, 0>(few, [factor], []);
+                                    block.take::<Interaction, 1>(few, [factor]);
                                     for lane in 0..few {
                                         let place = first + lane;
                                         let [slope0, slope1] = block.slopes(lane);

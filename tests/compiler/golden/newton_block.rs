@@ -78,7 +78,7 @@ const _: () = {
                     let y_squared = y * y;
                     (y * (x_squared - y_squared * 0.3333333333333333)
                         + (y_squared + (x_squared + (py * py + px * px))) * 0.5)
-                        * S::from_f64(at.h)
+                        * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -98,14 +98,14 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let px = T::of(at.p[0]);
                         let py = T::of(at.p[1]);
                         by_p.add(0, px * factor);
                         by_p.add(1, py * factor);
                     }
                     if wanted.by_q {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let x = T::of(at.q[0]);
                         let y = T::of(at.q[1]);
                         by_q.add(0, factor * (x * (y * 2.0 + 1.0)));

@@ -107,17 +107,17 @@ const _: () = {
             [("a", self.a), ("sigma", self.sigma)].get(index).copied()
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let a: f64 = self.a;
-            let sigma: f64 = self.sigma;
+            let a = at.parameter(0, self.a);
+            let sigma = at.parameter(1, self.sigma);
             match part {
                 0 => {
-                    let half_a = 0.5 * a;
+                    let half_a = S::of_constant(a * 0.5);
                     let q = at.q[0];
                     let p = at.p[0];
-                    (p * p + q * q) * half_a * S::from_f64(at.h)
+                    (p * p + q * q) * half_a * S::of_constant(at.h)
                 }
                 1 if at.acting.contains(&0) => {
-                    let half_sigma = 0.5 * sigma;
+                    let half_sigma = S::of_constant(sigma * 0.5);
                     let q = at.q[0];
                     let p = at.p[0];
                     (p * p + q * q) * half_sigma * at.increment(0)
@@ -142,31 +142,35 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            let a: f64 = self.a;
-            let sigma: f64 = self.sigma;
+            let a = at.parameter(0, self.a);
+            let sigma = at.parameter(1, self.sigma);
             match part {
                 0 => {
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let a = T::of_constant(a);
+                        let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
-                        by_p.add(0, p * factor * a);
+                        by_p.add(0, a * (p * factor));
                     }
                     if wanted.by_q {
-                        let factor = T::from_f64(at.h);
+                        let a = T::of_constant(a);
+                        let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
-                        by_q.add(0, q * factor * a);
+                        by_q.add(0, a * (q * factor));
                     }
                 }
                 1 if at.acting.contains(&0) => {
                     if wanted.by_p {
+                        let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
                         let p = T::of(at.p[0]);
-                        by_p.add(0, p * factor * sigma);
+                        by_p.add(0, sigma * (p * factor));
                     }
                     if wanted.by_q {
+                        let sigma = T::of_constant(sigma);
                         let factor = T::of(at.increment(0));
                         let q = T::of(at.q[0]);
-                        by_q.add(0, q * factor * sigma);
+                        by_q.add(0, sigma * (q * factor));
                     }
                 }
                 _ => {}

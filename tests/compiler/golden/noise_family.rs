@@ -106,7 +106,7 @@ const _: () = {
             }
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let sigma: f64 = self.sigma;
+            let sigma = at.parameter(0, self.sigma);
             let size = at.degrees() as isize;
             match part {
                 0 => {
@@ -121,9 +121,10 @@ const _: () = {
                             b0 = b0 + (q_i * q_i + p_i * p_i) * 0.5;
                         }
                     }
-                    b0 * S::from_f64(at.h)
+                    b0 * S::of_constant(at.h)
                 }
                 1 => {
+                    let sigma = S::of_constant(sigma);
                     let mut b0 = S::from_f64(0.0);
                     if let (i1, len @ 1..) = wzvi::elements::stretch(
                         Ord::max(0, at.acting.start as isize),
@@ -135,7 +136,7 @@ const _: () = {
                             let i1 = i1 + place as isize;
                             let q_i = s0[place];
                             let factor = at.increment(i1 as usize);
-                            b0 = b0 + q_i * factor * sigma;
+                            b0 = b0 + sigma * (q_i * factor);
                         }
                     }
                     b0
@@ -156,12 +157,12 @@ const _: () = {
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
             use Run as _;
-            let sigma: f64 = self.sigma;
+            let sigma = at.parameter(0, self.sigma);
             let size = at.degrees() as isize;
             match part {
                 0 => {
                     if wanted.by_q {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_q.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
                             let s0 = &at.q[first0..first0 + len];
@@ -173,7 +174,7 @@ const _: () = {
                         }
                     }
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         if let (i0, len @ 1..) = by_p.stretch::<1, _>(0, size, [0]) {
                             let first0 = i0 as usize;
                             let s0 = &at.p[first0..first0 + len];
@@ -187,6 +188,7 @@ const _: () = {
                 }
                 1 => {
                     if wanted.by_q {
+                        let sigma = T::of_constant(sigma);
                         let i1: isize = Ord::max(0, at.acting.start as isize);
                         if let (i1, len @ 1..) = by_q
                             .stretch::<
@@ -223,7 +225,7 @@ const _: () = {
             match part {
                 0 => {
                     if wanted.by_q {
-                        let factor = S::from_f64(at.h);
+                        let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
@@ -232,7 +234,7 @@ const _: () = {
                         }
                     }
                     if wanted.by_p {
-                        let factor = S::from_f64(at.h);
+                        let factor = S::of_constant(at.h);
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;

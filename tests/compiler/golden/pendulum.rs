@@ -61,13 +61,13 @@ const _: () = {
             [("omega", self.omega)].get(index).copied()
         }
         fn value<S: Scalar>(&self, part: usize, weight: f64, at: &Point<'_, S>) -> S {
-            let omega: f64 = self.omega;
+            let omega = at.parameter(0, self.omega);
             match part {
                 0 => {
-                    let omega_squared = omega * omega;
+                    let omega_squared = S::of_constant(omega * omega);
                     let q = at.q[0];
                     let p = at.p[0];
-                    (p * p * 0.5 - q.cos() * omega_squared) * S::from_f64(at.h)
+                    (p * p * 0.5 - q.cos() * omega_squared) * S::of_constant(at.h)
                 }
                 _ => S::from_f64(0.0),
             }
@@ -84,17 +84,17 @@ const _: () = {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            let omega: f64 = self.omega;
+            let omega = at.parameter(0, self.omega);
             match part {
                 0 => {
                     if wanted.by_q {
-                        let omega_squared = omega * omega;
-                        let factor = T::from_f64(at.h);
+                        let omega_squared = T::of_constant(omega * omega);
+                        let factor = T::of_constant(at.h);
                         let q = T::of(at.q[0]);
-                        by_q.add(0, factor * q.sin() * omega_squared);
+                        by_q.add(0, omega_squared * (factor * q.sin()));
                     }
                     if wanted.by_p {
-                        let factor = T::from_f64(at.h);
+                        let factor = T::of_constant(at.h);
                         let p = T::of(at.p[0]);
                         by_p.add(0, p * factor);
                     }

@@ -68,6 +68,7 @@ macro_rules! functions_of_two {
 
 impl Scalar for Counted {
     type Mask = bool;
+    type Constant = f64;
     type Stages<const N: usize> = [Self; N];
     type OfElements<T: wzvi::scalar::Number<f64>> = Self;
 
@@ -80,6 +81,12 @@ impl Scalar for Counted {
     }
     fn from_f64(value: f64) -> Self {
         Self(value)
+    }
+    fn of_constant(constant: f64) -> Self {
+        Self(constant)
+    }
+    fn to_constant(self) -> f64 {
+        self.0
     }
     fn magnitude(self) -> f64 {
         self.0.abs()

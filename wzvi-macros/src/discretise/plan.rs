@@ -14,7 +14,7 @@
 
 use std::rc::Rc;
 
-use crate::discretise::{Facts, Part, Quadrature, Scheme, discretise};
+use crate::discretise::{Facts, Part, Quadrature, Scheme, Stage, discretise};
 use crate::embedding::Embedding;
 use crate::model::{StraightLine, System, Term};
 use crate::symbolic::Rational;
@@ -80,7 +80,8 @@ fn unknowns(model: &System, facts: &Facts, embedding: &Embedding) -> Unknowns {
     // The counter-term reads coordinates and momenta.
     let is_simple = |(part, _): &(Part, Rational)| *part != Part::CounterTerm;
     let is_separable = facts.is_separable && stages.iter().all(|stage| stage.parts.iter().all(is_simple));
-    if is_separable && stages.iter().all(|stage| stage.is_at_node() || !stage.parts.iter().any(has_forces)) {
+    let is_at_node = |stage: &Stage| stage.l.is_zero() || stage.l.is_one();
+    if is_separable && stages.iter().all(|stage| is_at_node(stage) || !stage.parts.iter().any(has_forces)) {
         Unknowns::None
     } else if (is_separable && facts.has_diagonal_kinetic_energy)
         || stages.iter().all(|stage| stage.l.is_zero())

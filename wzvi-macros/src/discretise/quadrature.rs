@@ -48,10 +48,6 @@ impl Stage {
     pub(crate) fn end(&self) -> Rational {
         self.l
     }
-
-    pub(crate) fn is_at_node(&self) -> bool {
-        self.l.is_zero() || self.l.is_one()
-    }
 }
 
 /// The distinct quadrature points of a scheme, that of the drift first.

@@ -5,7 +5,6 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::names::Names;
-use super::print::f64_type;
 use super::step::increment_names;
 use super::system::{Body, Read, count, evaluation, evaluation_over, parameter_names, state_names};
 use super::terms;
@@ -56,18 +55,22 @@ fn field(system: &mut System, is_nystrom: bool, flows: Option<Flows>) -> TokenSt
     let (reads, functions) = slopes.unwrap_or_default();
     let (number, numbers) = (count(reads.len()), reads.iter().map(|read| count(read.number)));
     let (bool, tokens) = (quote!(__wzvi::bool), reads.iter().map(|read| &read.tokens));
+    let (parameters, lifted) = match line {
+        Some(_) => (quote!(__wzvi::Reals<#number>), quote!([#(__lift(#numbers, #tokens)),*])),
+        None => (quote!(__wzvi::Varied), quote!(__wzvi::varied(self, __lift))),
+    };
     let body = quote! {
             const IS_NYSTROM: #bool = #is_nystrom;
             const IN_LANES: #bool = #in_lanes;
             #reads_time
             type Noises = #noises;
-            type Parameters = __wzvi::Reals<#number>;
+            type Parameters = #parameters;
 
             fn parameters<__K: __wzvi::Constant>(
                 &self,
                 __lift: __wzvi::Lift<'_, __K>,
             ) -> __wzvi::Of<Self::Parameters, __K> {
-                [#(__lift(#numbers, #tokens)),*]
+                #lifted
             }
 
             #in_windows
@@ -91,7 +94,7 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read
     // Times and weights differ between stages.
     bound.extend([(phase.t, format_ident!("__t")), (slopes.h, format_ident!("__h"))]);
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
-    let numbers = (&quote!(__S), Some(quote!(__K)));
+    let numbers = (&quote!(__S), &quote!(__K));
     let Body { statements, values, reads } =
         evaluation_over(graph, &line.parameters, (names, own, bound), numbers, &roots);
     let parameters: Vec<_> = reads.iter().map(|read| &read.name).collect();
@@ -135,7 +138,6 @@ fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes) -> Tok
         return TokenStream::new();
     }
     let roots: Vec<Expr> = slopes.stiffness.iter().map(|&(.., value)| value).collect();
-    let f64 = f64_type();
     let Body { statements, values, .. } = evaluation(graph, &line.parameters, &roots);
     let degrees = line.phase.q.len();
     let places =
@@ -143,7 +145,7 @@ fn stiffness(graph: &mut Graph, line: &StraightLine, slopes: &StepSlopes) -> Tok
     quote! {
         const IS_STIFF: __wzvi::bool = true;
 
-        fn stiffness(&self, __k: &mut [#f64]) {
+        fn stiffness<__K: __wzvi::Constant>(&self, __parameters: &[__K], __k: &mut [__K]) {
             #statements
             #(__k[#places] = #values;)*
         }

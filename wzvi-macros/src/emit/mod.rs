@@ -21,7 +21,7 @@ use crate::model::System;
 
 pub(crate) use names::Names;
 use names::readable;
-pub(crate) use print::{Printer, f64_type};
+pub(crate) use print::{Printer, Rank, f64_type};
 pub(crate) use program::{Level, Lowering, Op};
 pub(crate) use system::{Body, count, evaluation, parameter_names};
 

@@ -43,12 +43,12 @@ pub(crate) struct Printer<'p> {
     program: &'p Program,
     /// The type of state-level values.
     scalar: TokenStream,
-    /// Whether that is `f64`: then constants need no lifting.
-    is_f64: bool,
     /// The type of values computed from constants, where it differs from `f64`.
     constant: TokenStream,
     /// The operations that read such a constant.
     readers: Vec<bool>,
+    /// The types of values that [`Printer::lift`] has bound.
+    lifted: HashMap<Op, Rank>,
     bound: HashMap<Op, Ident>,
     hints: &'p HashMap<Op, String>,
     names: Names,
@@ -64,15 +64,31 @@ impl<'p> Printer<'p> {
         hints: &'p HashMap<Op, String>,
         names: Names,
     ) -> Self {
-        let is_f64 = scalar.to_string() == f64_type().to_string();
-        let (constant, readers, bound, plain) = (f64_type(), Vec::new(), HashMap::new(), HashSet::new());
-        Self { program, scalar, is_f64, constant, readers, bound, hints, names, plain }
+        let (readers, bound, lifted, plain) = Default::default();
+        Self { program, scalar, constant: f64_type(), readers, lifted, bound, hints, names, plain }
     }
 
     /// The same with `constants` of the type `constant`, also used for values computed from them before the state is known.
     pub(crate) fn with_constants(mut self, constants: &[Op], constant: TokenStream) -> Self {
         (self.constant, self.readers) = (constant, self.program.readers_of(constants));
         self
+    }
+
+    /// `let` statements for values that do not read the state, in the scalar type, whose own type of constants they are computed in; truths are `bool`.
+    pub(crate) fn lift(&mut self, ops: &[Op]) -> TokenStream {
+        let mut statements = self.bind(ops, &self.program.uses(ops), &|_| false);
+        let lift = |&op: &Op| match (self.value(op), &self.scalar) {
+            (value, _) if self.program.operation(op).is_truth() => (op, value, Rank::Number),
+            (value, scalar) => (op, quote!(#scalar::of_constant(#value)), Rank::Scalar),
+        };
+        // Names that are bound again come last.
+        let (bound, new): (Vec<Op>, Vec<Op>) = ops.iter().partition(|&&op| self.is_bound(op));
+        for (op, value, rank) in new.iter().chain(&bound).map(lift).collect::<Vec<_>>() {
+            let name = self.bound(op).cloned().unwrap_or_else(|| self.name(op));
+            statements.extend(quote!(let #name = #value;));
+            self.lifted.insert(op, rank);
+        }
+        statements
     }
 
     /// Binds `op` to `name`.
@@ -226,8 +242,9 @@ impl<'p> Printer<'p> {
     fn lifted(&self, op: Op, rank: Rank) -> TokenStream {
         let (value, Self { scalar, constant, .. }) = (self.value(op), self);
         match (self.rank(op), rank) {
-            (own, wanted) if own == wanted || self.is_f64 => value,
+            (own, wanted) if own == wanted => value,
             (Rank::Number, Rank::Constant) => quote!(<#constant as __wzvi::Scalar>::from_f64(#value)),
+            (Rank::Constant, _) if scalar.to_string() == constant.to_string() => value,
             (Rank::Constant, _) => quote!(<#scalar as __wzvi::Over<#constant>>::constant(#value)),
             _ => quote!(#scalar::from_f64(#value)),
         }
@@ -240,6 +257,7 @@ impl<'p> Printer<'p> {
     /// The type of a value.
     pub(crate) fn rank(&self, op: Op) -> Rank {
         match self.readers.get(op) {
+            _ if self.lifted.contains_key(&op) => self.lifted[&op],
             _ if self.program.level(op) >= Level::Increments => Rank::Scalar,
             Some(true) => Rank::Constant,
             _ => Rank::Number,
@@ -338,7 +356,7 @@ impl<'p> Printer<'p> {
         }
         let (rank, scalar) = (self.rank(op), self.ty(self.rank(op)));
         let arguments = arguments.iter().map(|&a| self.lifted(a, rank));
-        match rank == Rank::Scalar && !self.is_f64 {
+        match rank == Rank::Scalar {
             true => quote!(#scalar::#method(#(#arguments),*)),
             false => quote!(<#scalar as __wzvi::Scalar>::#method(#(#arguments),*)),
         }

@@ -14,8 +14,8 @@ pub(crate) struct Stubs {
     /// The generic parameters and the scheme of each implementation.
     schemes: Vec<(TokenStream, TokenStream)>,
     crate_path: Option<Path>,
-    /// `None` if the number depends on the state.
-    degrees: Option<usize>,
+    /// Those of the phase space; `None` if the number depends on the state.
+    pub(crate) degrees: Option<usize>,
 }
 
 impl Stubs {
@@ -42,11 +42,6 @@ impl Stubs {
             vec![(quote! { #parameters }, quote! { __E })]
         };
         self.crate_path = Some(crate_path.clone());
-    }
-
-    /// Adds the phase space.
-    pub(crate) fn set_degrees(&mut self, degrees: Option<usize>) {
-        self.degrees = degrees;
     }
 
     /// The expansion that reports `errors`.

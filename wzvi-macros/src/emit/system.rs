@@ -6,7 +6,7 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
 use super::names::Names;
-use super::print::{Printer, f64_type};
+use super::print::Printer;
 use super::program::{Level, Lowering, Op};
 use crate::model::{Parameter, Phase};
 use crate::symbolic::{Expr, Graph, Symbol};
@@ -46,24 +46,26 @@ pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Pa
     names.take_all(parameters.iter().map(wish))
 }
 
-/// The evaluation of functions of parameters in `f64`, with the parameters read first.
+/// The evaluation of functions of parameters in constants `__K`, with the parameters read first: with derivatives from the list `__parameters`.
 pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[Expr]) -> Body {
-    let f64 = f64_type();
-    let mut names = Names::default();
+    let (mut names, number) = (Names::default(), quote!(__K));
     let own = parameter_names(&mut names, graph, parameters);
-    let body = evaluation_over(graph, parameters, (names, own, Vec::new()), (&f64, None), roots);
-    let reads = body.reads.iter().map(|Read { name, tokens, .. }| quote!(let #name: #f64 = #tokens;));
+    let body = evaluation_over(graph, parameters, (names, own, Vec::new()), (&number, &number), roots);
+    let reads = body.reads.iter().map(|Read { number, name, tokens }| {
+        let number = count(*number);
+        quote!(let #name = __K::parameter(__parameters, #number, #tokens);)
+    });
     let statements = &body.statements;
     Body { statements: quote!(#(#reads)* #statements), ..body }
 }
 
 /// The evaluation of `roots` in the type `scalar`, with the symbols of the state `bound` to some of `names`, and parameters to names of their
-/// `own`. Parameters have the type `constant`, if given.
+/// `own`. Parameters have the type `constant`.
 pub(crate) fn evaluation_over(
     graph: &mut Graph,
     parameters: &[Parameter],
     (names, own, bound): (Names, Vec<Ident>, Vec<(Symbol, Ident)>),
-    (scalar, constant): (&TokenStream, Option<TokenStream>),
+    (scalar, constant): (&TokenStream, &TokenStream),
     roots: &[Expr],
 ) -> Body {
     let mut lowering = Lowering::new(graph, HashMap::new());
@@ -77,11 +79,9 @@ pub(crate) fn evaluation_over(
     let roots: Vec<Op> = roots.iter().map(|&root| lowering.lower(root)).collect();
     let program = &lowering.program;
     let (uses, hints) = (program.uses(&roots), HashMap::new());
-    let mut printer = Printer::new(program, scalar.clone(), &hints, names);
-    if let Some(constant) = constant {
-        let constants: Vec<Op> = reads.iter().map(|(op, ..)| *op).collect();
-        printer = printer.with_constants(&constants, constant);
-    }
+    let constants: Vec<Op> = reads.iter().map(|(op, ..)| *op).collect();
+    let printer = Printer::new(program, scalar.clone(), &hints, names);
+    let mut printer = printer.with_constants(&constants, constant.clone());
     reads.retain(|(op, ..)| uses[*op] > 0);
     let named = reads.iter().map(|(op, read)| (*op, read.name.clone()));
     bound.into_iter().chain(named).for_each(|(op, name)| printer.set(op, name));

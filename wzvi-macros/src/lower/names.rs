@@ -25,7 +25,8 @@ impl<'a> Interpreter<'a, '_> {
         if let Some(binding) = self.now.scope.find(name) {
             return Some(binding.value.borrow().clone());
         }
-        if let Some(field) = self.named_field(name) {
+        if let Some(field) = self.find_field(|member| matches!(member, Member::Named(known) if known == name))
+        {
             return self.read_field(field, name);
         }
         let tokens = name.to_token_stream();
@@ -94,10 +95,6 @@ impl<'a> Interpreter<'a, '_> {
         let first = fields.next()?;
         let is_usable = |field: &&Field| !matches!(field.kind, Kind::Other(_) | Kind::Tuple(..));
         Some(if is_usable(&first) { first } else { fields.find(is_usable).unwrap_or(first) })
-    }
-
-    fn named_field(&self, name: &Ident) -> Option<&'a Field> {
-        self.find_field(|member| matches!(member, Member::Named(known) if known == name))
     }
 
     fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Option<Value> {

@@ -143,11 +143,6 @@ impl Slot {
         })
     }
 
-    /// Whether it is what a field holds.
-    pub(crate) fn is_of_field(&self) -> bool {
-        matches!(self, Self::Entry(..))
-    }
-
     /// The indices in it.
     pub(crate) fn indices(&self) -> &[Index] {
         match self {

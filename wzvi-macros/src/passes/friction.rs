@@ -8,7 +8,7 @@
 
 use crate::diagnostics::{Diagnostics, facts as messages};
 use crate::discretise::{Calculus, Increments, Kinetic, Space, Weighted, unweighted};
-use crate::model::{Element, Friction, Half, System, Term};
+use crate::model::{Element, Friction, Half, Local, Slot, System, Term};
 use crate::symbolic::{Expr, Rational};
 
 /// Checks friction, temperature and the requirements of thermostats. Without a thermostat, friction then becomes a force, or the rate of
@@ -83,7 +83,8 @@ fn symmetry(system: &mut System, matrix: &Term) -> Symmetry {
             for (momentum, j) in element.momenta() {
                 let entry = graph.derivative(row, momentum);
                 if !graph.is_zero(entry) {
-                    let mut fields = element.locals.iter().filter(|local| local.slot.is_of_field());
+                    let is_of_field = |local: &&Local| matches!(local.slot, Slot::Entry(..));
+                    let mut fields = element.locals.iter().filter(is_of_field);
                     let reads_fields = fields.any(|local| graph.depends_on(entry, &[local.symbol]));
                     entries.push((i.clone(), j.clone(), entry, reads_fields));
                 }

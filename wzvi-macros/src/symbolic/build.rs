@@ -105,7 +105,8 @@ impl Graph {
             constant = total;
         }
         // `s/2 + s/2` has become `s`, which may be a sum to flatten.
-        if merged.iter().any(|&(term, coefficient)| is_unit(coefficient) && self.is_open_sum(term)) {
+        let is_open = |term| matches!(self.node(term), Node::Sum { terms, .. } if terms.len() <= OPEN_LIMIT);
+        if merged.iter().any(|&(term, coefficient)| is_unit(coefficient) && is_open(term)) {
             merged.push((self.number(constant), Rational::ONE));
             return self.linear_combination(&merged);
         }
@@ -114,10 +115,6 @@ impl Graph {
             &[(term, coefficient)] if coefficient.is_one() && constant.is_zero() => term,
             _ => self.intern(Node::Sum { terms: merged.into(), constant }),
         }
-    }
-
-    fn is_open_sum(&self, term: Expr) -> bool {
-        matches!(self.node(term), Node::Sum { terms, .. } if terms.len() <= OPEN_LIMIT)
     }
 
     /// Adds `coefficient · operand` to `into`, flattening sums if that needs no multiplication. A number outside the

@@ -253,6 +253,7 @@ impl<const L: usize> Numbers for LaneMask<L> {
 impl<const L: usize> Scalar for Lanes<L> {
     type Stages<const N: usize> = [Self; N];
     type Mask = LaneMask<L>;
+    type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
     const LANES: usize = L;
     const IS_BESIDE: bool = true;
@@ -279,6 +280,14 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self([value; L])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_constant(constant: f64) -> Self {
+        Self::from_f64(constant)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn to_constant(self) -> f64 {
+        self[0]
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {

@@ -10,7 +10,7 @@ mod rounded;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-pub use constant::{Constant, Constants, Factored, Of, Over, Parameters, Reals, Truths};
+pub use constant::{Constant, Constants, Factored, Of, Over, Parameters, Reals, Truths, Varied};
 pub use dual::Dual;
 pub use rounded::Rounded;
 
@@ -71,6 +71,8 @@ pub trait Scalar:
     type Mask: Mask;
     /// One number for each of the `N` stages of a step.
     type Stages<const N: usize>: Stages<Self, N>;
+    /// Numbers that are the same in all lanes: parameters, times and step sizes. With derivatives where the type has them.
+    type Constant: Constant<Mask = bool, Constant = Self::Constant>;
     /// The number type in which elements of such vectors are evaluated: `T` for `f64`, else the type itself.
     type OfElements<T: Number<f64>>: Number<Self>;
 
@@ -90,6 +92,10 @@ pub trait Scalar:
 
     /// A constant.
     fn from_f64(value: f64) -> Self;
+    /// A constant with its derivatives.
+    fn of_constant(constant: Self::Constant) -> Self;
+    /// The constant of the first lane.
+    fn to_constant(self) -> Self::Constant;
     /// The absolute value of the number itself, without derivatives; the largest of several lanes.
     fn magnitude(self) -> f64;
     /// Numbers that it holds side by side.
@@ -266,7 +272,7 @@ pub trait Scalar:
 }
 
 /// The number type of computations on values that are stored as `S`.
-pub trait Number<S>: Scalar {
+pub trait Number<S: Scalar>: Scalar<Constant = S::Constant> {
     /// The number of a stored value.
     fn of(kept: S) -> Self;
     /// As it is kept.
@@ -298,6 +304,7 @@ pub(crate) fn nearly_inverse(size: f64) -> f64 {
 
 impl Scalar for f64 {
     type Mask = bool;
+    type Constant = Self;
     type Stages<const N: usize> = Lanes<N>;
     type OfElements<T: Number<f64>> = T;
 
@@ -313,6 +320,14 @@ impl Scalar for f64 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         value
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_constant(constant: f64) -> Self {
+        constant
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn to_constant(self) -> f64 {
+        self
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {

@@ -57,9 +57,8 @@ use std::marker::PhantomData;
 
 use crate::algebra::scalar::Scalar;
 use crate::error::{BathError, ConfigError};
-use crate::scheme::elements::{self, Elements, value_of_part};
+use crate::scheme::elements::{self, DRIFT, Elements, Point, Slopes, slopes};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
-use crate::scheme::system::Hamiltonian as _;
 
 #[doc(hidden)]
 pub use modes::Decay;
@@ -116,7 +115,7 @@ pub struct Isolated<E>(PhantomData<E>);
 pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
     let degrees = system.degrees();
     if T::FACTS.kind.is_conformal {
-        let rate = system.friction_rate();
+        let rate: f64 = system.friction_rate(&[]);
         let is_rate = rate.is_finite() && rate >= 0.0;
         return if is_rate { Ok(()) } else { Err(ConfigError::Bath(BathError::Friction { rate })) };
     }
@@ -125,7 +124,7 @@ pub fn validate<T: Elements>(system: &T) -> Result<(), ConfigError> {
     {
         // With a positive step: friction alone may also go backwards.
         let of_one = (1.0, Decay::Exponential);
-        Relaxation::new(system, friction, degrees, 1.0, of_one).map_err(ConfigError::Bath)?;
+        Relaxation::new((system, &[]), friction, degrees, 1.0, of_one).map_err(ConfigError::Bath)?;
     }
     Ok(())
 }
@@ -159,7 +158,7 @@ impl Friction {
     }
 
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
-    pub fn damping<H: Elements, S: Scalar>(&self, system: &H, q: &[S], into: &mut [S]) {
+    pub fn damping<H: Elements, S: Scalar>(&self, system: (&H, &[S::Constant]), q: &[S], into: &mut [S]) {
         match self.is_matrix {
             true => elements::damping(system, self.part, q, into),
             false => elements::rates(system, self.part, q, into),
@@ -167,25 +166,38 @@ impl Friction {
     }
 
     /// `kT`, or `None` if the system has no temperature.
-    pub fn temperature<H: Elements>(&self, system: &H) -> Option<f64> {
-        self.temperature.map(|part| value_of_part(system, part, 0.0, &[], &[]))
+    pub fn temperature<H: Elements, S: Scalar>(
+        &self,
+        (system, parameters): (&H, &[S::Constant]),
+    ) -> Option<S> {
+        let at = Point::new([&[][..]; 2], Scalar::from_f64(0.0), parameters, &[]);
+        self.temperature.map(|part| system.value(part, 1.0, &at))
     }
 
     /// `M⁻¹`: its diagonal, one number per degree of freedom, or its rows.
-    pub fn inverse_mass<H: Elements>(&self, system: &H, into: &mut [f64]) {
+    pub fn inverse_mass<H: Elements, S: Scalar>(
+        &self,
+        (system, parameters): (&H, &[S::Constant]),
+        into: &mut [S],
+    ) {
         let degrees = if self.has_diagonal_masses { into.len() } else { into.len().isqrt() };
-        let zeros = vec![0.0; degrees];
+        let (zeros, one) = (vec![S::from_f64(0.0); degrees], S::from_f64(1.0));
         let (mut p, mut by_q, mut velocity) = (zeros.clone(), zeros.clone(), zeros.clone());
         // The velocities are linear in the momenta and read nothing else.
+        let velocities = |p: &[S], by_q: &mut [S], into: &mut [S]| {
+            into.fill(S::from_f64(0.0));
+            let at = Point::new([&*zeros, p], Scalar::from_f64(0.0), parameters, &[]);
+            slopes(system, DRIFT, 1.0, &at, Slopes::BY_MOMENTA, by_q, into);
+        };
         if self.has_diagonal_masses {
-            p.fill(1.0);
-            system.differentiate(0, &zeros, &p, 0.0, &mut by_q, into);
+            p.fill(one);
+            velocities(&p, &mut by_q, into);
             return;
         }
         for column in 0..degrees {
-            p.fill(0.0);
-            p[column] = 1.0;
-            system.differentiate(0, &zeros, &p, 0.0, &mut by_q, &mut velocity);
+            p.fill(S::from_f64(0.0));
+            p[column] = one;
+            velocities(&p, &mut by_q, &mut velocity);
             velocity.iter().enumerate().for_each(|(row, v)| into[row * degrees + column] = *v);
         }
     }

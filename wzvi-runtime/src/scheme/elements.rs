@@ -52,6 +52,7 @@ mod windows;
 
 pub(crate) use bath::{damping, rates};
 pub use beside::Placements;
+pub(crate) use hamiltonian::{DRIFT, forces};
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::Memory;
@@ -68,9 +69,9 @@ use std::ops::Range;
 pub use crate::algebra::lanes::single::{Alone, Usual};
 pub use crate::algebra::memory::{Iteration, Method};
 
-use hamiltonian::{DRIFT, FORCE, NOISE};
+use hamiltonian::{FORCE, NOISE};
 
-use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::scalar::{Constant, Number, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
@@ -101,28 +102,36 @@ impl Slopes {
 
 /// The point at which elements are evaluated, and their weights.
 #[derive(Clone, Debug)]
-pub struct Point<'a, S, V: ?Sized = [S]> {
+pub struct Point<'a, S: Scalar, V: ?Sized = [S]> {
     /// Coordinates.
     pub q: &'a V,
     /// Momenta.
     pub p: &'a V,
     /// Time.
-    pub t: f64,
+    pub t: S::Constant,
     /// The increment of the drift.
-    pub h: f64,
+    pub h: S::Constant,
+    /// All parameters, where they have derivatives: [`Point::parameter`].
+    pub parameters: &'a [S::Constant],
     /// The increments of the noises that act.
     pub dw: &'a [S],
     /// The numbers of the noises that act: all in a step, one for a single noise Hamiltonian.
     pub acting: Range<usize>,
     /// `e^{γ (t - t_i)}`, the ratio of these momenta to those of the state, with the rate `γ` of the friction that steps include.
-    pub scale: f64,
+    pub scale: S::Constant,
 }
 
-impl<S: Copy, V: Given<S> + ?Sized> Point<'_, S, V> {
+impl<S: Scalar, V: Given<S> + ?Sized> Point<'_, S, V> {
     /// The degrees of freedom of the system.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn degrees(&self) -> usize {
         self.q.degrees()
+    }
+
+    /// The parameter `number` of the system, which has this value.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn parameter(&self, number: usize, value: f64) -> S::Constant {
+        S::Constant::parameter(self.parameters, number, value)
     }
 
     /// The increment of a noise that acts.
@@ -190,9 +199,10 @@ pub trait Elements: Sized {
         0
     }
 
-    /// As `Hamiltonian::friction_rate`.
-    fn friction_rate(&self) -> f64 {
-        0.0
+    /// As `Hamiltonian::friction_rate`, with `parameters` as in [`Point`].
+    fn friction_rate<K: Constant>(&self, parameters: &[K]) -> K {
+        let _ = parameters;
+        K::from_f64(0.0)
     }
 
     /// As `Hamiltonian::validate`.
@@ -249,13 +259,28 @@ pub trait Elements: Sized {
     }
 }
 
+impl<'a, S: Scalar, V: ?Sized> Point<'a, S, V> {
+    /// A point at which no noise acts, with weight 1.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn new(
+        [q, p]: [&'a V; 2],
+        t: S::Constant,
+        parameters: &'a [S::Constant],
+        dw: &'a [S],
+    ) -> Self {
+        let one = Scalar::from_f64(1.0);
+        Self { q, p, t, h: one, parameters, dw, acting: 0..0, scale: one }
+    }
+}
+
 impl<S: Scalar> Point<'_, S> {
     /// The same, if numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(&self) -> Option<Point<'_, f64>> {
-        let Self { q, p, t, h, dw, acting, scale } = self;
+        let Self { q, p, t, h, dw, acting, scale, .. } = self;
         let [q, p, dw] = [S::plain(q)?, S::plain(p)?, S::plain(dw)?];
-        Some(Point { q, p, t: *t, h: *h, dw, acting: acting.clone(), scale: *scale })
+        let [t, h, scale] = [t, h, scale].map(|constant| constant.lane(0));
+        Some(Point { q, p, t, h, parameters: &[], dw, acting: acting.clone(), scale })
     }
 }
 
@@ -285,7 +310,7 @@ pub(crate) fn slopes<H: Elements, S: Scalar>(
 #[expect(clippy::too_many_arguments, reason = "as `gauss::Field::step_slopes`")]
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     t: S,
     h: S,
     q: &[S],
@@ -294,7 +319,7 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     by_q: &mut [S],
     by_p: &mut [S],
 ) {
-    let at = Point { q, p, t: t.lane(0), h: 1.0, dw, acting: 0..dw.len(), scale: 1.0 };
+    let at = Point { acting: 0..dw.len(), ..Point::new([q, p], t.to_constant(), parameters, dw) };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
     if BY_Q {
         by_q.fill(S::from_f64(0.0));
@@ -338,7 +363,7 @@ pub(crate) fn add_slopes<H: Elements, S: Scalar>(
     }
 }
 
-impl<'a, S: Copy> Flow<'a, S> {
+impl<'a, S: Scalar> Flow<'a, S> {
     /// All parts, and whether they act.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn parts<H: Elements>(&self) -> [(usize, bool); 3] {
@@ -348,8 +373,8 @@ impl<'a, S: Copy> Flow<'a, S> {
     /// The point of evaluation of elements that read only one half of the phase space.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<V: ?Sized>(&self, state: &'a V) -> Point<'a, S, V> {
-        let Self { t, h, dw } = *self;
-        Point { q: state, p: state, t, h, dw, acting: 0..dw.len(), scale: 1.0 }
+        let Self { t, h, parameters, dw } = *self;
+        Point { h, acting: 0..dw.len(), ..Point::new([state, state], t, parameters, dw) }
     }
 }
 
@@ -380,7 +405,7 @@ where
 
 /// The value of a part of the drift, or of the temperature.
 pub(crate) fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
-    system.value(number, 1.0, &Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 })
+    system.value(number, 1.0, &Point::new([q, p], t, &[], &[]))
 }
 
 /// Whether scratch for `ready` degrees of freedom fits a state of `got`; the system was checked when the scratch was made.

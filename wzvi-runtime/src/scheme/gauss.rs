@@ -37,7 +37,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::Slopes;
 use crate::scheme::elements::{self, Elements, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
-use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives};
+use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, as_they_are};
 
 pub use crate::algebra::shape::{Dynamic, Fixed, Shape};
 pub use advance::Prepared;
@@ -86,7 +86,7 @@ pub trait Field: Elements + Sized {
     }
 
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
-    fn stiffness(&self, _k: &mut [f64]) {}
+    fn stiffness<K: Constant>(&self, _parameters: &[K], _k: &mut [K]) {}
 
     /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise.
     #[expect(
@@ -105,24 +105,9 @@ pub trait Field: Elements + Sized {
         by_q: &mut [S],
         by_p: &mut [S],
     ) {
-        let _ = parameters;
-        elements::field::<_, S, BY_Q, BY_P>(self, t, h, q, p, dw, by_q, by_p);
+        let parameters = S::varied(Self::Parameters::varied(parameters));
+        elements::field::<_, S, BY_Q, BY_P>((self, parameters), t, h, q, p, dw, by_q, by_p);
     }
-}
-
-/// The parameters of a system.
-///
-/// # Errors
-/// If they have derivatives and the slopes read more of the system.
-pub(crate) fn parameters<F: Field, K: Constant>(
-    system: &F,
-    lift: Lift<'_, K>,
-    h: K,
-) -> Result<Of<F::Parameters, K>, ConfigError> {
-    if !F::Shape::IS_FIXED {
-        without_derivatives(h)?;
-    }
-    Ok(system.parameters(lift))
 }
 
 /// The parameters of systems in lanes; `None` if slopes read more of a system.
@@ -158,7 +143,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         ),
         ..Properties::of(&<Self as Scheme<F>>::PLAN, size_of::<<Self as Scheme<F>>::Memory<f64>>())
     };
-    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, N>;
+    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, N, K>;
     type Memory<S: Scalar> = Memory<S, F::Shape, F::Noises, N>;
     type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = carry::Compensated<S, F::Shape>;
@@ -183,7 +168,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let prepared = (&prepared.parameters, &prepared.common);
+        let prepared = (&prepared.parameters, &prepared.friction, &prepared.common);
         advance::advance::<F, K, S, C, N, CAREFUL>(system, prepared, at, memory, carry)
     }
 

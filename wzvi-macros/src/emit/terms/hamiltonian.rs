@@ -61,10 +61,9 @@ fn validate(model: &System) -> Option<TokenStream> {
 
 /// The description of friction that the steps include exactly.
 fn friction_rate(graph: &mut Graph, parameters: &[Parameter], rate: Expr) -> TokenStream {
-    let f64 = f64_type();
     let Body { statements, values, .. } = evaluation(graph, parameters, &[rate]);
     quote! {
-        fn friction_rate(&self) -> #f64 {
+        fn friction_rate<__K: __wzvi::Constant>(&self, __parameters: &[__K]) -> __K {
             #statements
             #(#values)*
         }

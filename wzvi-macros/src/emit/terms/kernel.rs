@@ -11,7 +11,7 @@ use super::indices::{Indices, variable};
 use super::weighted::{Nests, Outputs, Weight};
 use crate::diagnostics::promised;
 use crate::discretise::{Weighted, family_of};
-use crate::emit::{Level, Lowering, Names, Op, Printer, count, parameter_names};
+use crate::emit::{Level, Lowering, Names, Op, Printer, Rank, count, parameter_names};
 use crate::model::{Atom, Element, Half, Index, Loop, System};
 use crate::symbolic::{Expr, Symbol};
 
@@ -46,7 +46,7 @@ pub(super) struct Arithmetic {
     pub(super) values: Vec<TokenStream>,
     /// The names of the local variables.
     pub(super) locals: Vec<Ident>,
-    /// Names of numbers that no loop changes.
+    /// Names of values that no loop changes.
     pub(super) constants: Vec<Ident>,
 }
 
@@ -83,27 +83,24 @@ impl Nests<'_> {
         let of_time = [(*t, format_ident!("__t"))].into_iter();
         let of_time = of_time.chain(scale.map(|scale| (scale, format_ident!("__scale"))));
         let of_system = parameters.iter().map(|parameter| parameter.symbol).zip(own);
-        let names = of_state.map(|named| (named, Level::State));
-        let names = names.chain(of_time.map(|named| (named, Level::Time)));
-        let names = names.chain(of_system.map(|named| (named, Level::Prepared)));
-        let mut constants = vec![format_ident!("__t"), format_ident!("__scale")];
         let mut lowering = Lowering::new(graph, definitions);
-        let mut inputs: Vec<(Op, Ident)> = Vec::new();
-        for ((symbol, name), level) in names {
-            constants.extend((level == Level::Prepared).then(|| name.clone()));
-            inputs.push((lowering.input(symbol, level), name));
-        }
+        let mut inputs: Vec<_> =
+            of_state.map(|(symbol, name)| (lowering.input(symbol, Level::State), name)).collect();
+        let own =
+            of_time.chain(of_system).map(|(symbol, name)| (lowering.input(symbol, Level::Prepared), name));
+        let (own, named): (Vec<Op>, Vec<_>) = own.map(|input| (input.0, input)).unzip();
+        inputs.extend(named);
         let ops: Vec<Op> = outputs.iter().map(|&(root, _)| lowering.lower(root)).collect();
         let program = &lowering.program;
         let (uses, hints) = (program.uses(&ops), HashMap::new());
-        let mut printer = Printer::new(program, self.wanted.number(), &hints, taken);
+        let number = self.wanted.number();
+        let printer = Printer::new(program, number.clone(), &hints, taken);
+        let mut printer = printer.with_constants(&own, quote!(#number::Constant));
         inputs.into_iter().for_each(|(op, name)| printer.set(op, name));
         let mut fixed = program.frontier(&ops, &|op| program.level(op) < Level::Increments);
-        fixed.retain(|&op| !program.is_literal(op));
-        let before = printer.bind(&fixed, &uses, &|op| fixed.contains(&op));
-        constants.extend(fixed.iter().filter_map(|&op| printer.bound(op).cloned()));
-        constants.sort_unstable();
-        constants.dedup();
+        fixed.retain(|&op| printer.rank(op) == Rank::Constant);
+        let before = printer.lift(&fixed);
+        let constants = fixed.iter().filter_map(|&op| printer.bound(op).cloned()).collect();
         let inside = printer.bind(&ops, &uses, &|_| false);
         let value = |(&op, (_, target)): (&Op, &(Expr, Target))| match target {
             Target::Value { factor: Some(_) } => printer.scalar_factor(op),

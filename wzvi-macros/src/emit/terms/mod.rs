@@ -91,10 +91,13 @@ fn noise_count(model: &System) -> TokenStream {
 
 /// `let a = self.a;` for every parameter that `code` reads.
 fn parameters(model: &System, code: &TokenStream) -> TokenStream {
-    let f64 = f64_type();
     let names = parameter_names(&mut Names::default(), &model.graph, &model.parameters);
     let read = names.iter().zip(&model.parameters).filter(|(name, _)| mentions(code, &name.to_string()));
-    let reads = read.map(|(name, Parameter { tokens, .. })| quote!(let #name: #f64 = #tokens;));
+    let reads = read.map(|(name, Parameter { tokens, symbol })| {
+        let number = model.listed().iter().take_while(|known| known.symbol != *symbol).count();
+        let number = count(number);
+        quote!(let #name = __at.parameter(#number, #tokens);)
+    });
     quote!(#(#reads)*)
 }
 
@@ -119,6 +122,12 @@ impl Wanted {
     fn constant(self, value: &TokenStream) -> TokenStream {
         let number = self.number();
         quote!(#number::from_f64(#value))
+    }
+
+    /// The weight of the drift in the type of the arithmetic.
+    fn step_size(self, factor: Option<TokenStream>) -> TokenStream {
+        let number = self.number();
+        quote!(#number::of_constant(__at.h #factor))
     }
 
     /// A number of a vector in the type of the arithmetic.

@@ -55,7 +55,7 @@ fn numbered(model: &mut System) -> Vec<(usize, Wanted, Sum)> {
 
 /// The arms of these terms, weighed by the step size but for first integrals.
 pub(super) fn arms(model: &mut System, wanted: Wanted) -> TokenStream {
-    let (weight, first_integral) = (wanted.constant(&quote!(__at.h)), Numbers::of(model).integrals);
+    let (weight, first_integral) = (wanted.step_size(None), Numbers::of(model).integrals);
     let terms = numbered(model).into_iter().filter(|(_, known, _)| *known == wanted);
     let mut nests = Nests { model, wanted };
     let arms = terms.map(|(number, _, sum)| {

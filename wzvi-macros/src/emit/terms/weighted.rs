@@ -176,7 +176,7 @@ impl Nests<'_> {
         });
         match increments.reduce(|product, increment| quote!(#product * #increment)) {
             Some(product) => quote!(#product #factor),
-            None => self.wanted.constant(&quote!(__at.h #factor)),
+            None => self.wanted.step_size(factor),
         }
     }
 

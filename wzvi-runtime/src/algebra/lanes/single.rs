@@ -161,11 +161,20 @@ macro_rules! exact {
 impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
     type Stages<const N: usize> = [Self; N];
     type Mask = KnownTruth;
+    type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {
         Self(value)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of_constant(constant: f64) -> Self {
+        Self(constant)
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn to_constant(self) -> f64 {
+        self.0
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> f64 {

@@ -12,7 +12,7 @@ use crate::ground::numbers::for_tuples;
 
 /// The type of prepared numbers: `f64` where all lanes of a step have one system, [`Lanes`] where each has its own, [`Dual`] for derivatives with
 /// respect to parameters and the step size.
-pub trait Constant: Scalar<Mask: Send + Sync> + Send + Sync {
+pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
 
@@ -21,6 +21,13 @@ pub trait Constant: Scalar<Mask: Send + Sync> + Send + Sync {
     /// # Errors
     /// Those of [`Factor::new`].
     fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Self::Factor<N>, StepFailure>;
+
+    /// A parameter of a system: the entry of the list of all parameters where they have derivatives, else the value.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn parameter(varied: &[Self], number: usize, value: f64) -> Self {
+        let _ = (varied, number);
+        Self::from_f64(value)
+    }
 }
 
 impl Constant for f64 {
@@ -31,11 +38,15 @@ impl Constant for f64 {
     }
 }
 
-impl<const D: usize> Constant for Dual<D> {
+impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Constant for Dual<D, C> {
     type Factor<const N: usize> = Factor<Self, N>;
 
     fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Factor<Self, N>, StepFailure> {
         Factor::new(matrix)
+    }
+
+    fn parameter(varied: &[Self], number: usize, value: f64) -> Self {
+        varied.get(number).copied().unwrap_or(Self::from_f64(value))
     }
 }
 
@@ -54,6 +65,8 @@ pub trait Over<K: Constant>:
 {
     /// A constant as such a number.
     fn constant(constant: K) -> Self;
+    /// The list of all parameters, where they have derivatives; others do not read it.
+    fn varied(parameters: &[K]) -> &[Self::Constant];
     /// The truth of a comparison of constants.
     fn truth(truth: K::Mask) -> Self::Mask;
     /// The first number where a comparison of constants is true, else the second. Only one of them is computed where the comparison is the same for
@@ -69,6 +82,10 @@ impl<S: Scalar> Over<f64> for S {
         S::from_f64(constant)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn varied(_: &[f64]) -> &[S::Constant] {
+        &[]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn truth(truth: bool) -> S::Mask {
         Mask::from_bool(truth)
     }
@@ -82,10 +99,14 @@ impl<S: Scalar> Over<f64> for S {
     }
 }
 
-impl<const D: usize> Over<Self> for Dual<D> {
+impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Over<Self> for Dual<D, C> {
     #[inline]
     fn constant(constant: Self) -> Self {
         constant
+    }
+    #[inline]
+    fn varied(parameters: &[Self]) -> &[Self] {
+        parameters
     }
     #[inline]
     fn truth(truth: bool) -> bool {
@@ -105,6 +126,10 @@ impl<const L: usize> Over<Self> for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: Self) -> Self {
         constant
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn varied(_: &[Self]) -> &[f64] {
+        &[]
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn truth(truth: LaneMask<L>) -> LaneMask<L> {
@@ -140,12 +165,38 @@ pub struct Reals<const N: usize>;
 pub trait Parameters: Constants {
     /// The constants of one lane, without derivatives.
     fn lane<K: Constant>(of: &Self::Of<K>, lane: usize) -> Self::Of<f64>;
+    /// The list of all parameters, where these are [`Varied`].
+    fn varied<K: Constant>(of: &Self::Of<K>) -> &[K];
+}
+
+/// All parameters where they have derivatives, else none: what elements read as [`Constant::parameter`].
+#[derive(Clone, Copy, Debug)]
+pub struct Varied;
+
+impl Constants for Varied {
+    type Of<K: Constant> = Vec<K>;
+
+    fn gather<const L: usize>(_: [&Vec<f64>; L]) -> Vec<Lanes<L>> {
+        Vec::new()
+    }
+}
+
+impl Parameters for Varied {
+    fn lane<K: Constant>(_: &Vec<K>, _: usize) -> Vec<f64> {
+        Vec::new()
+    }
+    fn varied<K: Constant>(of: &Vec<K>) -> &[K] {
+        of
+    }
 }
 
 impl<const N: usize> Parameters for Reals<N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lane<K: Constant>(of: &[K; N], lane: usize) -> [f64; N] {
         of.map(|number| number.lane(lane))
+    }
+    fn varied<K: Constant>(_: &[K; N]) -> &[K] {
+        &[]
     }
 }
 

@@ -208,12 +208,21 @@ impl<const N: usize, S: Scalar> Numbers for Dual<N, S> {
 impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     type Stages<const M: usize> = [Self; M];
     type Mask = S::Mask;
+    type Constant = Dual<N, S::Constant>;
     const LANES: usize = S::LANES;
     type OfElements<T: Number<f64>> = Self;
 
     #[inline]
     fn from_f64(value: f64) -> Self {
         Self::constant(S::from_f64(value))
+    }
+    #[inline]
+    fn of_constant(Dual { value, derivative }: Self::Constant) -> Self {
+        Self { value: S::of_constant(value), derivative: derivative.map(S::of_constant) }
+    }
+    #[inline]
+    fn to_constant(self) -> Self::Constant {
+        Dual { value: self.value.to_constant(), derivative: self.derivative.map(S::to_constant) }
     }
     #[inline]
     fn magnitude(self) -> f64 {

@@ -130,12 +130,19 @@ with_a_constant!(Add add Sub sub Mul mul Div div);
 impl Scalar for Rounded {
     type Stages<const N: usize> = [Self; N];
     type Mask = bool;
+    type Constant = f64;
     type OfElements<T: Number<f64>> = Self;
 
     functions_by_slope!(function);
 
     fn from_f64(value: f64) -> Self {
         Self::exact(value)
+    }
+    fn of_constant(constant: f64) -> Self {
+        Self::exact(constant)
+    }
+    fn to_constant(self) -> f64 {
+        self.value
     }
     fn magnitude(self) -> f64 {
         self.value.abs()

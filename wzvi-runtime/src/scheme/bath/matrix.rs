@@ -1,6 +1,6 @@
 //! Small symmetric matrices of numbers of any type, row-major, without allocation.
 
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Mask as _, Scalar};
 
 /// The most sweeps of rotations, more than enough: convergence is quadratic from the third on.
 const MOST_SWEEPS: usize = 30;
@@ -88,13 +88,14 @@ pub(super) fn triangularise<S: Scalar>(g: &mut [S], d: usize) {
 }
 
 /// The lower triangular `C` with `A = C Cᵀ`, in place of `A`; `false` unless `A` is positive definite. Entries above the diagonal become zero.
-pub(super) fn cholesky(a: &mut [f64], d: usize) -> bool {
+pub(super) fn cholesky<S: Scalar>(a: &mut [S], d: usize) -> bool {
+    let zero = S::from_f64(0.0);
     for j in 0..d {
         for i in j..d {
-            let known: f64 = (0..j).map(|k| a[i * d + k] * a[j * d + k]).sum();
+            let known = (0..j).fold(zero, |sum, k| sum + a[i * d + k] * a[j * d + k]);
             let left = a[i * d + j] - known;
             if i == j {
-                if left.is_nan() || left <= 0.0 {
+                if !zero.less(left).all() {
                     return false;
                 }
                 a[j * d + j] = left.sqrt();
@@ -102,19 +103,20 @@ pub(super) fn cholesky(a: &mut [f64], d: usize) -> bool {
                 a[i * d + j] = left / a[j * d + j];
             }
         }
-        a[j * d + j + 1..(j + 1) * d].fill(0.0);
+        a[j * d + j + 1..(j + 1) * d].fill(zero);
     }
     true
 }
 
 /// `C⁻ᵀ` of a lower triangular `C`.
-pub(super) fn inverse_transposed(c: &[f64], d: usize) -> Vec<f64> {
-    let mut inverse = vec![0.0; d * d];
+pub(super) fn inverse_transposed<S: Scalar>(c: &[S], d: usize) -> Vec<S> {
+    let zero = S::from_f64(0.0);
+    let mut inverse = vec![zero; d * d];
     // Row `i` of the result is column `i` of `C⁻¹`.
     for i in 0..d {
         for j in i..d {
-            let known: f64 = (i..j).map(|k| c[j * d + k] * inverse[i * d + k]).sum();
-            let unit = if i == j { 1.0 } else { 0.0 };
+            let known = (i..j).fold(zero, |sum, k| sum + c[j * d + k] * inverse[i * d + k]);
+            let unit = S::from_f64(if i == j { 1.0 } else { 0.0 });
             inverse[i * d + j] = (unit - known) / c[j * d + j];
         }
     }

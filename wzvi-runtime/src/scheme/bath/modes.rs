@@ -1,7 +1,7 @@
 //! The modes of a friction matrix: `A = Cᵀ Γ C = V Λ Vᵀ` and `W = N V`, as in [`relaxation`](super::relaxation).
 
 use super::matrix::{cholesky, diagonalise, inverse_transposed, triangularise};
-use crate::algebra::scalar::{Mask, Scalar};
+use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
 use crate::error::BathError;
 
 /// The decay factor `E` of a mode with the rate `λ` over the time `s`.
@@ -25,20 +25,20 @@ impl Decay {
 
 /// Time and temperature of an O part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bath {
+pub(super) struct Bath<K = f64> {
     /// `s`
-    pub(super) time: f64,
+    pub(super) time: K,
     /// `kT`
-    pub(super) temperature: f64,
+    pub(super) temperature: K,
     /// `1 / √h` of the whole step: the step is driven by `√h ξ`.
-    pub(super) unit: f64,
+    pub(super) unit: K,
     pub(super) decay: Decay,
 }
 
-impl Bath {
+impl<K: Constant> Bath<K> {
     /// `E` and `R √(M⁻¹) / √h` of a mode with this rate.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn mode<S: Scalar>(&self, rate: S) -> (S, S) {
+    pub(super) fn mode<S: Over<K>>(&self, rate: S) -> (S, S) {
         match self.decay {
             Decay::Exponential => {
                 let x = -(rate * self.time);
@@ -46,20 +46,20 @@ impl Bath {
             }
             // 1 - E² = 4 x/(1 + x)² with x = s λ/2.
             Decay::Cayley => {
-                let (x, one) = (rate * (0.5 * self.time), S::from_f64(1.0));
+                let (x, one) = (rate * (self.time * 0.5), S::from_f64(1.0));
                 let sum = one + x;
-                ((one - x) / sum, (x * (4.0 * self.temperature)).sqrt() / sum * self.unit)
+                ((one - x) / sum, (x * (self.temperature * 4.0)).sqrt() / sum * self.unit)
             }
         }
     }
 
     /// `1 - E` of a mode.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lost<S: Scalar>(&self, rate: S) -> S {
+    fn lost<S: Over<K>>(&self, rate: S) -> S {
         match self.decay {
             Decay::Exponential => -(-(rate * self.time)).exp_m1(),
             Decay::Cayley => {
-                let x = rate * (0.5 * self.time);
+                let x = rate * (self.time * 0.5);
                 x * 2.0 / (S::from_f64(1.0) + x)
             }
         }
@@ -68,17 +68,17 @@ impl Bath {
 
 /// Factors of the masses; empty where rates and masses are lists.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Factors {
+pub(super) struct Factors<K = f64> {
     /// `C`
-    pub(super) lower: Vec<f64>,
+    pub(super) lower: Vec<K>,
     /// `N`
-    pub(super) upper: Vec<f64>,
+    pub(super) upper: Vec<K>,
     /// The lower triangular `L` with `M = L Lᵀ`.
-    pub(super) mass: Vec<f64>,
+    pub(super) mass: Vec<K>,
 }
 
-impl Factors {
-    pub(super) fn of(inverse_mass: &[f64], d: usize) -> Result<Self, BathError> {
+impl<K: Constant> Factors<K> {
+    pub(super) fn of(inverse_mass: &[K], d: usize) -> Result<Self, BathError> {
         let mut lower = inverse_mass.to_vec();
         if !cholesky(&mut lower, d) {
             return Err(BathError::Masses);
@@ -105,7 +105,10 @@ impl<S: Scalar> Modes<'_, S> {
     ///
     /// # Errors
     /// The smallest rate, if it is negative.
-    pub(super) fn solve(&mut self, mass: &Factors, d: usize) -> Result<(), f64> {
+    pub(super) fn solve<K: Constant>(&mut self, mass: &Factors<K>, d: usize) -> Result<(), f64>
+    where
+        S: Over<K>,
+    {
         let Self { rates, vectors, modes } = self;
         let zero = S::from_f64(0.0);
         // Γ C, then Cᵀ Γ C.
@@ -139,7 +142,10 @@ impl<S: Scalar> Modes<'_, S> {
     }
 
     /// The smallest rate `μ` and the common factor `e^{-s μ}`; 0 and 1 for [`Decay::Cayley`].
-    pub(super) fn slowest(&self, bath: &Bath, d: usize) -> (S, S) {
+    pub(super) fn slowest<K: Constant>(&self, bath: &Bath<K>, d: usize) -> (S, S)
+    where
+        S: Over<K>,
+    {
         if bath.decay == Decay::Cayley {
             return (S::from_f64(0.0), S::from_f64(1.0));
         }
@@ -148,18 +154,27 @@ impl<S: Scalar> Modes<'_, S> {
     }
 
     /// `1 - E` of the rate `λ_k - μ`
-    pub(super) fn faster(&self, bath: &Bath, smallest: S, k: usize, d: usize) -> S {
+    pub(super) fn faster<K: Constant>(&self, bath: &Bath<K>, smallest: S, k: usize, d: usize) -> S
+    where
+        S: Over<K>,
+    {
         bath.lost(self.rates[k * (d + 1)] - smallest)
     }
 
     /// `W⁻¹` at row `k` and column `j`
-    pub(super) fn inverse(&self, mass: &Factors, [k, j]: [usize; 2], d: usize) -> S {
+    pub(super) fn inverse<K: Constant>(&self, mass: &Factors<K>, [k, j]: [usize; 2], d: usize) -> S
+    where
+        S: Over<K>,
+    {
         let zero = S::from_f64(0.0);
         (0..=j).fold(zero, |sum, i| sum + self.vectors[i * d + k] * mass.lower[j * d + i])
     }
 
     /// Replaces `W` by `R / √h`.
-    pub(super) fn deviation(&mut self, bath: &Bath, d: usize) {
+    pub(super) fn deviation<K: Constant>(&mut self, bath: &Bath<K>, d: usize)
+    where
+        S: Over<K>,
+    {
         for k in 0..d {
             let (_, deviation) = bath.mode(self.rates[k * (d + 1)]);
             for row in self.modes.chunks_exact_mut(d) {

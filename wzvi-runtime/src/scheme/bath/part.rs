@@ -15,7 +15,7 @@ use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::Elements;
-use crate::scheme::system::{Hamiltonian as _, without_derivatives};
+use crate::scheme::system::{Hamiltonian as _, Lift, varied_without_lists, without_derivatives};
 
 /// The number of O parts of a step, of equal duration, and their decay.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ impl Shares {
 pub(super) fn rate<T: Elements>(system: &T, degrees: usize) -> Result<f64, BathError> {
     let (mut rates, friction) = (vec![f64::NAN; degrees], Damped::<T>::FRICTION);
     if !friction.is_matrix && !friction.is_per_state {
-        friction.damping(system, &vec![0.0; degrees], &mut rates);
+        friction.damping((system, &[]), &vec![0.0; degrees], &mut rates);
     }
     let rate = rates.first().copied().unwrap_or(0.0);
     let is_one = rate >= 0.0 && rates.iter().all(|other| *other == rate);
@@ -52,17 +52,18 @@ pub(super) fn rate<T: Elements>(system: &T, degrees: usize) -> Result<f64, BathE
 /// [`ConfigError::Bath`]
 pub(super) fn prepare<T: Elements, K: Constant>(
     system: &T,
-    h: K,
+    (lift, h): (Lift<'_, K>, K),
     shares: Shares,
 ) -> Result<Option<Relaxation<K>>, ConfigError> {
-    let (h, degrees, friction) = (without_derivatives(h)?, system.degrees(), Damped::<T>::FRICTION);
+    let (degrees, friction) = (system.degrees(), Damped::<T>::FRICTION);
     if degrees == 0 {
-        Relaxation::check(system, friction).map_err(ConfigError::Bath)?;
+        without_derivatives(h)?;
+        Relaxation::<f64>::check((system, &[]), friction).map_err(ConfigError::Bath)?;
         return Ok(None);
     }
-    let relaxation = Relaxation::new(system, friction, degrees, h, shares.of_one());
-    // Constants without derivatives are `f64`.
-    Ok(same(&relaxation.map_err(ConfigError::Bath)?).cloned())
+    let parameters = varied_without_lists(system, lift)?;
+    let relaxation = Relaxation::new((system, &*parameters), friction, degrees, h, shares.of_one());
+    relaxation.map(Some).map_err(ConfigError::Bath)
 }
 
 /// The constants of systems in lanes; `None` if there are none.
@@ -91,7 +92,7 @@ impl Own {
         if shares.is_shortened {
             rate(system, degrees).map_err(StepFailure::Bath)?;
         }
-        let relaxation = Relaxation::new(system, Damped::<T>::FRICTION, degrees, h, shares.of_one());
+        let relaxation = Relaxation::new((system, &[]), Damped::<T>::FRICTION, degrees, h, shares.of_one());
         let relaxation = relaxation.map_err(StepFailure::Bath)?;
         Ok(Self { h, degrees, relaxation })
     }
@@ -138,7 +139,7 @@ impl<S: Scalar> Memory<S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fit<T: Elements>(&mut self, degrees: usize) {
-        let room = Relaxation::room::<T>(degrees);
+        let room = Relaxation::<f64>::room::<T>(degrees);
         if self.room.len() != room {
             self.room.resize(room, S::from_f64(0.0));
         }
@@ -157,7 +158,7 @@ impl<S: Scalar> Memory<S> {
         (h, shares, degrees): (K, Shares, usize),
         (dw, noises): (&'m [S], usize),
     ) -> Result<Parts<'m, T, K, S>, StepFailure> {
-        let expected = noises + normals(system, degrees, shares.parts);
+        let expected = noises + normals::<T>(degrees, shares.parts);
         if dw.len() != expected {
             return Err(StepFailure::Increments { expected, got: dw.len() });
         }
@@ -188,8 +189,8 @@ fn same<A: Any, B: Any>(value: &A) -> Option<&B> {
 }
 
 /// The number of standard normals that drive a step with `parts` O parts.
-pub(super) fn normals<T: Elements>(system: &T, degrees: usize, parts: usize) -> usize {
-    if Damped::<T>::FRICTION.temperature(system).is_some() { parts * degrees } else { 0 }
+pub(super) fn normals<T: Elements>(degrees: usize, parts: usize) -> usize {
+    if Damped::<T>::FRICTION.temperature.is_some() { parts * degrees } else { 0 }
 }
 
 /// The O parts of a step.

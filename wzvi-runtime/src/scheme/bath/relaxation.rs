@@ -18,7 +18,7 @@ use super::modes::{Bath, Decay, Factors, Modes, refuse_negative};
 use super::{Damped, Friction};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
 use crate::error::{BathError, StepFailure, StepPromise};
 use crate::scheme::elements::Elements;
 
@@ -30,18 +30,20 @@ pub(super) enum Relaxation<K = f64> {
     /// Rates and masses as lists.
     Diagonal(Diagonal<K>),
     /// The same as matrices, of one system.
-    Matrix { decay: Vec<f64>, deviation: Vec<f64>, inverse_mass: Vec<f64> },
+    Matrix { decay: Vec<K>, deviation: Vec<K>, inverse_mass: Vec<K> },
     /// Friction that depends on the state.
-    Frozen(Frozen),
+    Frozen(Frozen<K>),
 }
 
 /// The constants of an O part with friction that depends on the state.
 #[derive(Clone, Debug)]
-pub(super) struct Frozen {
+pub(super) struct Frozen<K = f64> {
     /// A list if rates and masses are lists, else a matrix.
-    inverse_mass: Vec<f64>,
-    mass: Factors,
-    bath: Bath,
+    inverse_mass: Vec<K>,
+    mass: Factors<K>,
+    bath: Bath<K>,
+    /// All parameters, where they have derivatives.
+    parameters: Vec<K>,
 }
 
 /// The momenta that an O part moves, and the normals that drive it.
@@ -55,42 +57,44 @@ pub(super) struct Momenta<'m, S> {
     pub(super) lost: &'m mut [S],
 }
 
-impl Relaxation {
+impl<K: Constant> Relaxation<K> {
     /// The O part over the fraction `share` of a step of size `h`, with this decay.
     ///
     /// # Errors
     /// [`BathError`] for an invalid friction, temperature or mass, and for steps backwards in time.
     pub(super) fn new<T: Elements>(
-        system: &T,
+        (system, parameters): (&T, &[K]),
         friction: Friction,
         degrees: usize,
-        h: f64,
+        h: K,
         (share, decay): (f64, Decay),
     ) -> Result<Self, BathError> {
-        let temperature = Self::check(system, friction)?;
-        let mut gamma = vec![0.0; if friction.is_matrix { degrees * degrees } else { degrees }];
+        let (zero, varied) = (K::from_f64(0.0), K::varied(parameters));
+        let temperature = Self::check((system, varied), friction)?;
+        let mut gamma = vec![zero; if friction.is_matrix { degrees * degrees } else { degrees }];
         if !friction.is_per_state {
-            friction.damping(system, &vec![0.0; degrees], &mut gamma);
-            if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite()) {
-                return Err(BathError::Friction { rate });
+            friction.damping((system, varied), &vec![zero; degrees], &mut gamma);
+            if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite().all()) {
+                return Err(BathError::Friction { rate: rate.lane(0) });
             }
-            if gamma.iter().all(|&gamma| gamma == 0.0) {
+            if gamma.iter().all(|gamma| gamma.vanishes().all()) {
                 return Ok(Self::Still);
             }
         }
-        if h < 0.0 {
-            return Err(BathError::Backwards { h });
+        if h.less(zero).any() {
+            return Err(BathError::Backwards { h: h.lane(0) });
         }
-        let bath = Bath { time: share * h, temperature, unit: h.abs().sqrt().recip(), decay };
-        let inverse_mass = inverse_mass(system, friction, degrees);
+        let bath = Bath { time: h * share, temperature, unit: h.abs().sqrt().recip(), decay };
+        let inverse_mass: Vec<K> = inverse_mass((system, varied), friction, degrees);
         let mass = if friction.is_list() { Factors::default() } else { Factors::of(&inverse_mass, degrees)? };
         if friction.is_per_state {
             if friction.is_list()
-                && let Some(degree) = inverse_mass.iter().position(|&inverse| inverse <= 0.0)
+                && let Some(degree) = inverse_mass.iter().position(|inverse| inverse.less_equal(zero).any())
             {
-                return Err(BathError::Mass { degree, inverse: inverse_mass[degree] });
+                return Err(BathError::Mass { degree, inverse: inverse_mass[degree].lane(0) });
             }
-            return Ok(Self::Frozen(Frozen { mass, inverse_mass, bath }));
+            let parameters = parameters.to_vec();
+            return Ok(Self::Frozen(Frozen { mass, inverse_mass, bath, parameters }));
         }
         match (friction.is_matrix, friction.has_diagonal_masses) {
             (false, true) => diagonal(&gamma, inverse_mass, &bath),
@@ -103,12 +107,13 @@ impl Relaxation {
     ///
     /// # Errors
     /// [`BathError::Temperature`]
-    pub(super) fn check<T: Elements>(system: &T, friction: Friction) -> Result<f64, BathError> {
-        let temperature = friction.temperature(system).unwrap_or(0.0);
-        if temperature.is_finite() && temperature >= 0.0 {
+    pub(super) fn check<T: Elements>(of: (&T, &[K::Constant]), friction: Friction) -> Result<K, BathError> {
+        let zero = K::from_f64(0.0);
+        let temperature = friction.temperature(of).unwrap_or(zero);
+        if (temperature.is_finite() & zero.less_equal(temperature)).all() {
             Ok(temperature)
         } else {
-            Err(BathError::Temperature { temperature })
+            Err(BathError::Temperature { temperature: temperature.lane(0) })
         }
     }
 
@@ -121,7 +126,9 @@ impl Relaxation {
             2 * degrees
         }
     }
+}
 
+impl Relaxation {
     /// Gathers systems in lanes: if rates and masses of all are lists, or none has friction.
     pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
         if of_lanes.iter().all(|law| law.is_still()) {
@@ -174,13 +181,13 @@ impl<K: Constant> Relaxation<K> {
                     let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + momenta.p[j] * decay[i * d + j]);
                     *to = momenta.with_noise(kept, i, &deviation[i * d..]);
                 }
-                momenta.replace::<C>(&room[..d], inverse_mass)
+                momenta.replace::<C, K>(&room[..d], inverse_mass)
             }
             Self::Frozen(frozen) => {
                 if Damped::<T>::FRICTION.is_matrix {
-                    frozen.apply_matrix::<T, S, C>(system, momenta, room)?
+                    frozen.apply_matrix::<T, S, C>((system, S::varied(&frozen.parameters)), momenta, room)?
                 } else {
-                    frozen.apply_rates::<T, S, C>(system, momenta, room)?
+                    frozen.apply_rates::<T, S, C>((system, S::varied(&frozen.parameters)), momenta, room)?
                 }
             }
         })
@@ -237,7 +244,10 @@ impl<S: Scalar> Momenta<'_, S> {
 
     /// Stores the new momenta and returns the heat: `(p_1 - p_0) · M⁻¹ (p_1 + p_0) / 2`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn replace<C: Carry<S>>(&mut self, new: &[S], inverse_mass: &[f64]) -> S {
+    fn replace<C: Carry<S>, K: Constant>(&mut self, new: &[S], inverse_mass: &[K]) -> S
+    where
+        S: Over<K>,
+    {
         let (zero, d) = (S::from_f64(0.0), self.p.len());
         let mut heat = zero;
         if S::LANES == 1 {
@@ -265,36 +275,46 @@ where
 }
 
 /// `M⁻¹`: a list if friction is a list, else a matrix.
-fn inverse_mass<T: Elements>(system: &T, friction: Friction, d: usize) -> Vec<f64> {
+fn inverse_mass<T: Elements, S: Scalar>(
+    system: (&T, &[S::Constant]),
+    friction: Friction,
+    d: usize,
+) -> Vec<S> {
+    let zero = S::from_f64(0.0);
     if !friction.has_diagonal_masses {
-        let mut rows = vec![0.0; d * d];
+        let mut rows = vec![zero; d * d];
         friction.inverse_mass(system, &mut rows);
         return rows;
     }
-    let mut list = vec![0.0; d];
+    let mut list = vec![zero; d];
     friction.inverse_mass(system, &mut list);
     if !friction.is_matrix {
         return list;
     }
-    let mut rows = vec![0.0; d * d];
+    let mut rows = vec![zero; d * d];
     rows.iter_mut().step_by(d + 1).zip(list).for_each(|(entry, inverse)| *entry = inverse);
     rows
 }
 
 /// # Errors
 /// [`BathError::Friction`] unless the rate is a finite number that is not negative.
-fn check_rate(rate: f64) -> Result<f64, BathError> {
-    if rate >= 0.0 && rate.is_finite() { Ok(rate) } else { Err(BathError::Friction { rate }) }
+fn check_rate<K: Constant>(rate: K) -> Result<K, BathError> {
+    let is_rate = rate.is_finite() & K::from_f64(0.0).less_equal(rate);
+    if is_rate.all() { Ok(rate) } else { Err(BathError::Friction { rate: rate.lane(0) }) }
 }
 
-fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Relaxation, BathError> {
-    let (mut decay, mut deviation) = (vec![1.0; rates.len()], vec![0.0; rates.len()]);
+fn diagonal<K: Constant>(
+    rates: &[K],
+    inverse_mass: Vec<K>,
+    bath: &Bath<K>,
+) -> Result<Relaxation<K>, BathError> {
+    let [mut decay, mut deviation] = [1.0, 0.0].map(|number| vec![K::from_f64(number); rates.len()]);
     for (degree, (&rate, &inverse)) in rates.iter().zip(&inverse_mass).enumerate() {
-        if rate == 0.0 {
+        if rate.vanishes().all() {
             continue;
         }
-        if inverse.is_nan() || inverse <= 0.0 {
-            return Err(BathError::Mass { degree, inverse });
+        if !K::from_f64(0.0).less(inverse).all() {
+            return Err(BathError::Mass { degree, inverse: inverse.lane(0) });
         }
         let (kept, noise) = bath.mode(check_rate(rate)?);
         (decay[degree], deviation[degree]) = (kept, noise / inverse.sqrt());
@@ -303,47 +323,48 @@ fn diagonal(rates: &[f64], inverse_mass: Vec<f64>, bath: &Bath) -> Result<Relaxa
 }
 
 /// One rate, with a mass matrix.
-fn uniform(
-    rate: Option<f64>,
-    mass: &Factors,
-    inverse_mass: Vec<f64>,
-    bath: &Bath,
-) -> Result<Relaxation, BathError> {
-    let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(0.0))?);
-    let deviation: Vec<f64> = mass.mass.iter().map(|entry| noise * entry).collect();
-    let mut decay = vec![0.0; deviation.len()];
+fn uniform<K: Constant>(
+    rate: Option<K>,
+    mass: &Factors<K>,
+    inverse_mass: Vec<K>,
+    bath: &Bath<K>,
+) -> Result<Relaxation<K>, BathError> {
+    let zero = K::from_f64(0.0);
+    let (kept, noise) = bath.mode(check_rate(rate.unwrap_or(zero))?);
+    let deviation: Vec<K> = mass.mass.iter().map(|entry| noise * *entry).collect();
+    let mut decay = vec![zero; deviation.len()];
     decay.iter_mut().step_by(deviation.len().isqrt() + 1).for_each(|entry| *entry = kept);
     Ok(Relaxation::Matrix { decay, deviation, inverse_mass })
 }
 
 /// A constant friction matrix.
-fn constant(
-    mut gamma: Vec<f64>,
-    mass: &Factors,
-    inverse_mass: Vec<f64>,
-    bath: &Bath,
+fn constant<K: Constant>(
+    mut gamma: Vec<K>,
+    mass: &Factors<K>,
+    inverse_mass: Vec<K>,
+    bath: &Bath<K>,
     d: usize,
-) -> Result<Relaxation, BathError> {
+) -> Result<Relaxation<K>, BathError> {
+    let (zero, one) = (K::from_f64(0.0), K::from_f64(1.0));
     for i in 0..d {
         for j in 0..i {
-            if gamma[i * d + j] != gamma[j * d + i] {
+            if !gamma[i * d + j].equal(gamma[j * d + i]).all() {
                 return Err(BathError::Asymmetric { entry: [i, j] });
             }
         }
     }
-    let (mut vectors, mut modes) = (vec![0.0; d * d], vec![0.0; d * d]);
+    let (mut vectors, mut modes) = (vec![zero; d * d], vec![zero; d * d]);
     let mut found = Modes { rates: &mut gamma, vectors: &mut vectors, modes: &mut modes };
     found.solve(mass, d).map_err(|rate| BathError::Friction { rate })?;
     let (smallest, slowest) = found.slowest(bath, d);
-    let mut decay = vec![0.0; d * d];
+    let mut decay = vec![zero; d * d];
     for (at, entry) in decay.iter_mut().enumerate() {
         let (i, j) = (at / d, at % d);
-        let lost: f64 = (0..d)
-            .map(|k| {
-                found.modes[i * d + k] * found.faster(bath, smallest, k, d) * found.inverse(mass, [k, j], d)
-            })
-            .sum();
-        *entry = slowest * (if i == j { 1.0 } else { 0.0 } - lost);
+        let lost = (0..d).fold(zero, |sum, k| {
+            let faster = found.faster(bath, smallest, k, d);
+            sum + found.modes[i * d + k] * faster * found.inverse(mass, [k, j], d)
+        });
+        *entry = slowest * (if i == j { one } else { zero } - lost);
     }
     found.deviation(bath, d);
     Ok(Relaxation::Matrix { decay, deviation: modes, inverse_mass })
@@ -355,19 +376,19 @@ fn negative(rate: f64) -> StepFailure {
     StepFailure::Bath(BathError::Friction { rate })
 }
 
-impl Frozen {
+impl<K: Constant> Frozen<K> {
     /// Decay and noise of a mode with this rate, as [`Bath::mode`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mode<S: Scalar>(&self, rate: S) -> Result<(S, S), StepFailure> {
+    fn mode<S: Over<K>>(&self, rate: S) -> Result<(S, S), StepFailure> {
         refuse_negative(rate).map_err(negative)?;
         Ok(self.bath.mode(rate))
     }
 
     /// Rates by degree of freedom, or one rate with a mass matrix.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_rates<T: Elements, S: Scalar, C: Carry<S>>(
+    fn apply_rates<T: Elements, S: Over<K>, C: Carry<S>>(
         &self,
-        system: &T,
+        system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
@@ -378,7 +399,7 @@ impl Frozen {
                 let (decay, noise) = self.mode(rate)?;
                 Ok((decay, noise / inverse.sqrt(), inverse))
             });
-            return momenta.relax::<C, S, f64>(constants, None);
+            return momenta.relax::<C, S, K>(constants, None);
         }
         let Some(&rate) = rates.first() else { return Ok(S::from_f64(0.0)) };
         let (decay, noise) = self.mode(rate)?;
@@ -386,13 +407,13 @@ impl Frozen {
         for (i, (new, mass)) in new.iter_mut().zip(masses).enumerate() {
             *new = momenta.p[i] * decay + momenta.with_noise(S::from_f64(0.0), i, mass) * noise;
         }
-        Ok(momenta.replace::<C>(new, &self.inverse_mass))
+        Ok(momenta.replace::<C, K>(new, &self.inverse_mass))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn apply_matrix<T: Elements, S: Scalar, C: Carry<S>>(
+    fn apply_matrix<T: Elements, S: Over<K>, C: Carry<S>>(
         &self,
-        system: &T,
+        system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
         room: &mut [S],
     ) -> Result<S, StepFailure> {
@@ -417,6 +438,6 @@ impl Frozen {
         for (i, (new, row)) in new.iter_mut().zip(found.modes.chunks_exact(d)).enumerate() {
             *new = momenta.with_noise(*new, i, row);
         }
-        Ok(momenta.replace::<C>(&new[..d], &self.inverse_mass))
+        Ok(momenta.replace::<C, K>(&new[..d], &self.inverse_mass))
     }
 }

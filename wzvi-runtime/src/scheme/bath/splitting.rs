@@ -23,9 +23,11 @@ use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
 use crate::scheme::elements::{Elements, Taken, check_new};
-use crate::scheme::gauss::{Field, gather, parameters};
+use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
-use crate::scheme::system::{At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits};
+use crate::scheme::system::{
+    At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits, without_derivatives,
+};
 
 /// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme with a name.
 pub trait Letters {
@@ -107,7 +109,7 @@ where
     type Carry<S: Scalar> = Plain;
 
     fn increments(system: &F, degrees: usize) -> usize {
-        system.noises() + part::normals(system, degrees, W::SPELLING.parts)
+        system.noises() + part::normals::<F>(degrees, W::SPELLING.parts)
     }
 
     fn exchanged(_: &F, (bath, _): &Self::Memory<f64>) -> Exchange {
@@ -120,19 +122,19 @@ where
 
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
-        let relaxation = part::prepare(system, h, shares::<W>())?;
+        let relaxation = part::prepare(system, (lift, h), shares::<W>())?;
         let letters = W::SPELLING.stages();
         let substeps: Vec<Substep> =
             letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();
         let still = Stages::of(&substeps).map(|_, half| Act::Flow(half));
-        let factor = if W::IS_SHORTENED { shortened(system, h.lane(0))? } else { 1.0 };
+        let factor = if W::IS_SHORTENED { shortened(system, without_derivatives(h)?)? } else { 1.0 };
         let apart = letters.iter().map(|stage| {
             let (weight, share) = (factor * stage.weight, factor * stage.share);
             Stage { weight, share, ..*stage }
         });
         let apart = Stages(apart.collect()).with_ends(Act::half);
         let joined = Stages(joined(&apart.0));
-        Ok(Prepared { parameters: parameters(system, lift, h)?, apart, joined, still, relaxation })
+        Ok(Prepared { parameters: system.parameters(lift), apart, joined, still, relaxation })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {

@@ -51,7 +51,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
     type Carry<S: Scalar> = <SchemeOf<T, E> as Scheme<T>>::Carry<S>;
 
     fn increments(system: &T, degrees: usize) -> usize {
-        SchemeOf::<T, E>::increments(system, degrees) + normals(system, degrees, SHARES.parts)
+        SchemeOf::<T, E>::increments(system, degrees) + normals::<T>(degrees, SHARES.parts)
     }
 
     fn exchanged(system: &T, (kept, bath): &Self::Memory<f64>) -> Exchange {
@@ -66,7 +66,7 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
     }
 
     fn prepare<K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
-        let relaxation = part::prepare(system, h, SHARES)?;
+        let relaxation = part::prepare(system, (lift, h), SHARES)?;
         Ok(Prepared { step: SchemeOf::<T, E>::prepare(system, lift, h)?, relaxation })
     }
 

@@ -21,13 +21,13 @@ use super::substeps::{By, Half, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
 use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
-use crate::algebra::scalar::{Constant, Of, Over, Scalar};
+use crate::algebra::scalar::{Constant, Of, Over, Parameters as _, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
-use crate::scheme::gauss::{Field, gather, parameters};
+use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives,
@@ -69,7 +69,7 @@ where
             without_derivatives(h)?;
         }
         check_new(system)?;
-        Ok(Prepared { parameters: parameters(system, lift, h)?, stages: stages::<E, T, W>() })
+        Ok(Prepared { parameters: system.parameters(lift), stages: stages::<E, T, W>() })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -249,8 +249,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     ) {
         let &Self { system, parameters, t, .. } = self;
         if Self::IN_PLACE && !C::CARRIES {
-            let flow = Flow { t: t.lane(0), h: h.lane(0), dw };
-            return add_slopes(system, flow, p, Slopes::BY_MOMENTA, q);
+            return add_slopes(system, self.flow(Origin { t, h }, dw), p, Slopes::BY_MOMENTA, q);
         }
         let [t, h] = [t, h].map(S::constant);
         system.step_slopes::<K, S, false, true>(parameters, t, h, q, p, dw, &mut [], velocity);
@@ -259,9 +258,15 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
 
     /// `p ← p + ∂F/∂q`, in loops.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force<S: Over<K>>(&self, Origin { t, h }: Origin<K>, q: &[S], dw: &[S], p: &mut [S]) {
-        let flow = Flow { t: t.lane(0), h: h.lane(0), dw };
-        add_slopes(self.system, flow, q, Slopes::BY_COORDINATES, p);
+    fn add_force<S: Over<K>>(&self, origin: Origin<K>, q: &[S], dw: &[S], p: &mut [S]) {
+        add_slopes(self.system, self.flow(origin, dw), q, Slopes::BY_COORDINATES, p);
+    }
+
+    /// For elements, of which all lanes have the same constants.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn flow<'s, S: Over<K>>(&'s self, Origin { t, h }: Origin<K>, dw: &'s [S]) -> Flow<'s, S> {
+        let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
+        Flow { t, h, parameters: S::varied(F::Parameters::varied(self.parameters)), dw }
     }
 
     #[expect(clippy::too_many_arguments, reason = "lists of a step, which lie beside each other")]

@@ -9,56 +9,59 @@
 //!
 //! Degrees of freedom that `K` does not couple have separate exponentials.
 
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Constant, Mask as _, Over};
 use crate::error::ConfigError;
 
 /// The flow over a fixed time.
 #[derive(Clone, Debug)]
-pub(super) struct Linear {
-    blocks: Vec<Block>,
+pub(super) struct Linear<K = f64> {
+    blocks: Vec<Block<K>>,
 }
 
 /// The flow of a group of coupled degrees of freedom.
 #[derive(Clone, Debug)]
-struct Block {
+struct Block<K> {
     /// The degrees of freedom; `x` are their coordinates, then their momenta.
     degrees: Vec<usize>,
     /// Row by row, `2n + 1` rows of `2n + 1` numbers: `D` and `d`, then the row for `-∫ b · x / 2`.
-    rows: Vec<f64>,
+    rows: Vec<K>,
 }
 
 /// Number of terms of the sum for `D`: with a norm of at most 1/2, the first omitted term is below rounding.
 const TERMS: u32 = 18;
 
-impl Linear {
+impl<K: Constant> Linear<K> {
     /// The flow over the time `s`. `slopes(x, y)` writes `∂H/∂q`, `∂H/∂p` at `x` into `y`; both have the coordinates first.
     ///
     /// # Errors
     /// [`ConfigError::Parameter`] if an entry of the matrix is not finite.
     pub(super) fn new(
         degrees: usize,
-        s: f64,
-        slopes: &mut dyn FnMut(&[f64], &mut [f64]),
+        s: K,
+        slopes: &mut dyn FnMut(&[K], &mut [K]),
     ) -> Result<Self, ConfigError> {
         let size = 2 * degrees;
-        let (mut x, mut origin) = (vec![0.0; size], vec![0.0; size]);
+        let (zero, one) = (K::from_f64(0.0), K::from_f64(1.0));
+        let (mut x, mut origin) = (vec![zero; size], vec![zero; size]);
         slopes(&x, &mut origin);
         // Column by column, `K`.
-        let columns: Vec<Vec<f64>> = (0..size)
+        let columns: Vec<Vec<K>> = (0..size)
             .map(|j| {
-                let mut column = vec![0.0; size];
-                x[j] = 1.0;
+                let mut column = vec![zero; size];
+                x[j] = one;
                 slopes(&x, &mut column);
-                x[j] = 0.0;
-                column.iter_mut().zip(&origin).for_each(|(slope, origin)| *slope -= origin);
+                x[j] = zero;
+                column.iter_mut().zip(&origin).for_each(|(slope, origin)| *slope = *slope - *origin);
                 column
             })
             .collect();
-        if columns.iter().flatten().chain(&origin).any(|entry| !entry.is_finite()) {
+        if columns.iter().flatten().chain(&origin).any(|entry| !entry.is_finite().all()) {
             return Err(ConfigError::Parameter);
         }
         let is_coupled = |i: usize, j: usize| {
-            [i, i + degrees].iter().any(|&row| columns[j][row] != 0.0 || columns[j + degrees][row] != 0.0)
+            [i, i + degrees]
+                .iter()
+                .any(|&row| !(columns[j][row].vanishes() & columns[j + degrees][row].vanishes()).all())
         };
         let blocks = groups(degrees, is_coupled).into_iter().map(|group| {
             let of_state: Vec<usize> =
@@ -66,7 +69,7 @@ impl Linear {
             let n = of_state.len();
             // `x`, a row for `-∫ b · x / 2`, and 1.
             let size = n + 2;
-            let mut matrix = vec![0.0; size * size];
+            let mut matrix = vec![zero; size * size];
             for row in 0..n {
                 // `J`: `q' = ∂H/∂p`, `p' = -∂H/∂q`.
                 let (slope, sign) =
@@ -75,21 +78,21 @@ impl Linear {
                     matrix[row * size + column] = sign * columns[j][slope];
                 }
                 matrix[row * size + n + 1] = sign * origin[slope];
-                matrix[n * size + row] = -0.5 * s * origin[of_state[row]];
+                matrix[n * size + row] = s * -0.5 * origin[of_state[row]];
             }
             let exponential = exponential_less_one(matrix, size);
             let kept = exponential.chunks(size).take(n + 1);
             let rows = kept.flat_map(|row| row[..n].iter().chain(&row[n + 1..])).copied().collect();
             Block { degrees: group, rows }
         });
-        let blocks: Vec<Block> = blocks.collect();
-        let is_finite = blocks.iter().flat_map(|block| &block.rows).all(|entry| entry.is_finite());
+        let blocks: Vec<Block<K>> = blocks.collect();
+        let is_finite = blocks.iter().flat_map(|block| &block.rows).all(|entry| entry.is_finite().all());
         if is_finite { Ok(Self { blocks }) } else { Err(ConfigError::Parameter) }
     }
 
     /// The increments of the state into `dq`, `dp`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn increments<S: Scalar>(&self, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
+    pub(super) fn increments<S: Over<K>>(&self, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
         for block in &self.blocks {
             let n = block.degrees.len();
             for (row, coefficients) in block.rows.chunks(2 * n + 1).take(2 * n).enumerate() {
@@ -100,7 +103,9 @@ impl Linear {
             }
         }
     }
+}
 
+impl Linear {
     /// `∫ p · q' - H` over the flow from one state to another.
     pub(super) fn action(&self, [q, p]: [&[f64]; 2], [next_q, next_p]: [&[f64]; 2]) -> f64 {
         let product = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
@@ -112,12 +117,12 @@ impl Linear {
     }
 }
 
-impl Block {
+impl<K: Constant> Block<K> {
     /// A row of the map, applied to a state of the whole system.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn row<S: Scalar>(&self, coefficients: &[f64], q: &[S], p: &[S]) -> S {
+    fn row<S: Over<K>>(&self, coefficients: &[K], q: &[S], p: &[S]) -> S {
         let n = self.degrees.len();
-        let mut sum = S::from_f64(coefficients[2 * n]);
+        let mut sum = S::constant(coefficients[2 * n]);
         for (k, &i) in self.degrees.iter().enumerate() {
             sum = sum + q[i] * coefficients[k] + p[i] * coefficients[n + k];
         }
@@ -151,34 +156,34 @@ fn groups(length: usize, is_coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<u
 }
 
 /// `e^M - 1` of a square matrix, row by row.
-fn exponential_less_one(mut matrix: Vec<f64>, n: usize) -> Vec<f64> {
-    let norm = matrix.chunks(n).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+fn exponential_less_one<K: Constant>(mut matrix: Vec<K>, n: usize) -> Vec<K> {
+    let norm = matrix.chunks(n).map(|row| row.iter().map(|x| x.magnitude()).sum::<f64>()).fold(0.0, f64::max);
     // Finite entries have sums below 2^1100.
     let halvings = (0..1100).find(|&k| norm * 0.5_f64.powi(k) <= 0.5).unwrap_or(1100);
     let scale = 0.5_f64.powi(halvings);
-    matrix.iter_mut().for_each(|x| *x *= scale);
+    matrix.iter_mut().for_each(|x| *x = *x * scale);
     // Horner: `M (1 + M/2 (1 + M/3 (...)))`.
-    let mut sum = vec![0.0; n * n];
+    let mut sum = vec![K::from_f64(0.0); n * n];
     for term in (1..=TERMS).rev() {
         for i in 0..n {
-            sum[i * n + i] += 1.0;
+            sum[i * n + i] = sum[i * n + i] + 1.0;
         }
         sum = product(&matrix, &sum, n);
-        sum.iter_mut().for_each(|x| *x /= f64::from(term));
+        sum.iter_mut().for_each(|x| *x = *x / f64::from(term));
     }
     for _ in 0..halvings {
         let square = product(&sum, &sum, n);
-        sum.iter_mut().zip(square).for_each(|(x, square)| *x = 2.0 * *x + square);
+        sum.iter_mut().zip(square).for_each(|(x, square)| *x = *x * 2.0 + square);
     }
     sum
 }
 
-fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
-    let mut product = vec![0.0; n * n];
+fn product<K: Constant>(a: &[K], b: &[K], n: usize) -> Vec<K> {
+    let mut product = vec![K::from_f64(0.0); n * n];
     for (row, into) in a.chunks(n).zip(product.chunks_mut(n)) {
         for (&factor, other) in row.iter().zip(b.chunks(n)) {
-            if factor != 0.0 {
-                into.iter_mut().zip(other).for_each(|(into, other)| *into += factor * other);
+            if !factor.vanishes().all() {
+                into.iter_mut().zip(other).for_each(|(into, other)| *into = *into + factor * *other);
             }
         }
     }

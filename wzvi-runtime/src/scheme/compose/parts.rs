@@ -20,9 +20,11 @@ use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Elements, Point, Slopes, check_new, slopes, value_of_part};
+use crate::scheme::elements::{Elements, Point, Slopes, check_new, forces, slopes, value_of_part};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Hamiltonian as _, Lift, Properties, Scheme, Segment, without_derivatives};
+use crate::scheme::system::{
+    At, Hamiltonian as _, Lift, Properties, Scheme, Segment, as_they_are, varied, varied_without_lists,
+};
 
 /// The form of a part of the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,13 +51,14 @@ impl<F: Elements> Parts<F> {
 fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     system: &F,
     part: Half,
-    [t, h]: [f64; 2],
+    parameters: &[S::Constant],
+    [t, h]: [S::Constant; 2],
     [q, p]: [&[S]; 2],
     [by_q, by_p]: [&mut [S]; 2],
 ) {
     by_q.fill(S::from_f64(0.0));
     by_p.fill(S::from_f64(0.0));
-    let at = Point { q, p, t, h, dw: &[], acting: 0..0, scale: 1.0 };
+    let at = Point { h, ..Point::new([q, p], t, parameters, &[]) };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
     slopes(system, Parts::<F>::OF_DRIFT.0 + part as usize, 1.0, &at, wanted, by_q, by_p);
 }
@@ -66,30 +69,34 @@ pub struct PartFlows<W>(PhantomData<W>);
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
-pub struct Prepared(Stages<Act>);
+pub struct Prepared<K> {
+    parameters: Vec<K>,
+    stages: Stages<Act<K>>,
+}
 
 /// The flow of a part.
 #[derive(Clone, Debug)]
-enum Act {
+enum Act<K> {
     /// `p ← p - a ∂H/∂q`
     Kick(Half),
     /// `q ← q + a ∂H/∂p`
     Drift(Half),
     /// A linear map.
-    Map(Arc<Linear>),
+    Map(Arc<Linear<K>>),
 }
 
 /// Prepares the parts of a step, with one map for all stages of the same part and weight.
 ///
 /// # Errors
 /// [`ConfigError::Parameter`] where a coefficient is not finite.
-fn prepare<F: Elements>(
+fn prepare<F: Elements, K: Constant>(
     system: &F,
     degrees: usize,
-    h: f64,
+    (lift, h): (Lift<'_, K>, K),
     substeps: &[Substep],
-) -> Result<Prepared, ConfigError> {
-    let mut known: Vec<(Stage, Arc<Linear>)> = Vec::new();
+) -> Result<Prepared<K>, ConfigError> {
+    let parameters = varied(system, &|number, value| lift(number, value).to_constant());
+    let mut known: Vec<(Stage, Arc<Linear<K>>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
         match Parts::<F>::OF_DRIFT.1[half as usize] {
@@ -102,12 +109,13 @@ fn prepare<F: Elements>(
         {
             return Ok(Act::Map(map.clone()));
         }
-        let map = Linear::new(degrees, stage.weight * h, &mut |x, slopes| {
+        let map = Linear::new(degrees, h * stage.weight, &mut |x, slopes| {
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
-            slopes_of_part::<F, f64, true, true>(system, half, [0.0, 1.0], [q, p], [by_q, by_p]);
+            let unit = [0.0, 1.0].map(Scalar::from_f64);
+            slopes_of_part::<F, K, true, true>(system, half, &parameters, unit, [q, p], [by_q, by_p]);
             if F::FACTS.kind.is_conformal {
-                let rate = system.friction_rate();
-                by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope += rate * p);
+                let rate = K::of_constant(system.friction_rate(&parameters));
+                by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
             }
         });
         let map = Arc::new(map?);
@@ -116,14 +124,15 @@ fn prepare<F: Elements>(
     };
     let stages = Stages::of(substeps).0;
     let stages = stages.iter().map(|stage| Ok(stage.with(act(stage)?)));
-    Ok(Prepared(Stages(stages.collect::<Result<_, _>>()?)))
+    let parameters = varied_without_lists(system, lift)?;
+    Ok(Prepared { parameters, stages: Stages(stages.collect::<Result<_, _>>()?) })
 }
 
 impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
     const PLAN: Plan = plan(F::FACTS.explicit(), W::ORDER);
     const PROPERTIES: Properties =
         Properties { kept_energy: KeptEnergy::Nearly, ..Properties::of(&<Self as Scheme<F>>::PLAN, 0) };
-    type Prepared<K: Constant> = Prepared;
+    type Prepared<K: Constant> = Prepared<K>;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = Plain;
@@ -132,24 +141,23 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
         Memory::of_system(system)
     }
 
-    fn prepare<K: Constant>(system: &F, _: Lift<'_, K>, h: K) -> Result<Prepared, ConfigError> {
-        let h = without_derivatives(h)?;
+    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Prepared<K>, ConfigError> {
         check_new(system)?;
-        prepare(system, system.degrees(), h, &W::substeps())
+        prepare(system, system.degrees(), (lift, h), &W::substeps())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
-        prepared: &Prepared,
+        Prepared { parameters, stages }: &Prepared<K>,
         at: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.plain()?;
-        let flows = FlowsOf { system, t, h };
-        let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<S, C>(stage, rooms);
-        advance(system, take, &prepared.0.0, [q, p], dw, memory, carry)
+        let At { t, h, q, p, dw } = at.shared();
+        let flows = FlowsOf::<F, S> { system, parameters: S::varied(parameters), t, h };
+        let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<K, C>(stage, rooms);
+        advance(system, take, &stages.0, [q, p], dw, memory, carry)
     }
 
     /// A drift has the discrete Lagrangian `p · Δq - a H(p)`, a kick `-b H(q)`, and a linear map the integral of `p · q' - H`.
@@ -169,8 +177,9 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
     ) -> Option<Followed<F::Vector>> {
         let (t, h, degrees) = (segment.t, segment.h, segment.q0.components().len());
         system.check(degrees).ok()?;
-        let Prepared(Stages(stages)) = prepare(system, degrees, h, &W::substeps()).ok()?;
-        let action = |stage: &Stage<Act>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
+        let prepared = prepare(system, degrees, (&as_they_are, h), &W::substeps()).ok()?;
+        let Stages(stages) = prepared.stages;
+        let action = |stage: &Stage<Act<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half: Half| {
                 let part = Parts::<F>::OF_DRIFT.0 + half as usize;
                 stage.weight * h * value_of_part(system, part, t + stage.node * h, q, p)
@@ -185,41 +194,49 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
                 Act::Map(map) => map.action(before, [q, p]),
             }
         };
-        let flows = FlowsOf { system, t, h };
+        let flows = FlowsOf { system, parameters: &[], t, h };
         let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<f64, Plain>(stage, rooms);
         follow(take, &stages, segment, dw, action)
     }
 }
 
 /// The flows of the parts in a step.
-struct FlowsOf<'a, F> {
+struct FlowsOf<'a, F, S: Scalar> {
     system: &'a F,
-    t: f64,
-    h: f64,
+    parameters: &'a [S::Constant],
+    t: S::Constant,
+    h: S::Constant,
 }
 
-impl<F: Elements> FlowsOf<'_, F> {
+impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
     /// Moves the state by a part of a step. None of these parts fails.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<S: Scalar, C: Carry<S>>(
+    fn take<K: Constant, C: Carry<S>>(
         &self,
-        stage: &Stage<Act>,
+        stage: &Stage<Act<K>>,
         rooms: &mut Rooms<S, F::Shape>,
-    ) -> Result<(), StepFailure> {
-        let &Self { system, t, h } = self;
+    ) -> Result<(), StepFailure>
+    where
+        S: Over<K>,
+    {
+        let &Self { system, parameters, t, h } = self;
         let [q, p, lost_q, lost_p, force, velocity] = rooms.0.each_mut().map(AsMut::as_mut);
-        let (t, h) = (t + stage.node * h, stage.weight * h);
+        let (t, h) = (h * stage.node + t, h * stage.weight);
         match &stage.act {
             Act::Kick(half) => {
-                slopes_of_part::<F, S, true, false>(system, *half, [t, -h], [q, p], [force, &mut []]);
+                let into = [&mut *force, &mut []];
+                slopes_of_part::<F, S, true, false>(system, *half, parameters, [t, -h], [q, p], into);
                 if F::FACTS.kind.is_forced {
-                    system.force(q, p, t, velocity);
+                    velocity.fill(S::from_f64(0.0));
+                    forces(system, &Point::new([&*q, p], t, parameters, &[]), velocity);
+                    let h = S::of_constant(h);
                     force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
                 }
                 add::<S, C>(p, force, lost_p);
             }
             Act::Drift(half) => {
-                slopes_of_part::<F, S, false, true>(system, *half, [t, h], [q, p], [&mut [], velocity]);
+                let into = [&mut [][..], &mut *velocity];
+                slopes_of_part::<F, S, false, true>(system, *half, parameters, [t, h], [q, p], into);
                 add::<S, C>(q, velocity, lost_q);
             }
             Act::Map(map) => {

@@ -151,13 +151,13 @@ impl<'a, A> FlowList<'a, A> {
     pub(crate) fn flow(&self, number: usize) -> Flow<'a, f64> {
         let &Stage { share, node, .. } = &self.stages[number];
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
-        Flow { t: self.t + node * self.h, h: share * self.h, dw }
+        Flow { t: self.t + node * self.h, h: share * self.h, parameters: &[], dw }
     }
 
     /// As [`Word::origin`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn origin(&self, number: usize) -> Option<Origin> {
-        let Flow { t, h, dw } = self.flow(number);
+        let Flow { t, h, dw, .. } = self.flow(number);
         let is_kept = self.stages[number].is_end && dw.is_empty();
         is_kept.then(|| Origin { t: self.reads_time.then_some(t), h })
     }

@@ -4,22 +4,37 @@ use super::{Curvature, Elements, Point, Slopes, slopes};
 use crate::algebra::scalar::Scalar;
 
 /// The friction rates, from the slopes of part number `part`, a covector.
-pub(crate) fn rates<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
+pub(crate) fn rates<H: Elements, S: Scalar>(
+    system: (&H, &[S::Constant]),
+    part: usize,
+    q: &[S],
+    into: &mut [S],
+) {
     if into.len() != q.len() {
         return into.fill(S::from_f64(f64::NAN));
     }
-    along(system, part, [q, q], into);
+    let (system, parameters) = system;
+    let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
+    into.fill(S::from_f64(0.0));
+    slopes(system, part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
+    // A covector `f` has the slopes `-f`.
+    into.iter_mut().for_each(|entry| *entry = -*entry);
 }
 
 /// `Γ` by rows, the matrix of part number `part`, a covector that is linear in the momenta.
-pub(crate) fn damping<H: Elements, S: Scalar>(system: &H, part: usize, q: &[S], into: &mut [S]) {
+pub(crate) fn damping<H: Elements, S: Scalar>(
+    (system, parameters): (&H, &[S::Constant]),
+    part: usize,
+    q: &[S],
+    into: &mut [S],
+) {
     let degrees = q.len();
     if into.len() != degrees * degrees {
         return into.fill(S::from_f64(f64::NAN));
     }
     into.fill(S::from_f64(0.0));
     // The momenta do not matter.
-    let at = Point { q, p: q, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
+    let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
     system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut Rows { degrees, into });
 }
 
@@ -38,12 +53,4 @@ impl<S: Scalar> Curvature<S> for Rows<'_, S> {
         let entry = &mut self.into[i * self.degrees + j];
         *entry = *entry - value;
     }
-}
-
-fn along<H: Elements, S: Scalar>(system: &H, part: usize, [q, p]: [&[S]; 2], into: &mut [S]) {
-    let at = Point { q, p, t: 0.0, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
-    into.fill(S::from_f64(0.0));
-    slopes(system, part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
-    // A covector `f` has the slopes `-f`.
-    into.iter_mut().for_each(|entry| *entry = -*entry);
 }

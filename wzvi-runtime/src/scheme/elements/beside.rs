@@ -67,21 +67,16 @@ impl<S: Scalar, T: Number<S>, U: Number<S>, const M: usize, const F: usize> Plac
         }
     }
 
-    /// Computes the slopes of the first `few` placements; `own` and `constants` are the same for all.
+    /// Computes the slopes of the first `few` placements; `own` numbers are the same for all.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn take<K: Pair<O, P, 0, M, F>, const O: usize, const P: usize>(
-        &mut self,
-        few: usize,
-        own: [T; O],
-        constants: [f64; P],
-    ) {
+    pub fn take<K: Pair<O, 0, M, F>, const O: usize>(&mut self, few: usize, own: [T; O]) {
         let numbers = self.numbers.0.each_ref();
         if few < FEW {
-            self.block.fill_one_by_one::<T, K, O, P, M>(few, own, constants, [], numbers);
+            self.block.fill_one_by_one::<T, K, O, M>(few, own, [], numbers);
         } else if few > HALF {
-            self.block.fill::<T, U, K, O, P, M>(AT_ONCE, few, own, constants, [], numbers);
+            self.block.fill::<T, U, K, O, M>(AT_ONCE, few, own, [], numbers);
         } else {
-            self.block.fill::<T, U, K, O, P, M>(HALF, few, own, constants, [], numbers);
+            self.block.fill::<T, U, K, O, M>(HALF, few, own, [], numbers);
         }
     }
 
@@ -101,21 +96,16 @@ mod tests {
     /// `c sin(k (x - y))`
     struct Bond;
 
-    impl Pair<1, 1, 0, 2, 2> for Bond {
+    impl Pair<2, 0, 2, 2> for Bond {
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn slopes<T: Scalar>(
-            [c]: [T; 1],
-            [k]: [f64; 1],
-            _partner: [T; 0],
-            [x, y]: [T; 2],
-        ) -> ([T; 2], [T; 0]) {
+        fn slopes<T: Scalar>([c, k]: [T; 2], _partner: [T; 0], [x, y]: [T; 2]) -> ([T; 2], [T; 0]) {
             let slope = c * ((x - y) * k).sin();
             ([slope, -slope], [])
         }
     }
 
-    fn factor() -> [Alone; 1] {
-        [Alone::from_f64(0.3)]
+    fn factors() -> [Alone; 2] {
+        [0.3, 1.7].map(Alone::from_f64)
     }
 
     /// Adds the slopes of all bonds.
@@ -143,7 +133,7 @@ mod tests {
                 for lane in 0..few {
                     placements.read(lane, bonds[first + lane].map(|site| Alone::of(q[site])));
                 }
-                placements.take::<Bond, 1, 1>(few, factor(), [1.7]);
+                placements.take::<Bond, 2>(few, factors());
                 for lane in 0..few {
                     add(sums, bonds[first + lane], placements.slopes(lane));
                 }
@@ -162,7 +152,7 @@ mod tests {
             q[4] = far;
             let mut reference = [0.1; 7];
             for &bond in &bonds {
-                let (slopes, []) = Bond::slopes(factor(), [1.7], [], bond.map(|site| Alone::of(q[site])));
+                let (slopes, []) = Bond::slopes(factors(), [], bond.map(|site| Alone::of(q[site])));
                 add(&mut reference, bond, slopes);
             }
             for set in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {

@@ -46,7 +46,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 }
 
 /// The equations of a step with their scratch.
-struct Sweep<'a, 's, H, S> {
+struct Sweep<'a, 's, H, S: Scalar> {
     step: Step<'s, H, S>,
     blocks: &'a Blocks,
     lists: &'a mut Lists<'s, S>,

@@ -241,7 +241,7 @@ mod tests {
             by_q: &mut (impl Sums<S> + ?Sized),
             by_p: &mut (impl Sums<S> + ?Sized),
         ) {
-            let scale = weight * at.h;
+            let scale = T::of_constant(at.h * weight);
             for i in 0..if wanted.by_p { self.mass.len() } else { 0 } {
                 by_p.add(i, T::of(at.p[i]) * (scale / self.mass[i]));
             }
@@ -315,8 +315,17 @@ mod tests {
                 let (q, p) = (scaled(list(0.0, 1.0)), scaled(list(0.0, 2.0)));
                 // Forces grow with the cube of the largest stretch, which is a thousand at most.
                 let h = 1e-4;
-                let step =
-                    Step { system: &system, scheme, t: 0.0, h, q: &q, p: &p, dw: &[], increment: None };
+                let step = Step {
+                    system: &system,
+                    scheme,
+                    t: 0.0,
+                    h,
+                    parameters: &[],
+                    q: &q,
+                    p: &p,
+                    dw: &[],
+                    increment: None,
+                };
                 let mut memory = Memory::new(&system, scheme);
                 let mut scratch = memory.scratch(scheme, n);
                 step.start(&mut scratch, 0);

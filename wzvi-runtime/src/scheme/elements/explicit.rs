@@ -23,35 +23,35 @@ use crate::scheme::system::At;
 /// [`StepFailure`]: sizes that do not fit, a state that is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance_explicit<H: Elements + Sync, S: Scalar, C: Carry<S>>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S>,
+    at: At<'_, S, S::Constant>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     if size_of::<S>() == size_of::<f64>() {
-        advance(system, scheme, at, memory, carry)
+        advance((system, parameters), scheme, at, memory, carry)
     } else {
-        advance_apart(system, scheme, at, memory, carry)
+        advance_apart((system, parameters), scheme, at, memory, carry)
     }
 }
 
 #[inline(never)]
 fn advance_apart<H: Elements + Sync, S: Scalar, C: Carry<S>>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S>,
+    at: At<'_, S, S::Constant>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
-    advance(system, scheme, at, memory, carry)
+    advance((system, parameters), scheme, at, memory, carry)
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    At { t, h, q, p, dw }: At<'_, S>,
+    At { t, h, q, p, dw }: At<'_, S, S::Constant>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
@@ -66,13 +66,14 @@ fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     {
         if !C::CARRIES {
             let (q, p) = (known_q, known_p);
-            let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+            let [t, h] = [t, h].map(|constant| constant.lane(0));
+            let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
             step.advance_windows(&mut memory.plan)?.copy(q, p);
             return Ok(Effort::fast(0));
         }
         memory.make_room(scheme, q.len());
     }
-    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+    let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
     let mut lists = memory.work.lists(scheme, step.degrees());
     if !C::CARRIES && !H::FACTS.kind.is_conformal && scheme.update == MomentumUpdate::Multiple(1.0) {
         // `P` is the new momentum.
@@ -113,12 +114,13 @@ pub(super) fn advance_explicit_vectors<H: Elements + Sync, C: Carry<f64>>(
             return Err(StepFailure::Dimension { expected: degrees, got: p.components().len() });
         }
         let dw = super::increments(system, dw)?;
-        let step = Step { system, scheme, t, h, q: q.components(), p: p.components(), dw, increment: None };
+        let (known_q, known_p, parameters) = (q.components(), p.components(), &[][..]);
+        let step = Step { system, scheme, t, h, parameters, q: known_q, p: known_p, dw, increment: None };
         step.advance_windows(&mut memory.plan)?.exchange(q, p);
         return Ok(Effort::fast(0));
     }
     let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-    advance_explicit(system, scheme, at, memory, carry)
+    advance_explicit((system, &[]), scheme, at, memory, carry)
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {

@@ -10,7 +10,7 @@ use crate::ground::variables::Variables;
 use crate::scheme::system::{Gradient, Hamiltonian, Kind};
 
 /// The number of the part for the drift, `h H_0`.
-pub(super) const DRIFT: usize = 0;
+pub(crate) const DRIFT: usize = 0;
 /// The number of the part for the noises, `Σ_k ΔW_k H_k`.
 pub(super) const NOISE: usize = 1;
 /// The number of the part for the force beside the drift, with the slopes `-h f`.
@@ -31,6 +31,13 @@ fn part_of(term: usize) -> (usize, Range<usize>) {
     }
 }
 
+/// The forces beside the drift; `into` is zero.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn forces<H: Elements, S: Scalar>(system: &H, at: &Point<'_, S>, into: &mut [S]) {
+    slopes(system, FORCE, 1.0, at, Slopes::BY_COORDINATES, into, &mut []);
+    into.iter_mut().for_each(|slope| *slope = -*slope);
+}
+
 /// For users and for schemes that need no more than a Hamiltonian. States that do not fit give NaN.
 impl<H: Elements> Hamiltonian for H {
     type Vector = <H as Elements>::Vector;
@@ -45,7 +52,7 @@ impl<H: Elements> Hamiltonian for H {
     }
 
     fn friction_rate(&self) -> f64 {
-        Elements::friction_rate(self)
+        Elements::friction_rate(self, &[])
     }
 
     fn validate(&self) -> Result<(), ConfigError> {
@@ -73,7 +80,7 @@ impl<H: Elements> Hamiltonian for H {
             return S::from_f64(f64::NAN);
         }
         let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-        self.value(part, 1.0, &Point { q, p, t, h: 1.0, dw: &dw, acting, scale: 1.0 })
+        self.value(part, 1.0, &Point { acting, ..Point::new([q, p], Scalar::from_f64(t), &[], &dw) })
     }
 
     fn differentiate<S: Scalar>(
@@ -92,7 +99,7 @@ impl<H: Elements> Hamiltonian for H {
         by_p.fill(start);
         if is_known {
             let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
-            let at = Point { q, p, t, h: 1.0, dw: &dw, acting, scale: 1.0 };
+            let at = Point { acting, ..Point::new([q, p], Scalar::from_f64(t), &[], &dw) };
             slopes(self, part, 1.0, &at, Slopes::ALL, by_q, by_p);
         }
     }
@@ -106,7 +113,7 @@ impl<H: Elements> Hamiltonian for H {
         by_q.fill(start);
         by_p.fill(start);
         if is_known {
-            let at = Point { q, p, t: state.t, h: 1.0, dw, acting: 0..dw.len(), scale: 1.0 };
+            let at = Point { acting: 0..dw.len(), ..Point::new([q, p], state.t, &[], dw) };
             slopes(self, NOISE, 1.0, &at, Slopes::ALL, by_q, by_p);
         }
     }
@@ -115,9 +122,7 @@ impl<H: Elements> Hamiltonian for H {
         let is_known = fits(self, q, p) && into.len() == q.len();
         into.fill(S::from_f64(if is_known { 0.0 } else { f64::NAN }));
         if is_known && H::FACTS.kind.is_forced {
-            let at = Point { q, p, t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
-            slopes(self, FORCE, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
-            into.iter_mut().for_each(|slope| *slope = -*slope);
+            forces(self, &Point::new([q, p], Scalar::from_f64(t), &[], &[]), into);
         }
     }
 
@@ -126,7 +131,6 @@ impl<H: Elements> Hamiltonian for H {
         if number >= self.invariants() || !fits(self, q, p) {
             return f64::NAN;
         }
-        let at = Point { q, p, t: state.t, h: 1.0, dw: &[], acting: 0..0, scale: 1.0 };
-        self.value(H::FACTS.integrals + number, 1.0, &at)
+        self.value(H::FACTS.integrals + number, 1.0, &Point::new([q, p], state.t, &[], &[]))
     }
 }

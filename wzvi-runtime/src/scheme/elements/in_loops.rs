@@ -16,7 +16,7 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
-    At, Discretized, LagrangianGradient, Lift, Properties, Scheme, Segment, without_derivatives,
+    At, Discretized, LagrangianGradient, Lift, Properties, Scheme, Segment, varied_without_lists,
 };
 
 /// A scheme whose steps are solved in loops.
@@ -58,7 +58,8 @@ where
         in_lanes: Of::<H, E>::IS_EXPLICIT || go_side_by_side(&H::FACTS, Of::<H, E>::QUADRATURE),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
-    type Prepared<K: Constant> = ();
+    /// All parameters, where they have derivatives.
+    type Prepared<K: Constant> = Vec<K>;
     type Memory<S: Scalar> = Memory<S>;
     type Compensated<S: Scalar> = Compensated<S, Dynamic>;
     type Carry<S: Scalar> = Plain;
@@ -67,20 +68,20 @@ where
         Memory::new(system, Of::<H, E>::QUADRATURE)
     }
 
-    fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
-        without_derivatives(h)?;
-        check_new(system)
+    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, _: K) -> Result<Vec<K>, ConfigError> {
+        check_new(system)?;
+        varied_without_lists(system, lift)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
-        (): &(),
+        parameters: &Vec<K>,
         at: At<'_, S, K>,
         memory: &mut Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let at = at.plain()?;
+        let (at, system) = (at.shared(), (system, S::varied(parameters)));
         if const { Of::<H, E>::IS_EXPLICIT } {
             advance_explicit(system, Of::<H, E>::QUADRATURE, at, memory, carry)
         } else {
@@ -91,7 +92,7 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
         system: &H,
-        (): &(),
+        _: &Vec<f64>,
         [t, h]: [f64; 2],
         [q, p]: [&mut <H as Elements>::Vector; 2],
         dw: &[f64],
@@ -110,7 +111,7 @@ where
             );
         }
         let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        iterate::advance::<H, f64, C, CAREFUL>(system, Of::<H, E>::QUADRATURE, at, memory, carry)
+        iterate::advance::<H, f64, C, CAREFUL>((system, &[]), Of::<H, E>::QUADRATURE, at, memory, carry)
     }
 
     fn discrete_lagrangian(system: &H, segment: &Segment<<H as Elements>::Vector>, dw: &[f64]) -> f64 {

@@ -30,25 +30,25 @@ const MOST_ITERATIONS: u32 = 100;
 /// [`StepFailure`]: sizes that do not fit, no convergence, a singular Jacobian, a state that is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S>,
+    at: At<'_, S, S::Constant>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     if CAREFUL || !memory.fits(system, at.q.len()) {
-        return advance_anyhow::<H, S, C, CAREFUL>(system, scheme, at, memory, carry);
+        return advance_anyhow::<H, S, C, CAREFUL>((system, parameters), scheme, at, memory, carry);
     }
-    advance_fitting::<H, S, C, false>(system, scheme, at, memory, carry)
+    advance_fitting::<H, S, C, false>((system, parameters), scheme, at, memory, carry)
 }
 
 /// The same for a memory of another size or for a careful step: rare, and compiled once for all schemes.
 #[cold]
 #[inline(never)]
 fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S>,
+    at: At<'_, S, S::Constant>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
@@ -65,7 +65,7 @@ fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: boo
         fitting.fit(system, scheme, at.q.len())?;
         anew.insert(fitting)
     };
-    let effort = advance_fitting::<H, S, C, CAREFUL>(system, scheme, at, fitting, carry)?;
+    let effort = advance_fitting::<H, S, C, CAREFUL>((system, parameters), scheme, at, fitting, carry)?;
     if let Some(fitting) = anew {
         *memory = fitting;
     }
@@ -75,15 +75,15 @@ fn advance_anyhow<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: boo
 /// The step with a memory that fits the state.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bool>(
-    system: &H,
+    (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    At { t, h, q, p, dw }: At<'_, S>,
+    At { t, h, q, p, dw }: At<'_, S, S::Constant>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let [q, p] = super::sized_mut(system, [q, p])?;
     let dw = super::increments(system, dw)?;
-    let step = Step { system, scheme, t, h, q, p, dw, increment: None };
+    let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
     let degrees = step.degrees();
     let (effort, solution) = if CAREFUL {
         let effort = step.careful(memory)?;

@@ -206,7 +206,8 @@ pub(super) type Visit<'v> = &'v mut dyn FnMut(usize, usize);
 /// Calls `visit` with every off-diagonal position where the Jacobian may have an entry, some more than once.
 pub(super) fn pattern<H: Elements>(system: &H, scheme: &Quadrature, degrees: usize, visit: Visit<'_>) {
     let (zeros, dw) = (vec![0.0; degrees], vec![0.0; system.noises()]);
-    let step = Step { system, scheme, t: 0.0, h: 1.0, q: &zeros, p: &zeros, dw: &dw, increment: None };
+    let (q, p, dw) = (&*zeros, &*zeros, &*dw);
+    let step = Step { system, scheme, t: 0.0, h: 1.0, parameters: &[], q, p, dw, increment: None };
     let (mut work, diagonal) = (Work::new(scheme, degrees), vec![0.0; scheme.unknowns.diagonals(degrees)]);
     step.entries_rarely(&work.lists(scheme, degrees), &diagonal, &mut |row, column, _| {
         if row != column {

@@ -24,19 +24,19 @@ const A_SOLUTION: u32 = 4;
 
 /// The step and the unknowns at which factors were made.
 #[derive(Debug, Default)]
-struct Anchor<S> {
+struct Anchor<S: Scalar> {
     is_known: bool,
     /// Whether complete factors were requested.
     all: bool,
-    t: f64,
-    h: f64,
+    t: S::Constant,
+    h: S::Constant,
     /// Coordinates, momenta, noise increments, unknowns.
     lists: [Vec<S>; 4],
 }
 
-impl<S: Copy> Anchor<S> {
+impl<S: Scalar> Anchor<S> {
     /// Copies without a new allocation where the lists have the capacity.
-    fn copy(&mut self, all: bool, t: f64, h: f64, lists: [&[S]; 4]) {
+    fn copy(&mut self, all: bool, [t, h]: [S::Constant; 2], lists: [&[S]; 4]) {
         (self.is_known, self.all, self.t, self.h) = (true, all, t, h);
         for (own, list) in self.lists.iter_mut().zip(lists) {
             own.clear();
@@ -61,7 +61,7 @@ enum Made {
 
 /// Where the stored factors were made, and what they have cost.
 #[derive(Debug, Default)]
-pub(super) struct Kept<S> {
+pub(super) struct Kept<S: Scalar> {
     made: Made,
     /// Where the factors for the next step were made.
     anchor: Anchor<S>,
@@ -94,7 +94,7 @@ impl<S: Scalar> Clone for Kept<S> {
         let Anchor { is_known, all, t, h, lists } = &other.anchor;
         self.anchor.is_known = *is_known;
         if *is_known {
-            self.anchor.copy(*all, *t, *h, lists.each_ref().map(Vec::as_slice));
+            self.anchor.copy(*all, [*t, *h], lists.each_ref().map(Vec::as_slice));
         }
     }
 }
@@ -111,7 +111,8 @@ impl<S: Scalar> Numbers for Kept<S> {
             return;
         }
         tape.flag(all);
-        tape.numbers([t, h]);
+        t.pass(tape);
+        h.pass(tape);
         lists.pass(tape);
         tape.words([&mut self.least, &mut self.excess]);
     }
@@ -192,12 +193,12 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             return false;
         }
         if self.scheme.is_linear || kept.made == Made::Now {
-            return kept.made == Made::Now || kept.made == Made::Always(self.h);
+            return kept.made == Made::Now || kept.made == Made::Always(self.h.lane(0));
         }
         let [q, _, dw, x] = &kept.anchor.lists;
         let fits = [q.len(), dw.len(), x.len()] == [self.degrees(), self.dw.len(), lists.x.len()];
         let Anchor { is_known, all, h, .. } = kept.anchor;
-        let serves = is_known && h == self.h && all == kept.wants_all() && fits;
+        let serves = is_known && h.is_identical(self.h) && all == kept.wants_all() && fits;
         if !serves {
             return false;
         }
@@ -216,7 +217,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         let anchor = std::mem::take(&mut kept.anchor);
         let [q, p, dw, x] = &anchor.lists;
         let (t, h) = (anchor.t, anchor.h);
-        let step = Step { system: self.system, scheme: self.scheme, t, h, q, p, dw, increment: None };
+        let step = Step { t, h, q, p, dw, increment: None, ..*self };
         lists.x.copy_from_slice(x);
         step.residual(lists);
         kept.made = Made::Unknown;
@@ -250,9 +251,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             return Err(astray(0, f64::INFINITY));
         }
         if self.scheme.is_linear {
-            kept.made = Made::Always(self.h);
+            kept.made = Made::Always(self.h.lane(0));
         } else if self.leaves_factors(linear, pinned) {
-            kept.next.copy(all, self.t, self.h, [self.q, self.p, self.dw, &*lists.x]);
+            kept.next.copy(all, [self.t, self.h], [self.q, self.p, self.dw, &*lists.x]);
             kept.made = Made::Now;
         }
         Ok(())

@@ -27,7 +27,7 @@ fn for_each_part<H: Elements>(
 ) {
     let &Segment { ref q0, ref p, t, h, .. } = segment;
     let (q, p) = (q0.components(), p.components());
-    let step = Step { system, scheme, t, h, q, p, dw, increment: Some(increment) };
+    let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: Some(increment) };
     for stage in scheme.stages {
         let places = along(q, increment, stage.point);
         let at = step.at(stage, &places[..], p);
@@ -81,7 +81,7 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
         }
     });
     if H::KIND.is_conformal {
-        let decay = decay(system, segment.h);
+        let decay = decay(system, &[], segment.h);
         for end in by_end {
             *end += decay * *end;
         }
@@ -111,14 +111,14 @@ pub(crate) fn step_momentum<H: Elements>(
 }
 
 /// `P` if the change of the momenta is `factor` times `v = P - p_i`. NaN if sizes do not fit.
-fn momentum_between<H: Hamiltonian>(
+fn momentum_between<H: Elements>(
     system: &H,
     factor: f64,
     before: &State<H::Vector>,
     after: &State<H::Vector>,
     h: f64,
 ) -> H::Vector {
-    let decay = if H::KIND.is_conformal { decay(system, h) } else { 0.0 };
+    let decay = if H::KIND.is_conformal { decay(system, &[], h) } else { 0.0 };
     let (mut momentum, end) = (before.p.clone(), after.p.components());
     if end.len() != momentum.components().len() {
         momentum.components_mut().fill(f64::NAN);
@@ -148,7 +148,7 @@ fn momentum_increment<H: Elements>(
     let scheme = &Quadrature { unknowns: Unknowns::Momenta, remembers: false, ..*scheme };
     let mut memory = Memory::default();
     memory.fit(system, scheme, q.len()).ok()?;
-    let step = Step { system, scheme, t: before.t, h, q, p, dw, increment: Some(&u) };
+    let step = Step { system, scheme, t: before.t, h, parameters: &[], q, p, dw, increment: Some(&u) };
     let ends = Ends::new(&step, after);
     let solved = |memory: &mut Memory<f64>| {
         step.careful(memory).ok()?;
@@ -164,16 +164,18 @@ fn momentum_increment<H: Elements>(
     };
     solved(&mut memory)
         .or_else(|| from(&mut memory, differences(p, after.p.components())))
-        .or_else(|| from(&mut memory, Step { increment: None, ..step }.momenta()?))
+        .or_else(|| from(&mut memory, step.momenta()?))
 }
 
 impl<H: Elements> Step<'_, H, f64> {
     /// `v` of the step itself, solved for `u` and `v` from zero.
-    fn momenta(self) -> Option<Vec<f64>> {
+    fn momenta(&self) -> Option<Vec<f64>> {
         let (mut memory, scheme) =
             (Memory::default(), &Quadrature { unknowns: Unknowns::Both, ..*self.scheme });
         memory.fit(self.system, scheme, self.degrees()).ok()?;
-        Step { scheme, ..self }.careful(&mut memory).ok()?;
+        let &Self { system, t, h, parameters, q, p, dw, .. } = self;
+        let step = Step { system, scheme, t, h, parameters, q, p, dw, increment: None };
+        step.careful(&mut memory).ok()?;
         let x = memory.work.lists(scheme, self.degrees()).x;
         Some(second_of_each(x))
     }
@@ -226,14 +228,15 @@ impl<'a, H: Elements> Ends<'a, H> {
             p.error += shrinking / (1.0 - shrinking) * term;
         }
         let pull = self.pull(&momentum, |stage| stage.end);
-        let kept = if H::KIND.is_conformal { 1.0 + decay(self.step.system, self.step.h) } else { 1.0 };
+        let kept = if H::KIND.is_conformal { 1.0 + decay(self.step.system, &[], self.step.h) } else { 1.0 };
         are_joined(&momentum, &pull, kept, &self.end_p)
     }
 
     /// `Σ w_s F_q(q_i + c_s u, P)`
     fn pull(&self, momentum: &[Rounded], weight: impl Fn(&Stage) -> f64) -> Vec<Rounded> {
         let Step { system, scheme, t, h, .. } = self.step;
-        let step = Step { system, scheme, t, h, q: &self.q, p: &self.p, dw: &self.dw, increment: None };
+        let (q, p, dw) = (&*self.q, &*self.p, &*self.dw);
+        let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
         let nothing = vec![Rounded::exact(0.0); self.q.len()];
         let (mut sum, mut unused) = (nothing.clone(), nothing.clone());
         for stage in scheme.stages.iter().filter(|stage| weight(stage) != 0.0) {

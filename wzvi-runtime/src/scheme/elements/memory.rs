@@ -17,7 +17,7 @@ use crate::ground::numbers::{Numbers, Tape};
 
 /// Vectors of one step, unknowns of past steps, and the matrix.
 #[derive(Default)]
-pub struct Memory<S> {
+pub struct Memory<S: Scalar> {
     pub(super) degrees: usize,
     /// Number of unknowns that are remembered of each step.
     remembered: usize,
@@ -32,7 +32,7 @@ pub struct Memory<S> {
 
 /// The data of the iteration that outlast a step.
 #[derive(Default)]
-pub(super) struct Solver<S> {
+pub(super) struct Solver<S: Scalar> {
     pub(super) iteration: Iteration,
     /// `∂u/∂v` where that is diagonal.
     pub(super) diagonal: Vec<S>,
@@ -200,7 +200,7 @@ impl<S> Stages<'_, S> {
 }
 
 /// The parts of a [`Memory`] that the solution of a step reads and writes.
-pub(super) struct Scratch<'a, S> {
+pub(super) struct Scratch<'a, S: Scalar> {
     pub(super) lists: Lists<'a, S>,
     pub(super) solver: &'a mut Solver<S>,
     pub(super) known: u8,
@@ -274,7 +274,7 @@ impl<S: Scalar> Scratch<'_, S> {
     }
 }
 
-impl<S> Scratch<'_, S> {
+impl<S: Scalar> Scratch<'_, S> {
     /// As [`Lists::lend`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Scratch<'_, S> {

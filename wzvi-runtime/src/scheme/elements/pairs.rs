@@ -30,27 +30,20 @@ pub(super) const LANES: usize = 8;
 
 /// The slopes of an element by two points: by `F` degrees of freedom of a body, the same for a whole row, and by the `D` components of a
 /// partner. For placements that are [evaluated together](super::Placements), without partners, all numbers that are read are entries.
-pub trait Pair<const O: usize, const P: usize, const D: usize, const M: usize, const F: usize> {
-    /// The slopes from numbers of the body, constants, the partner, and its entries of tables.
-    fn slopes<T: Scalar>(
-        own: [T; O],
-        constants: [f64; P],
-        partner: [T; D],
-        entries: [T; M],
-    ) -> ([T; F], [T; D]);
+pub trait Pair<const O: usize, const D: usize, const M: usize, const F: usize> {
+    /// The slopes from numbers of the body and constants, the partner, and its entries of tables.
+    fn slopes<T: Scalar>(own: [T; O], partner: [T; D], entries: [T; M]) -> ([T; F], [T; D]);
 }
 
 /// One body and its partners.
 #[derive(Debug)]
-pub struct Row<'a, T, const O: usize, const P: usize, const M: usize, const F: usize> {
+pub struct Row<'a, T: Scalar, const O: usize, const M: usize, const F: usize> {
     /// The place of the first component of the first partner.
     pub first: usize,
     /// Number of partners.
     pub len: usize,
     /// Numbers of the body.
     pub own: [T; O],
-    /// Constants.
-    pub constants: [f64; P],
     /// Entries of tables, starting with those of the first partner.
     pub entries: [&'a [f64]; M],
     /// The places of the slopes by the body.
@@ -63,10 +56,10 @@ fn total<T: Scalar>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-impl<T: Scalar, const O: usize, const P: usize, const M: usize, const F: usize> Row<'_, T, O, P, M, F> {
+impl<T: Scalar, const O: usize, const M: usize, const F: usize> Row<'_, T, O, M, F> {
     /// Adds the slopes by the partner at `place` of the row, and returns those by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn meet<S: Copy, K: Pair<O, P, D, M, F>, const D: usize>(
+    fn meet<S: Scalar, K: Pair<O, D, M, F>, const D: usize>(
         &self,
         place: usize,
         partner: [S; D],
@@ -82,7 +75,7 @@ impl<T: Scalar, const O: usize, const P: usize, const M: usize, const F: usize> 
         for k in 0..M {
             entries[k] = T::from_f64(self.entries[k][place]);
         }
-        let (by_own, by_partner) = K::slopes(self.own, self.constants, point, entries);
+        let (by_own, by_partner) = K::slopes(self.own, point, entries);
         for k in 0..D {
             into.add_part(place, k, by_partner[k]);
         }
@@ -103,18 +96,17 @@ fn gather<T: Scalar, const F: usize>(sums: &mut [T; F], slopes: [T; F]) {
 pub(super) fn add_row<
     S: Scalar,
     T: Number<S>,
-    K: Pair<O, P, D, M, F>,
+    K: Pair<O, D, M, F>,
     V: Given<S> + ?Sized,
     A: Sums<S> + ?Sized,
     const O: usize,
-    const P: usize,
     const D: usize,
     const M: usize,
     const F: usize,
 >(
     into: &mut A,
     q: &V,
-    row: Row<'_, T, O, P, M, F>,
+    row: Row<'_, T, O, M, F>,
 ) {
     let Row { first, len, .. } = row;
     let row = Row { entries: row.entries.map(|list| &list[..len]), ..row };

@@ -44,8 +44,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             lift(known, increment, Rounded::nearest);
             &**increment
         });
-        let Self { system, scheme, t, h, .. } = self;
-        let step = Step { system, scheme, t, h, q: &*q, p: &*p, dw: &*dw, increment };
+        let Self { system, scheme, .. } = self;
+        let ([t, h], parameters) = ([self.t, self.h].map(|constant| constant.lane(0)), &[][..]);
+        let step = Step { system, scheme, t, h, parameters, q: &*q, p: &*p, dw: &*dw, increment };
         step.residual(&mut lists);
         lists.correction
     }

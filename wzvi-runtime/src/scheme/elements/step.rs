@@ -11,16 +11,18 @@ use super::{
     Curvature, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums, Unknowns, slopes,
 };
 use crate::algebra::carry::Carry;
-use crate::algebra::scalar::{Number, Scalar};
+use crate::algebra::scalar::{Constant, Number, Scalar};
 use crate::error::StepFailure;
 use crate::scheme::system::Hamiltonian;
 
 /// The input of one step.
-pub(super) struct Step<'a, H, S> {
+pub(super) struct Step<'a, H, S: Scalar> {
     pub(super) system: &'a H,
     pub(super) scheme: &'a Quadrature,
-    pub(super) t: f64,
-    pub(super) h: f64,
+    pub(super) t: S::Constant,
+    pub(super) h: S::Constant,
+    /// As in [`Point`].
+    pub(super) parameters: &'a [S::Constant],
     pub(super) q: &'a [S],
     pub(super) p: &'a [S],
     pub(super) dw: &'a [S],
@@ -29,8 +31,8 @@ pub(super) struct Step<'a, H, S> {
 }
 
 /// `e^{-γ h} - 1`
-pub(super) fn decay<H: Hamiltonian>(system: &H, h: f64) -> f64 {
-    (-system.friction_rate() * h).exp_m1()
+pub(super) fn decay<H: Elements, K: Constant>(system: &H, parameters: &[K], h: K) -> K {
+    (-Elements::friction_rate(system, parameters) * h).exp_m1()
 }
 
 /// The start of a sum, `-0.0`: compilers may omit an addition to it, but not to `0.0`.
@@ -39,14 +41,14 @@ pub(crate) fn nothing<S: Scalar>() -> S {
     S::from_f64(-0.0)
 }
 
-impl<H, S> Clone for Step<'_, H, S> {
+impl<H, S: Scalar> Clone for Step<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<H, S> Copy for Step<'_, H, S> {}
+impl<H, S: Scalar> Copy for Step<'_, H, S> {}
 
 impl<'a, H: Elements, S: Scalar> Step<'a, H, S> {
     /// The degrees of freedom.
@@ -187,12 +189,13 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at<'b, V: ?Sized>(&'b self, stage: &Stage, q: &'b V, p: &'b V) -> Point<'b, S, V> {
-        let (t, acting) = (self.t + stage.point * self.h, 0..self.dw.len());
+        let &Self { system, t, h, parameters, dw, .. } = self;
+        let later = h * stage.point;
         let scale = match H::KIND.is_conformal {
-            true => (self.system.friction_rate() * (stage.point * self.h)).exp(),
-            false => 1.0,
+            true => (Elements::friction_rate(system, parameters) * later).exp(),
+            false => Scalar::from_f64(1.0),
         };
-        Point { q, p, t, h: self.h, dw: self.dw, acting, scale }
+        Point { q, p, t: later + t, h, parameters, dw, acting: 0..dw.len(), scale }
     }
 
     /// `p_{i+1} - p_i` into `by_p`.
@@ -224,7 +227,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
         }
         if H::KIND.is_conformal {
-            damp(dp, self.p, decay(self.system, self.h));
+            damp(dp, self.p, S::of_constant(decay(self.system, self.parameters, self.h)));
         }
     }
 }
@@ -281,7 +284,7 @@ fn subtract_multiple<S: Scalar>(dp: &mut [S], forces: &[S], weight: f64) {
 
 /// The part `decay` of the momentum at the end.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: f64) {
+fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: S) {
     dp.iter_mut().zip(p).for_each(|(dp, &p)| *dp = *dp + (p + *dp) * decay);
 }
 

@@ -22,7 +22,7 @@ impl<S> Given<S> for [S] {
 }
 
 /// Sums by degree of freedom.
-pub trait Sums<S> {
+pub trait Sums<S: Scalar> {
     /// Values of the variable of a loop.
     type Outer: Iterator<Item = isize>;
     /// Adjacent sums.
@@ -88,10 +88,9 @@ pub trait Sums<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<
         T: Number<S>,
-        K: Pair<O, P, D, M, F>,
+        K: Pair<O, D, M, F>,
         V: Given<S> + ?Sized,
         const O: usize,
-        const P: usize,
         const D: usize,
         const M: usize,
         const F: usize,
@@ -99,11 +98,11 @@ pub trait Sums<S> {
         &mut self,
         _interaction: K,
         q: &V,
-        row: Row<'_, T, O, P, M, F>,
+        row: Row<'_, T, O, M, F>,
     ) where
         S: Scalar,
     {
-        add_row::<S, T, K, V, Self, O, P, D, M, F>(self, q, row);
+        add_row::<S, T, K, V, Self, O, D, M, F>(self, q, row);
     }
 
     /// Called after the rows of an element.
@@ -112,7 +111,7 @@ pub trait Sums<S> {
 }
 
 /// Adjacent sums.
-pub trait Run<S> {
+pub trait Run<S: Scalar> {
     /// Adds to a place.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add<T: Number<S>>(&mut self, place: usize, value: T) {

@@ -15,7 +15,7 @@ use crate::scheme::system::{Hamiltonian as _, Segment};
 /// solution.
 pub(super) fn value<F: Field, const N: usize>(
     system: &F,
-    Prepared { parameters, common }: &PreparedOf<F, f64, N>,
+    Prepared { parameters, friction, common }: &PreparedOf<F, f64, N>,
     segment: &Segment<F::Vector>,
     dw: &[f64],
 ) -> f64 {
@@ -30,7 +30,7 @@ pub(super) fn value<F: Field, const N: usize>(
     let table = common.table();
     let Memory { mut given, mut lists, mut left } = memory;
     given.read(common, q, p, dw, &Plain);
-    let step = given.step(system, (parameters, common), [segment.t, segment.h]);
+    let step = given.step(system, (parameters, friction, common), [segment.t, segment.h]);
     if step.solve::<true>(&mut lists, &mut left).is_err() || !step.finish([q, p], dw, &mut lists, &Plain) {
         return f64::NAN;
     }
@@ -42,7 +42,7 @@ pub(super) fn value<F: Field, const N: usize>(
     let mut action = 0.0;
     for i in 0..N {
         let own_q: Vec<f64> = lists.at[0].as_ref().iter().map(|stage| stage.get(i)).collect();
-        let Friction { scale, inverse, .. } = common.friction();
+        let Friction { scale, inverse, .. } = friction;
         let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i) * inverse[i]).collect();
         let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
         let t = segment.t + table.c[i] * segment.h;
@@ -55,7 +55,7 @@ pub(super) fn value<F: Field, const N: usize>(
         // With friction these are terms of `e^{γ τ} H(q, e^{-γ τ} π)`.
         action += table.b[i] * scale[i] * (pairing - drift - noise.sum::<f64>());
     }
-    let scale = 1.0 / (1.0 + common.friction().decay);
+    let scale = 1.0 / (1.0 + friction.decay);
     let [next_q, next_p] = &lists.next;
     let ends = segment.q1.components().iter().zip(next_q.as_ref()).zip(next_p.as_ref());
     action + ends.map(|((end, reached), momentum)| scale * momentum * (end - reached)).sum::<f64>()

@@ -1,10 +1,10 @@
 //! The step of a Gauss method.
 
+use super::Field;
 use super::kept::{Given, GivenOf, LeftOf, Lists, Memory, MemoryOf};
 use super::stiff::Modes;
 use super::sweep::Solved;
 use super::table::Table;
-use super::{Field, parameters};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
@@ -12,12 +12,13 @@ use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, fits, no_nan, without_derivatives};
+use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, fits, no_nan, varied_without_lists};
 
 /// The constants for one step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
-pub struct Prepared<P, const N: usize> {
+pub struct Prepared<P, const N: usize, K = f64> {
     pub(super) parameters: P,
+    pub(super) friction: Friction<N, K>,
     pub(super) common: Common<N>,
 }
 
@@ -28,32 +29,37 @@ pub(super) struct Common<const N: usize> {
     /// The linear part of a stiff force. It affects the convergence of sweeps, not their result, and so carries no derivatives.
     modes: Option<Modes<N>>,
     /// Friction that is part of the step.
-    friction: Friction<N>,
     instructions: InstructionSet,
 }
 
 /// The constants of a system.
-pub(super) type PreparedOf<F, K, const N: usize> = Prepared<Of<<F as Field>::Parameters, K>, N>;
+pub(super) type PreparedOf<F, K, const N: usize> = Prepared<Of<<F as Field>::Parameters, K>, N, K>;
 
 /// Friction of a rate `γ` in the momentum `π = e^{γ τ} p`, `τ` after the start of the step, for which `K = e^{γ τ} H(q, e^{-γ τ} π)` is a Hamiltonian.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Friction<const N: usize> {
+pub(super) struct Friction<const N: usize, K = f64> {
     /// `e^{γ c_i h}`
-    pub(super) scale: [f64; N],
+    pub(super) scale: [K; N],
     /// `e^{-γ c_i h}`
-    pub(super) inverse: [f64; N],
+    pub(super) inverse: [K; N],
     /// `e^{-γ h} - 1`
-    pub(super) decay: f64,
+    pub(super) decay: K,
 }
 
-impl<const N: usize> Friction<N> {
-    fn new(rate: f64, table: &Table<N>, h: f64) -> Self {
+impl<const N: usize, K: Constant> Friction<N, K> {
+    fn new(rate: K, table: &Table<N>, h: K) -> Self {
         let exponents = table.c.map(|c| rate * c * h);
         Self {
-            scale: exponents.map(f64::exp),
+            scale: exponents.map(K::exp),
             inverse: exponents.map(|x| (-x).exp()),
             decay: (-rate * h).exp_m1(),
         }
+    }
+
+    /// Of one lane.
+    pub(super) fn lane(&self, lane: usize) -> Friction<N> {
+        let [scale, inverse] = [self.scale, self.inverse].map(|list| list.map(|factor| factor.lane(lane)));
+        Friction { scale, inverse, decay: self.decay.lane(lane) }
     }
 }
 
@@ -67,15 +73,16 @@ pub(super) fn prepare<F: Field, K: Constant, const N: usize>(
     h: K,
 ) -> Result<PreparedOf<F, K, N>, ConfigError> {
     no_nan(system)?;
-    if F::FACTS.kind.is_conformal {
-        without_derivatives(h)?;
-    }
     let table = Table::get();
-    let parameters = parameters(system, lift, h)?;
+    let parameters = system.parameters(lift);
     let modes = Modes::new(system, &F::Parameters::lane(&parameters, 0), &table, h.lane(0));
-    let friction = Friction::new(system.friction_rate(), &table, h.lane(0));
-    let common = Common { table, modes, friction, instructions: InstructionSet::best() };
-    Ok(Prepared { parameters, common })
+    let rate = match F::FACTS.kind.is_conformal {
+        true => system.friction_rate(&varied_without_lists(system, lift)?),
+        false => K::from_f64(0.0),
+    };
+    let friction = Friction::new(rate, &table, h);
+    let common = Common { table, modes, instructions: InstructionSet::best() };
+    Ok(Prepared { parameters, friction, common })
 }
 
 /// The constants of systems in lanes; `None` if friction or a stiff force makes them differ between systems.
@@ -86,7 +93,9 @@ pub(super) fn gather<F: Field, const L: usize, const N: usize>(
         return None;
     }
     let parameters = super::gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
-    Some(Prepared { parameters, common: prepared.first()?.common.clone() })
+    let common = prepared.first()?.common.clone();
+    let none = Friction::new(Lanes::from_f64(0.0), common.table(), Lanes::from_f64(0.0));
+    Some(Prepared { parameters, friction: none, common })
 }
 
 /// The memory of a new stepper, allocated in full if the system knows its size.
@@ -113,7 +122,7 @@ pub(super) fn memory<F: Field, const N: usize>(system: &F) -> Memory<f64, F::Sha
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREFUL: bool>(
     system: &F,
-    (parameters, common): (&Of<F::Parameters, K>, &Common<N>),
+    (parameters, friction, common): (&Of<F::Parameters, K>, &Friction<N, K>, &Common<N>),
     At { t, h, q, p, dw }: At<'_, S, K>,
     memory: &mut MemoryOf<F, S, N>,
     carry: &mut C,
@@ -126,7 +135,8 @@ pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: u
         }
     }
     check_lengths(system, [degrees, p.len(), dw.len()])?;
-    let step = ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, common, t, h, q, p, dw, carry };
+    let step =
+        ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, friction, common, t, h, q, p, dw, carry };
     let run = Run { step, memory };
     // Numbers other than `f64` are scalar or are vectors already; careful steps are not compiled for each instruction set.
     if size_of::<S>() == size_of::<f64>() && !S::IS_BESIDE && !CAREFUL {
@@ -141,10 +151,6 @@ impl<const N: usize> Common<N> {
         &self.table
     }
 
-    pub(super) fn friction(&self) -> &Friction<N> {
-        &self.friction
-    }
-
     pub(super) fn modes(&self) -> Option<&Modes<N>> {
         self.modes.as_ref()
     }
@@ -154,6 +160,7 @@ impl<const N: usize> Common<N> {
 struct ToTake<'a, F: Field, K: Constant, S, C, const N: usize, const CAREFUL: bool> {
     system: &'a F,
     parameters: &'a Of<F::Parameters, K>,
+    friction: &'a Friction<N, K>,
     common: &'a Common<N>,
     t: K,
     h: K,
@@ -200,9 +207,9 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Effort, StepFailure> {
-        let Self { system, parameters, common, t, h, q, p, dw, carry } = self;
+        let Self { system, parameters, friction, common, t, h, q, p, dw, carry } = self;
         given.read(common, q, p, dw, carry);
-        let step = given.step(system, (parameters, common), [t, h]);
+        let step = given.step(system, (parameters, friction, common), [t, h]);
         let solved = if S::IS_BESIDE && !C::CARRIES && !CAREFUL {
             step.solve_beside([q, p], dw, lists, left)
         } else {

@@ -86,7 +86,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             lists.slopes.clone_from(&left.past);
             if F::FACTS.kind.is_conformal {
                 // They are stored in the momentum of the next step.
-                let back = [(1.0 + self.common.friction().decay).recip(); N];
+                let back = [(1.0 + self.friction.decay.lane(0)).recip(); N];
                 lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&back));
             }
             return self.follow(lists, &mut left.scratch, None);
@@ -109,7 +109,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momentum(&self, lists: &mut Lists<S, F::Shape, N>) {
         if F::FACTS.kind.is_conformal {
-            let left = [1.0 + self.common.friction().decay; N];
+            let left = [1.0 + self.friction.decay.lane(0); N];
             lists.slopes[1].as_mut().iter_mut().for_each(|slopes| *slopes = slopes.times(&left));
         }
     }
@@ -179,7 +179,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 (0..N).for_each(|i| own.set(i, all.get(i).lane(lane)));
             }
         }
-        let prepared = (&F::Parameters::lane(self.parameters, lane), self.common);
+        let friction = &self.friction.lane(lane);
+        let prepared = (&F::Parameters::lane(self.parameters, lane), friction, self.common);
         let at = At { t: self.t.lane(lane), h: self.h.lane(lane), q: own_q, p: own_p, dw: own_dw };
         let effort = advance::<_, f64, f64, Plain, N, false>(self.system, prepared, at, own, &mut Plain)?;
         for (all, own) in lists.next.iter_mut().zip([&*own_q, own_p]) {

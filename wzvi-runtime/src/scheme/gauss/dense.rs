@@ -27,7 +27,7 @@ pub(super) const fn dense_order(stages: u32, plan: &Plan) -> u32 {
 /// The slopes of the collocation polynomial of the last step.
 pub(super) fn slopes_between<F: Field, const N: usize>(
     system: &F,
-    Prepared { parameters, common }: &PreparedOf<F, f64, N>,
+    Prepared { parameters, common, .. }: &PreparedOf<F, f64, N>,
     memory: &Memory<f64, F::Shape, F::Noises, N>,
     before: &State<F::Vector>,
     h: f64,

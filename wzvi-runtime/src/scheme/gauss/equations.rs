@@ -1,7 +1,7 @@
 //! The equations of a step, `Y = φ(Y)`, and the state that follows from their solution.
 
 use super::Field;
-use super::advance::Common;
+use super::advance::{Common, Friction};
 use super::kept::{Given, Lists, OfStages, Room};
 use super::stages::{Part, Parts, Stages};
 use super::sweep::Relative;
@@ -13,6 +13,7 @@ use crate::algebra::shape::Shape;
 pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
     pub(super) system: &'a F,
     pub(super) parameters: &'a Of<F::Parameters, K>,
+    pub(super) friction: &'a Friction<N, K>,
     pub(super) common: &'a Common<N>,
     pub(super) t: K,
     pub(super) h: K,
@@ -43,11 +44,11 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Given<S, H, W, N> {
     pub(super) fn step<'a, F: Field, K: Constant>(
         &'a self,
         system: &'a F,
-        (parameters, common): (&'a Of<F::Parameters, K>, &'a Common<N>),
+        (parameters, friction, common): (&'a Of<F::Parameters, K>, &'a Friction<N, K>, &'a Common<N>),
         [t, h]: [K; 2],
     ) -> Step<'a, F, K, S, N> {
         let start = [self.start[0].as_ref(), self.start[1].as_ref()];
-        Step { system, parameters, common, t, h, dw: self.dw.as_ref(), start }
+        Step { system, parameters, friction, common, t, h, dw: self.dw.as_ref(), start }
     }
 }
 
@@ -62,6 +63,15 @@ pub(super) struct Placement<'a, T> {
 }
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
+    /// A part times a constant for each stage. Where constants are not `f64`, a part is one stage.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn weighted(numbers: Part<S, N>, weights: &[K; N], part: usize) -> Part<S, N> {
+        match K::plain(weights).and_then(<[f64]>::first_chunk) {
+            Some(weights) => S::Stages::weighted(numbers, weights, part),
+            None => numbers * S::Stages::<N>::same(S::constant(weights[part])),
+        }
+    }
+
     /// `t + c_i h` for the stages of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn times(&self, part: usize) -> Part<S, N> {
@@ -187,14 +197,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
                 let one = &mut room.one;
                 if F::FACTS.kind.is_conformal {
-                    let friction = self.common.friction();
                     let own = S::Stages::parts_mut(spare.as_mut(), rooms.p.as_mut());
                     for (own, p) in own.iter_mut().zip(p) {
-                        *own = S::Stages::weighted(p.part(part), &friction.inverse, part);
+                        *own = Self::weighted(p.part(part), &self.friction.inverse, part);
                     }
                     self.slopes::<true, true>(t, h, q, own, dw, forces, velocities, one);
                     for force in &mut *forces {
-                        *force = S::Stages::weighted(*force, &friction.scale, part);
+                        *force = Self::weighted(*force, &self.friction.scale, part);
                     }
                 } else {
                     let p = S::Stages::parts(p, part, rooms.p.as_mut());
@@ -242,7 +251,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             (next_q[d], lost_q[d]) = C::add(q[d], next_q[d], carry.of_coordinate(d));
             let mut change = zero - by_q[d].total();
             if F::FACTS.kind.is_conformal {
-                change = change + (self.start[1][d] + change) * self.common.friction().decay;
+                change = change + (self.start[1][d] + change) * self.friction.decay;
             }
             (next_p[d], lost_p[d]) = C::add(p[d], change, carry.of_momentum(d));
             zeros = zeros + next_q[d] * 0.0 + next_p[d] * 0.0;

@@ -105,7 +105,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             q[d] = Dual { value: arguments(0, d), derivative: [f64::from(along == d)] };
             p[d] = Dual { value: arguments(1, d), derivative: [f64::from(along == degrees + d)] };
             if F::FACTS.kind.is_conformal {
-                let inverse = stage.map_or(1.0, |stage| self.common.friction().inverse[stage]);
+                let inverse = stage.map_or(1.0, |stage| self.friction.inverse[stage].lane(0));
                 p[d] = p[d] * inverse;
             }
         }
@@ -116,7 +116,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let parameters = &F::Parameters::lane(self.parameters, 0);
         self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, t, h, q, p, dw, by_q, by_p);
         if F::FACTS.kind.is_conformal {
-            let scale = stage.map_or(1.0, |stage| self.common.friction().scale[stage]);
+            let scale = stage.map_or(1.0, |stage| self.friction.scale[stage].lane(0));
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);
         }
     }

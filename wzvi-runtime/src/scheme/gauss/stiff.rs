@@ -76,7 +76,7 @@ impl<const N: usize> Modes<N> {
         if !F::IS_STIFF || !F::IS_NYSTROM || degrees == 0 {
             return None;
         }
-        system.stiffness(&mut stiffness);
+        system.stiffness(&[], &mut stiffness);
         let stiffness = DMatrix::from_row_slice(degrees, degrees, &stiffness);
         Self::of(stiffness, inverse_mass(system, parameters, degrees), table, h)
     }

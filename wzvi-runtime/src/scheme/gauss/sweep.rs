@@ -219,8 +219,9 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         for (exact, stages) in exact.at.iter_mut().zip(&lists.at) {
             read_nearest::<S, N>(exact.as_mut(), stages.as_ref(), lane);
         }
-        let parameters = &F::Parameters::lane(self.parameters, lane);
-        let step = given.step(self.system, (parameters, self.common), [self.t, self.h].map(|x| x.lane(lane)));
+        let (parameters, friction) = (&F::Parameters::lane(self.parameters, lane), &self.friction.lane(lane));
+        let times = [self.t, self.h].map(|x| x.lane(lane));
+        let step = given.step(self.system, (parameters, friction, self.common), times);
         step.field(exact, scratch, false);
         step.follow(exact, scratch, None);
         let kinds = if F::IS_NYSTROM { 1 } else { 2 };

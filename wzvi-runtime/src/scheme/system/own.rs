@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::{
-    At, Discretized, Hamiltonian as _, Lift, Properties, Scheme, check_lengths, fits, without_derivatives,
+    At, Discretized, Hamiltonian as _, Lift, Properties, Scheme, check_lengths, fits, varied_without_lists,
 };
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{Request, StepMemory};
@@ -138,26 +138,27 @@ impl<S: Scalar> StepMemory for Scratch<S> {
 pub struct Own<T>(PhantomData<T>);
 
 /// The field that a step reads.
-struct Field<'a, H, S> {
+struct Field<'a, H, S: Scalar> {
     system: &'a H,
-    t: f64,
-    h: f64,
+    parameters: &'a [S::Constant],
+    t: S::Constant,
+    h: S::Constant,
     dw: &'a [S],
 }
 
 impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, c: f64, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
-        let Self { system, t, h, dw } = *self;
-        let (t, h) = (S::from_f64(t + c * h), S::from_f64(h));
-        elements::field::<_, S, true, true>(system, t, h, q, p, dw, dp, dq);
+        let Self { system, parameters, t, h, dw } = *self;
+        let (t, h) = (S::of_constant(h * c + t), S::of_constant(h));
+        elements::field::<_, S, true, true>((system, parameters), t, h, q, p, dw, dp, dq);
         dp.iter_mut().for_each(|slope| *slope = -*slope);
     }
 }
 
 impl<H: Elements, T: OneStep> Discretized<Own<T>> for H {
     type Scheme = Own<T>;
-    type Prepared = ();
+    type Prepared = Vec<f64>;
     const EQUATIONS: &'static str = T::TEXT;
 }
 
@@ -165,36 +166,38 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     const PLAN: Plan = H::FACTS.plan(Solver::Explicit, 0, T::ORDER, T::IS_CONSISTENT);
     const PROPERTIES: Properties =
         Properties { is_variational: false, ..Properties::of(&<Self as Scheme<H>>::PLAN, 0) };
-    type Prepared<K: Constant> = ();
+    /// All parameters, where they have derivatives.
+    type Prepared<K: Constant> = Vec<K>;
     type Memory<S: Scalar> = Scratch<S>;
     type Compensated<S: Scalar> = Plain;
     type Carry<S: Scalar> = Plain;
 
-    fn prepare<K: Constant>(system: &H, _: Lift<'_, K>, h: K) -> Result<(), ConfigError> {
-        without_derivatives(h)?;
+    fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, _: K) -> Result<Vec<K>, ConfigError> {
         if H::FACTS.is_damped {
             let wrong =
                 "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise";
             return Err(ConfigError::Setting(wrong.into()));
         }
-        elements::check_new(system)
+        elements::check_new(system)?;
+        varied_without_lists(system, lift)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
-        (): &(),
+        parameters: &Vec<K>,
         at: At<'_, S, K>,
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.plain()?;
+        let (At { t, h, q, p, dw }, parameters) = (at.shared(), S::varied(parameters));
         if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
             system.check(q.len())?;
         }
         check_lengths(system, [q.len(), p.len(), dw.len()])?;
         scratch.save([q, p]);
-        if let Err(failure) = T::step(&Field { system, t, h, dw }, [&mut *q, &mut *p], scratch) {
+        let field = Field { system, parameters, t, h, dw };
+        if let Err(failure) = T::step(&field, [&mut *q, &mut *p], scratch) {
             scratch.restore(S::Mask::from_bool(false), [q, p]);
             return Err(failure);
         }

@@ -28,6 +28,16 @@ pub struct At<'a, S, K = f64> {
     pub dw: &'a [S],
 }
 
+impl<'a, S: Over<K>, K: Constant> At<'a, S, K> {
+    /// With time and step size of the first lane.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn shared(self) -> At<'a, S, S::Constant> {
+        let Self { t, h, q, p, dw } = self;
+        let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
+        At { t, h, q, p, dw }
+    }
+}
+
 impl<'a, S, K: Constant> At<'a, S, K> {
     /// With time and step size as `f64`, for schemes that do not propagate derivatives.
     ///
@@ -49,6 +59,36 @@ pub type Lift<'l, K> = &'l dyn Fn(usize, f64) -> K;
 /// The [`Lift`] that leaves parameters as they are.
 pub fn as_they_are(_: usize, value: f64) -> f64 {
     value
+}
+
+/// All parameters, where they have derivatives; an empty list where they are `f64`.
+pub fn varied<H: Hamiltonian, K: Constant>(system: &H, lift: Lift<'_, K>) -> Vec<K> {
+    if size_of::<K>() == size_of::<f64>() {
+        return Vec::new();
+    }
+    let known = (0..).map_while(|index| system.parameter(index)).enumerate();
+    known.map(|(index, (_, value))| lift(index, value)).collect()
+}
+
+/// [`varied`] for steps that read entries of lists as `f64`.
+///
+/// # Errors
+/// [`ConfigError::Setting`] if such an entry has a derivative.
+pub(crate) fn varied_without_lists<H: Hamiltonian, K: Constant>(
+    system: &H,
+    lift: Lift<'_, K>,
+) -> Result<Vec<K>, ConfigError> {
+    let varied = varied(system, lift);
+    for (index, number) in varied.iter().enumerate() {
+        if let Some((name, value)) = system.parameter(index)
+            && name.contains('[')
+            && !number.is_identical(K::from_f64(value))
+        {
+            let wrong = format!("steps of this scheme have no derivatives by entries of lists, as `{name}`");
+            return Err(ConfigError::Setting(wrong));
+        }
+    }
+    Ok(varied)
 }
 
 /// The step size as an `f64`, if it and the parameters are.

@@ -98,8 +98,8 @@ pub(in crate::emit::terms) fn gathers(graph: &Graph, element: &Element, componen
 impl Chunk<'_> {
     /// The block with its arithmetic, which reads these lists.
     pub(super) fn beside(&self, lists: &[OpenList]) -> Block {
-        let Arithmetic { values, locals, .. } = self.arithmetic;
-        let mut interaction = rows::Interaction::new(self.arithmetic);
+        let (Arithmetic { values, locals, .. }, weight) = (self.arithmetic, self.weight);
+        let mut interaction = rows::Interaction::new(self);
         for (k, local) in self.read_locals() {
             let read = match self.motion(&local.slot) {
                 Motion::Fixed => &mut interaction.own,
@@ -107,16 +107,10 @@ impl Chunk<'_> {
             };
             read.push(locals[k].clone());
         }
-        let (factor, weight) = (interaction.factor.take(), self.weight);
-        match weight.is_empty() {
-            true => interaction.own.extend(factor),
-            false => interaction.entries.extend(factor),
-        }
         interaction.by_own.clone_from(values);
         let number = self.wanted.number();
-        let (items, [of_own, of_constants, _, of_entries, of_values]) =
-            (interaction.emit(&number), interaction.sizes());
-        let rows::Interaction { own, constants, entries, .. } = interaction;
+        let (items, [of_own, _, of_entries, of_values]) = (interaction.emit(&number), interaction.sizes());
+        let rows::Interaction { own, entries, .. } = interaction;
         let names: Vec<Ident> = (0..values.len()).map(|j| format_ident!("__slope{j}")).collect();
         let opened = lists.iter().map(|OpenList { tokens, first, name }| {
             let first = self.indices.position(first);
@@ -139,7 +133,7 @@ impl Chunk<'_> {
             values: names.iter().map(|name| quote!(#name)).collect(),
             read: quote!(#weight __block.read(__lane, [#(#entries),*]);),
             compute: quote! {
-                __block.take::<__Interaction, #of_own, #of_constants>(__few, [#(#own),*], [#(#constants),*]);
+                __block.take::<__Interaction, #of_own>(__few, [#(#own),*]);
             },
             open: quote!(let [#(#names),*] = __block.slopes(__lane);),
         }

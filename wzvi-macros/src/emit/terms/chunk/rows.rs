@@ -69,9 +69,6 @@ pub(super) struct Interaction<'a> {
     pub(super) inside: &'a TokenStream,
     /// The names of values common to all placements.
     pub(super) own: Vec<Ident>,
-    /// The name of the weight, if it is read; it may be common or not.
-    pub(super) factor: Option<Ident>,
-    pub(super) constants: Vec<&'a Ident>,
     /// Patterns of the components of a partner.
     pub(super) partner: Vec<TokenStream>,
     /// The names of the other values of each placement.
@@ -82,32 +79,34 @@ pub(super) struct Interaction<'a> {
 }
 
 impl<'a> Interaction<'a> {
-    pub(super) fn new(Arithmetic { inside, values, constants, .. }: &'a Arithmetic) -> Self {
+    /// The constants and the weight are common to all placements, unless each has a `weight` of its own.
+    pub(super) fn new(Chunk { arithmetic, weight, .. }: &Chunk<'a>) -> Self {
+        let Arithmetic { inside, values, constants, .. } = arithmetic;
         let code = quote!(#inside #(#values)*);
-        let is_read = |name: &&Ident| mentions(&code, &name.to_string());
-        let factor = Some(format_ident!("__factor")).filter(|name| is_read(&name));
-        let constants = constants.iter().filter(is_read).collect();
-        let (own, partner, entries, by_own, by_partner) = Default::default();
-        Self { inside, own, factor, constants, partner, entries, by_own, by_partner }
+        let is_read = |name: &Ident| mentions(&code, &name.to_string());
+        let (partner, mut entries, by_own, by_partner): (_, Vec<_>, _, _) = Default::default();
+        let mut own: Vec<Ident> = constants.iter().filter(|name| is_read(name)).cloned().collect();
+        let list = if weight.is_empty() { &mut own } else { &mut entries };
+        list.extend(Some(format_ident!("__factor")).filter(is_read));
+        Self { inside, own, partner, entries, by_own, by_partner }
     }
 
-    pub(super) fn sizes(&self) -> [Literal; 5] {
-        let Self { own, constants, partner, entries, by_own, .. } = self;
-        [own.len(), constants.len(), partner.len(), entries.len(), by_own.len()].map(count)
+    pub(super) fn sizes(&self) -> [Literal; 4] {
+        let Self { own, partner, entries, by_own, .. } = self;
+        [own.len(), partner.len(), entries.len(), by_own.len()].map(count)
     }
 
     /// The type that implements it.
     pub(super) fn emit(&self, number: &TokenStream) -> TokenStream {
-        let Self { own, constants, partner, entries, inside, by_own, by_partner, .. } = self;
-        let (elements, sizes, f64) = (quote!(__wzvi::elements), self.sizes(), quote!(__wzvi::f64));
-        let [of_own, of_constants, of_partner, of_entries, of_places] = &sizes;
+        let Self { own, partner, entries, inside, by_own, by_partner, .. } = self;
+        let (elements, sizes) = (quote!(__wzvi::elements), self.sizes());
+        let [of_own, of_partner, of_entries, of_places] = &sizes;
         quote! {
             struct __Interaction;
             impl #elements::Pair<#(#sizes),*> for __Interaction {
                 #[cfg_attr(not(debug_assertions), inline(always))]
                 fn slopes<#number: __wzvi::Scalar>(
                     [#(#own),*]: [#number; #of_own],
-                    [#(#constants),*]: [#f64; #of_constants],
                     [#(#partner),*]: [#number; #of_partner],
                     [#(#entries),*]: [#number; #of_entries],
                 ) -> ([#number; #of_places], [#number; #of_partner]) {
@@ -123,15 +122,13 @@ impl Chunk<'_> {
     /// The innermost loop as a row of pairs.
     pub(in crate::emit::terms) fn row(&self, first: &Index) -> Emitted {
         let [start, end] = promised(self.range.clone(), "pairs have an innermost loop");
-        let mut interaction = Interaction::new(self.arithmetic);
+        let mut interaction = Interaction::new(self);
         let (before, lists) = self.open_pair(&mut interaction);
-        interaction.own.extend(interaction.factor.take());
         let places = self.slopes_of_pair(&mut interaction);
         let (items, sizes) = (interaction.emit(&self.wanted.number()), interaction.sizes());
         let (name, of_partner, first) =
-            (variable(self.pass.variable), &sizes[2], self.indices.position(first));
-        let Interaction { own, constants, .. } = &interaction;
-        let elements = quote!(__wzvi::elements);
+            (variable(self.pass.variable), &sizes[1], self.indices.position(first));
+        let (own, elements) = (&interaction.own, quote!(__wzvi::elements));
         let buffers = quote! {
             #items
             __by_q.begin_rows::<#of_partner>(&__at.q[0..__at.degrees()]);
@@ -143,7 +140,6 @@ impl Chunk<'_> {
                     first: #first,
                     len: __len,
                     own: [#(#own),*],
-                    constants: [#(#constants),*],
                     entries: [#(#lists),*],
                     places: [#(#places),*],
                 });

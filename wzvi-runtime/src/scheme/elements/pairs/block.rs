@@ -17,9 +17,8 @@ pub(super) const LARGE_BLOCK: usize = 2 * BLOCK;
 fn fill<
     S: Scalar,
     T: Number<S>,
-    K: Pair<O, P, D, M, F>,
+    K: Pair<O, D, M, F>,
     const O: usize,
-    const P: usize,
     const D: usize,
     const M: usize,
     const F: usize,
@@ -27,7 +26,6 @@ fn fill<
 >(
     few: usize,
     own: [T; O],
-    constants: [f64; P],
     points: [&[S; B]; D],
     entries: [&[S; B]; M],
     by_own: &mut [[S; B]; F],
@@ -41,7 +39,7 @@ fn fill<
         for k in 0..M {
             entry[k] = T::of(entries[k][place]);
         }
-        let slopes = K::slopes(own, constants, point, entry);
+        let slopes = K::slopes(own, point, entry);
         for k in 0..F {
             by_own[k][place] = slopes.0[k].kept();
         }
@@ -63,48 +61,46 @@ impl<S: Scalar, const B: usize, const D: usize, const F: usize> Block<S, B, D, F
     /// Computes the slopes of the first `most` of a block of partners, of which the first `few` are needed, in numbers `U`, and again in numbers
     /// `T` if a result in `U` is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::scheme::elements) fn fill<T, U, K, const O: usize, const P: usize, const M: usize>(
+    pub(in crate::scheme::elements) fn fill<T, U, K, const O: usize, const M: usize>(
         &mut self,
         most: usize,
         few: usize,
         own: [T; O],
-        constants: [f64; P],
         points: [&[S; B]; D],
         entries: [&[S; B]; M],
     ) where
         T: Number<S>,
         U: Number<S>,
-        K: Pair<O, P, D, M, F>,
+        K: Pair<O, D, M, F>,
     {
         let mut usual = [U::from_f64(0.0); O];
         for k in 0..O {
             usual[k] = U::of(own[k].kept());
         }
         let Self { by_own, by_partner } = self;
-        fill::<S, U, K, O, P, D, M, F, B>(most, usual, constants, points, entries, by_own, by_partner);
+        fill::<S, U, K, O, D, M, F, B>(most, usual, points, entries, by_own, by_partner);
         if TypeId::of::<T>() != TypeId::of::<U>()
             && !(if few == B { self.is_finite(B) } else { self.is_finite(few) })
         {
-            self.fill_one_by_one::<T, K, O, P, M>(few, own, constants, points, entries);
+            self.fill_one_by_one::<T, K, O, M>(few, own, points, entries);
         }
     }
 
     /// The same in numbers `T`.
     #[cold]
     #[inline(never)]
-    pub(in crate::scheme::elements) fn fill_one_by_one<T, K, const O: usize, const P: usize, const M: usize>(
+    pub(in crate::scheme::elements) fn fill_one_by_one<T, K, const O: usize, const M: usize>(
         &mut self,
         few: usize,
         own: [T; O],
-        constants: [f64; P],
         points: [&[S; B]; D],
         entries: [&[S; B]; M],
     ) where
         T: Number<S>,
-        K: Pair<O, P, D, M, F>,
+        K: Pair<O, D, M, F>,
     {
         let Self { by_own, by_partner } = self;
-        fill::<S, T, K, O, P, D, M, F, B>(few, own, constants, points, entries, by_own, by_partner);
+        fill::<S, T, K, O, D, M, F, B>(few, own, points, entries, by_own, by_partner);
     }
 
     /// Whether the first `few` of all slopes are finite: of `f64`, by bits without signs, so that there is no chain of sums.

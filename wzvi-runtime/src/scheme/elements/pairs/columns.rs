@@ -90,10 +90,9 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<
         T: Number<f64>,
-        K: Pair<O, P, D, M, F>,
+        K: Pair<O, D, M, F>,
         V: Given<f64> + ?Sized,
         const O: usize,
-        const P: usize,
         const D: usize,
         const M: usize,
         const F: usize,
@@ -101,7 +100,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         &mut self,
         _interaction: K,
         _q: &V,
-        row: Row<'_, T, O, P, M, F>,
+        row: Row<'_, T, O, M, F>,
     ) {
         let stride = stride::<D>(self.sums.len());
         let (coordinates, sums) = on_lines(self.room).split_at_mut(D * stride);
@@ -114,7 +113,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
             entries[k] = &row.entries[k][..row.len];
         }
         let partners = Partners { points, sums: &mut *sums, first, stride, entries };
-        let totals = partners.meet::<T, U, K, O, P, F>(&row);
+        let totals = partners.meet::<T, U, K, O, F>(&row);
         for k in 0..F {
             let place = row.places[k];
             sums[place % D * stride + place / D] += totals[k];

@@ -49,31 +49,24 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
     /// Adds the slopes by the first `few` partners of a block to their sums, and those by the body to the sums of the lanes, in full groups of
     /// [`LANES`]. Returns all slopes by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn meet_block<T, U, K, const O: usize, const P: usize, const F: usize, const B: usize>(
+    fn meet_block<T, U, K, const O: usize, const F: usize, const B: usize>(
         &mut self,
-        row: &Row<'_, T, O, P, M, F>,
+        row: &Row<'_, T, O, M, F>,
         [first, few]: [usize; 2],
         lanes: &mut [[f64; LANES]; F],
     ) -> [[f64; B]; F]
     where
         T: Number<f64>,
         U: Number<f64>,
-        K: Pair<O, P, D, M, F>,
+        K: Pair<O, D, M, F>,
     {
         let mut block = Block { by_own: [[0.0; B]; F], by_partner: [[0.0; B]; D] };
         let points = heads(&self.points, first);
         if few == B || M == 0 {
-            block.fill::<T, U, K, O, P, M>(
-                B,
-                few,
-                row.own,
-                row.constants,
-                points,
-                heads(&self.entries, first),
-            );
+            block.fill::<T, U, K, O, M>(B, few, row.own, points, heads(&self.entries, first));
         } else {
             let entries = filled(&self.entries, first);
-            block.fill::<T, U, K, O, P, M>(B, few, row.own, row.constants, points, entries.each_ref());
+            block.fill::<T, U, K, O, M>(B, few, row.own, points, entries.each_ref());
         }
         // Read from memory: from registers, the compiler would add these one by one.
         let by_own = black_box(&block.by_own);
@@ -91,25 +84,25 @@ impl<const D: usize, const M: usize> Partners<'_, D, M> {
 
     /// Adds the slopes by all partners to their sums; returns the sums of those by the body.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn meet<T, U, K, const O: usize, const P: usize, const F: usize>(
+    pub(super) fn meet<T, U, K, const O: usize, const F: usize>(
         mut self,
-        row: &Row<'_, T, O, P, M, F>,
+        row: &Row<'_, T, O, M, F>,
     ) -> [f64; F]
     where
         T: Number<f64>,
         U: Number<f64>,
-        K: Pair<O, P, D, M, F>,
+        K: Pair<O, D, M, F>,
     {
         let (mut lanes, mut totals) = ([[0.0; LANES]; F], [0.0; F]);
         let mut first = 0;
         while row.len - first >= LARGE_BLOCK {
             let places = [first, LARGE_BLOCK];
-            self.meet_block::<T, U, K, O, P, F, LARGE_BLOCK>(row, places, &mut lanes);
+            self.meet_block::<T, U, K, O, F, LARGE_BLOCK>(row, places, &mut lanes);
             first += LARGE_BLOCK;
         }
         while first < row.len {
             let few = BLOCK.min(row.len - first);
-            let slopes = self.meet_block::<T, U, K, O, P, F, BLOCK>(row, [first, few], &mut lanes);
+            let slopes = self.meet_block::<T, U, K, O, F, BLOCK>(row, [first, few], &mut lanes);
             first += few;
             if first == row.len {
                 for k in 0..F {

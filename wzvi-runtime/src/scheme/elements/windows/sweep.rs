@@ -140,9 +140,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// The same step, if its numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn plain(&self) -> Option<Step<'_, H, f64>> {
-        let &Self { system, scheme, t, h, q, p, dw, increment } = self;
+        let &Self { system, scheme, t, h, q, p, dw, increment, .. } = self;
+        let ([t, h], parameters) = ([t, h].map(|constant| constant.lane(0)), &[][..]);
         let (q, p, dw, increment) = (S::plain(q)?, S::plain(p)?, S::plain(dw)?, increment.and_then(S::plain));
-        Some(Step { system, scheme, t, h, q, p, dw, increment })
+        Some(Step { system, scheme, t, h, parameters, q, p, dw, increment })
     }
 
     /// [`Step::start`] in vector instructions; returns whether that was possible.

@@ -3,17 +3,19 @@
 use std::ops::Range;
 
 use super::{Taken, WindowPlan, advance};
-use crate::algebra::scalar::Number;
+use crate::algebra::scalar::{Number, Scalar};
 use crate::error::StepFailure;
 use crate::scheme::elements::{Elements, Given, Slopes, Sums};
 
 /// A flow of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`, or of a part of it, as the force or the velocity that it adds.
 #[derive(Clone, Copy, Debug)]
-pub struct Flow<'a, S> {
+pub struct Flow<'a, S: Scalar> {
     /// The time at which it is evaluated.
-    pub t: f64,
+    pub t: S::Constant,
     /// The increment of the drift, negative for a kick.
-    pub h: f64,
+    pub h: S::Constant,
+    /// As in [`Point`](crate::scheme::elements::Point).
+    pub parameters: &'a [S::Constant],
     /// The increments of the noises, negative for a kick.
     pub dw: &'a [S],
 }

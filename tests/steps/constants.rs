@@ -1,0 +1,422 @@
+//! Derivatives of the end of a run by parameters and by the step size, through steps in loops, flows, friction and baths.
+
+use fixtures::bath::{Coupled, Oscillator, Rough};
+use wzvi::embedding::{OneStep, Own};
+use wzvi::error::{ConfigError, Error, StepFailure};
+use wzvi::nalgebra::{DMatrix, DVector, SVector};
+use wzvi::prelude::*;
+use wzvi::scalar::Scalar;
+use wzvi::simulate::Tangent;
+use wzvi::state::Vector;
+use wzvi::system::{Scratch, StepField};
+
+/// A driven chain of any size with noise at its ends; the parameters are in loops, beside the time and in a comparison.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64], t| {
+        p.iter().map(|p| 0.5 * p * p / m).sum::<f64>()
+            + q.windows(2).map(|w| 0.5 * k * (w[1] - w[0]).powi(2) + 0.25 * b * (w[1] - w[0]).powi(4)).sum::<f64>()
+            + q.iter().map(|q| if k < m { 0.1 * k * q * q } else { 0.5 * (1.0 - (k * q).cos()) }).sum::<f64>()
+            + f * (w * t).cos() * q[0]
+    },
+    embedding = [DeltaPlus, Midpoint, Verlet, Gauss<3>, Mixed<Midpoint, Midpoint>],
+)]
+#[derive(Clone, Debug)]
+struct Chain {
+    m: f64,
+    k: f64,
+    b: f64,
+    f: f64,
+    w: f64,
+}
+
+/// With noises, in loops.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() + q.iter().map(|q| 0.25 * k * q.powi(4)).sum::<f64>(),
+    noise = [|q: &[f64], p: &[f64]| s * q.iter().zip(p).map(|(q, p)| q.sin() + 0.1 * q * p).sum::<f64>()],
+    embedding = [Midpoint, Corrected<DeltaPlus>, Gauss<2>],
+)]
+#[derive(Clone, Debug)]
+struct Noisy {
+    k: f64,
+    s: f64,
+}
+
+/// Bodies in the plane: rows of pairs.
+#[hamiltonian(
+    drift = |q: &[[f64; 2]], p: &[[f64; 2]]| {
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
+            + (0..q.len()).map(|i| (0..i).map(|j| {
+                let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                -g / (x * x + y * y + e * e).sqrt()
+            }).sum::<f64>()).sum::<f64>()
+    },
+    embedding = [DeltaPlus, Midpoint],
+)]
+#[derive(Clone, Debug)]
+struct Bodies {
+    g: f64,
+    e: f64,
+}
+
+/// Oscillators on a graph: placements that are gathered.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + edges.iter().map(|[a, b]| c * (1.0 - (s * (q[*a] - q[*b])).cos())).sum::<f64>()
+    },
+    embedding = [DeltaPlus, Midpoint],
+)]
+#[derive(Clone, Debug)]
+struct Network {
+    edges: Vec<[usize; 2]>,
+    c: f64,
+    s: f64,
+}
+
+/// An integer selects what a small system reads.
+#[hamiltonian(
+    drift = |q: [f64; 3], p: [f64; 3]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() + 0.5 * k * (q[site] - q[0]).powi(2) + 0.25 * q[1].powi(4),
+    embedding = [DeltaPlus, Midpoint],
+)]
+struct Selected {
+    k: f64,
+    site: usize,
+}
+
+/// A list of numbers.
+#[hamiltonian(drift = |q, p| 0.5 * p * p / m + 0.5 * weights[2] * q * q, embedding = Midpoint)]
+struct Listed {
+    m: f64,
+    weights: [f64; 3],
+}
+
+/// A quadratic part with forces and friction, and a kick.
+#[hamiltonian(
+    drift = [|[x, y], [u, v]| 0.5 * (u * u + v * v) / m + 0.5 * k * (x * x + 2.0 * y * y) + c * x * y, |[x, y], _, t| 0.25 * b * (x - y).powi(4) + (w * t).sin() * x],
+    friction = gamma, embedding = Verlet,
+)]
+struct Parts {
+    m: f64,
+    k: f64,
+    c: f64,
+    b: f64,
+    w: f64,
+    gamma: f64,
+}
+
+/// Friction of a rate that steps take in.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + k * q * q, friction = gamma * gamma, embedding = [Midpoint, DeltaPlus, Gauss<2>, Gauss<3>])]
+struct Damped {
+    k: f64,
+    gamma: f64,
+}
+
+/// The same for a chain.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() + q.windows(2).map(|w| 0.5 * k * (w[1] - w[0]).powi(2)).sum::<f64>(),
+    friction = gamma, embedding = [Midpoint, DeltaPlus, Gauss<2>],
+)]
+struct DampedChain {
+    k: f64,
+    gamma: f64,
+}
+
+/// A mass matrix with one friction rate.
+#[hamiltonian(
+    drift = |[x, y], [u, v]| 0.5 * (u * u / m + 2.0 * v * v + u * v) + 0.5 * k * (x * x + 2.0 * y * y),
+    friction = gamma, temperature = kt, embedding = [Baoab, Thermostat<Midpoint>],
+)]
+struct Massive {
+    m: f64,
+    k: f64,
+    gamma: f64,
+    kt: f64,
+}
+
+/// Heun's rule.
+struct Heun;
+
+impl OneStep for Heun {
+    const ORDER: u32 = 2;
+    const IS_CONSISTENT: bool = true;
+
+    fn step<S: Scalar>(
+        field: &impl StepField<S>,
+        [q, p]: [&mut [S]; 2],
+        scratch: &mut Scratch<S>,
+    ) -> Result<(), StepFailure> {
+        let [dq, dp, mid_q, mid_p, end_q, end_p] = scratch.lists(q.len());
+        field.at(0.0, [q, p], [dq, dp]);
+        for i in 0..q.len() {
+            (mid_q[i], mid_p[i]) = (q[i] + dq[i], p[i] + dp[i]);
+        }
+        field.at(1.0, [mid_q, mid_p], [end_q, end_p]);
+        for i in 0..q.len() {
+            (q[i], p[i]) = (q[i] + (dq[i] + end_q[i]) * 0.5, p[i] + (dp[i] + end_p[i]) * 0.5);
+        }
+        Ok(())
+    }
+}
+
+/// The end of a run with its derivatives by parameters and by the step size.
+struct Ended {
+    end: Vec<f64>,
+    by_parameters: DMatrix<f64>,
+    by_step_size: DVector<f64>,
+}
+
+fn ended<V: Vector>(tangent: Result<Tangent<V>, Error>) -> Ended {
+    let Tangent { end, by_parameters, by_step_size, .. } = tangent.unwrap();
+    let end = [end.q.components(), end.p.components()].concat();
+    Ended { end, by_parameters, by_step_size: by_step_size.unwrap() }
+}
+
+/// `f'(0)` by four points `d` apart, and the bound `d⁴ f⁽⁵⁾/30 + 1.5 ε f/d` of its error for fifth derivatives of `size`, with 1e-13 for the roundings of a run.
+fn slope(d: f64, size: f64, f: impl Fn(f64) -> Vec<f64>) -> (Vec<f64>, f64) {
+    let [a, b, c, e] = [-2.0, -1.0, 1.0, 2.0].map(|k| f(k * d));
+    let slope = |i: usize| (a[i] - 8.0 * b[i] + 8.0 * c[i] - e[i]) / (12.0 * d);
+    ((0..a.len()).map(slope).collect(), d.powi(4) * size / 30.0 + 1.5e-13 / d)
+}
+
+/// Compares all columns with differences of the ends of runs of some forty steps. With the same increments the step size has no differences of runs with noise:
+/// then `H` times a number stands for it.
+fn check<const N: usize>(what: &str, at: [f64; N], h: Option<f64>, run: impl Fn([f64; N], f64) -> Ended) {
+    let (step, ours) = (h.unwrap_or(0.05), run(at, h.unwrap_or(0.05)));
+    let agree = |column: &[f64], (differences, error): (Vec<f64>, f64), name: String| {
+        for (ours, other) in column.iter().zip(differences) {
+            assert!((ours - other).abs() <= error * other.abs().max(1.0), "{what}, {name}: {ours} {other}");
+        }
+        assert!(column.iter().any(|entry| *entry != 0.0), "{what}, {name}: nothing depends on it");
+    };
+    for number in 0..N {
+        let varied =
+            |d: f64| run(std::array::from_fn(|i| at[i] + if i == number { d } else { 0.0 }), step).end;
+        let column: Vec<f64> = ours.by_parameters.column(number).iter().copied().collect();
+        // Parameters of order one over two units of time.
+        agree(&column, slope(1e-3, 1e4, varied), format!("parameter {number}"));
+    }
+    if h.is_some() {
+        // By forty step sizes: 40⁵ times as large as by the time.
+        let differences = slope(5e-5, 1e10, |d| run(at, step + d).end);
+        agree(ours.by_step_size.as_slice(), differences, "step size".into());
+    }
+}
+
+fn line(length: usize) -> State<DVector<f64>> {
+    let at = |i: usize| 0.3 * (1.7 * i as f64).sin();
+    let q: Vec<f64> = (0..length).map(at).collect();
+    let p: Vec<f64> = (0..length).map(|i| at(i + 20)).collect();
+    State { t: 0.3, ..State::new(q, p) }
+}
+
+#[test]
+fn chains_of_any_size() {
+    fn of<E>()
+    where
+        Chain: Discretized<E, Vector = DVector<f64>>,
+    {
+        for k in [0.8, 0.3] {
+            check(std::any::type_name::<E>(), [0.5, k, 0.7, 1.1, 2.0], Some(0.05), |[m, k, b, f, w], h| {
+                let chain = Chain { m, k, b, f, w };
+                ended(chain.simulate::<E>(h).start(line(5)).steps(40).tangent_by(&["m", "k", "b", "f", "w"]))
+            });
+        }
+    }
+    of::<DeltaPlus>();
+    of::<Midpoint>();
+    of::<Verlet>();
+    of::<Gauss<3>>();
+    of::<Mixed<Midpoint, Midpoint>>();
+    of::<Composed<Verlet, KahanLi8>>();
+    of::<Composed<Midpoint, Yoshida4>>();
+    of::<Own<Heun>>();
+}
+
+/// Steps so long that they are solved by Newton's method: with factors in a band, and with products with the Jacobian.
+#[test]
+fn long_steps() {
+    check("band", [0.5, 0.8, 0.7], Some(1.5), |[m, k, b], h| {
+        let chain = Chain { m, k, b, f: 1.0, w: 1.0 };
+        ended(chain.simulate::<Midpoint>(h).start(line(5)).steps(3).tangent_by(&["m", "k", "b"]))
+    });
+    let edges: Vec<[usize; 2]> = (0..400).map(|i| [i % 103, (i * i + 1) % 103]).collect();
+    check("products", [0.9, 1.3], Some(1.5), |[c, s], h| {
+        let network = Network { edges: edges.clone(), c, s };
+        ended(network.simulate::<Midpoint>(h).start(line(103)).steps(1).tangent_by(&["c", "s"]))
+    });
+}
+
+#[test]
+fn noises_are_taken_as_given() {
+    fn of<E>()
+    where
+        Noisy: Discretized<E, Vector = DVector<f64>>,
+    {
+        check(std::any::type_name::<E>(), [0.8, 0.6], None, |[k, s], h| {
+            let start = State { t: 0.0, ..line(4) };
+            let run = Noisy { k, s };
+            ended(run.simulate::<E>(h).start(start).noise(Wiener::seed(5)).steps(40).tangent_by(&["k", "s"]))
+        });
+    }
+    of::<Midpoint>();
+    of::<Corrected<DeltaPlus>>();
+    of::<Gauss<2>>();
+    of::<Own<Heun>>();
+}
+
+#[test]
+fn pairs_and_gathered_placements() {
+    fn bodies<E>()
+    where
+        Bodies: Discretized<E, Vector = DVector<f64>>,
+    {
+        check(std::any::type_name::<E>(), [0.7, 2.0], Some(0.05), |[g, e], h| {
+            ended(Bodies { g, e }.simulate::<E>(h).start(line(24)).steps(40).tangent_by(&["g", "e"]))
+        });
+    }
+    bodies::<DeltaPlus>();
+    bodies::<Midpoint>();
+    fn network<E>()
+    where
+        Network: Discretized<E, Vector = DVector<f64>>,
+    {
+        let edges: Vec<[usize; 2]> = (0..9).map(|i| [i % 7, (3 * i + 1) % 7]).collect();
+        check(std::any::type_name::<E>(), [0.2, 1.3], Some(0.05), |[c, s], h| {
+            let network = Network { edges: edges.clone(), c, s };
+            ended(network.simulate::<E>(h).start(line(7)).steps(40).tangent_by(&["c", "s"]))
+        });
+    }
+    network::<DeltaPlus>();
+    network::<Midpoint>();
+}
+
+#[test]
+fn flows_of_parts() {
+    check("parts", [0.9, 1.3, 0.2, 0.7, 2.0, 0.3], Some(0.05), |[m, k, c, b, w, gamma], h| {
+        let start = State { t: 0.3, ..State::new([0.4, -0.1], [0.2, 0.3]) };
+        let parts = Parts { m, k, c, b, w, gamma };
+        ended(
+            parts
+                .simulate::<Composed<Verlet, Aba864>>(h)
+                .start(start)
+                .steps(40)
+                .tangent_by(&["m", "k", "c", "b", "w", "gamma"]),
+        )
+    });
+}
+
+#[test]
+fn friction_of_one_rate() {
+    fn of<E>()
+    where
+        Damped: Discretized<E, Vector = SVector<f64, 1>>,
+    {
+        check(std::any::type_name::<E>(), [0.8, 0.6], Some(0.05), |[k, gamma], h| {
+            let start = State::new([0.4], [0.7]);
+            ended(Damped { k, gamma }.simulate::<E>(h).start(start).steps(40).tangent_by(&["k", "gamma"]))
+        });
+    }
+    of::<Midpoint>();
+    of::<DeltaPlus>();
+    of::<Gauss<2>>();
+    of::<Gauss<3>>();
+    fn chain<E>()
+    where
+        DampedChain: Discretized<E, Vector = DVector<f64>>,
+    {
+        check(std::any::type_name::<E>(), [0.8, 0.2], Some(0.05), |[k, gamma], h| {
+            let run = DampedChain { k, gamma };
+            ended(run.simulate::<E>(h).start(line(4)).steps(40).tangent_by(&["k", "gamma"]))
+        });
+    }
+    chain::<Midpoint>();
+    chain::<DeltaPlus>();
+    chain::<Gauss<2>>();
+}
+
+#[test]
+fn baths() {
+    fn one<E>()
+    where
+        Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
+    {
+        check(std::any::type_name::<E>(), [0.9, 0.8, 0.3, 0.6, 0.7], None, |[m, k, b, gamma, kt], h| {
+            let run = Oscillator { m, k, b, gamma, kt };
+            let run = run.simulate::<E>(h).start(State::new([0.4], [0.7])).noise(Wiener::seed(2)).steps(40);
+            ended(run.tangent_by(&["m", "k", "b", "gamma", "kt"]))
+        });
+    }
+    one::<Baoab>();
+    one::<Obabo>();
+    one::<Gjf>();
+    one::<Thermostat<Verlet>>();
+    one::<Thermostat<Midpoint>>();
+    one::<Thermostat<Gauss<3>>>();
+    fn massive<E>()
+    where
+        Massive: Discretized<E, Vector = SVector<f64, 2>>,
+    {
+        check(std::any::type_name::<E>(), [0.9, 0.8, 0.6, 0.7], None, |[m, k, gamma, kt], h| {
+            let run = Massive { m, k, gamma, kt };
+            let start = State::new([0.4, 0.1], [0.7, -0.2]);
+            let run = run.simulate::<E>(h).start(start).noise(Wiener::seed(2)).steps(40);
+            ended(run.tangent_by(&["m", "k", "gamma", "kt"]))
+        });
+    }
+    massive::<Baoab>();
+    massive::<Thermostat<Midpoint>>();
+    check("matrix", [0.9, 1.2, 0.8, 0.7], None, |[m, n, k, kt], h| {
+        let run = Coupled { m, n, k, damping: [[0.6, 0.2], [0.2, 0.9]], kt };
+        let start = State::new([0.4, 0.1], [0.7, -0.2]);
+        let run = run.simulate::<Baoab>(h).start(start).noise(Wiener::seed(2)).steps(40);
+        ended(run.tangent_by(&["m", "n", "k", "kt"]))
+    });
+    check("by place", [0.9, 0.3, 0.7], None, |[m, gamma, kt], h| {
+        let run = Rough { m, gamma, edge: 50.0, kt };
+        let run = run.simulate::<Obabo>(h).start(State::new([0.4], [0.7])).noise(Wiener::seed(2)).steps(40);
+        ended(run.tangent_by(&["m", "gamma", "kt"]))
+    });
+}
+
+/// Without a temperature the step size has differences, too.
+#[test]
+fn friction_of_a_bath_by_the_step_size() {
+    check("Baoab", [0.9, 0.8, 0.3, 0.6], Some(0.05), |[m, k, b, gamma], h| {
+        let run = fixtures::bath::Damped { m, k, b, gamma };
+        let run = run.simulate::<Baoab>(h).start(State::new([0.4], [0.7])).steps(40);
+        ended(run.tangent_by(&["m", "k", "b", "gamma"]))
+    });
+}
+
+#[test]
+fn integers_select_what_is_read() {
+    fn of<E>()
+    where
+        Selected: Discretized<E, Vector = SVector<f64, 3>>,
+    {
+        check(std::any::type_name::<E>(), [0.8], Some(0.05), |[k], h| {
+            let start = State::new([0.4, 0.1, -0.2], [0.7, 0.0, 0.3]);
+            ended(Selected { k, site: 2 }.simulate::<E>(h).start(start).steps(40).tangent_by(&["k"]))
+        });
+    }
+    of::<DeltaPlus>();
+    of::<Midpoint>();
+}
+
+/// Steps in straight lines have derivatives by entries of lists; those of the program read entries as they are.
+#[test]
+fn entries_of_lists() {
+    let (weights, start) = ([0.1, 0.2, 0.3], State::new([0.4], [0.7]));
+    check("lists", [0.8, 0.3], Some(0.05), |[m, weight], h| {
+        let listed = Listed { m, weights: [0.1, 0.2, weight] };
+        ended(listed.simulate::<Midpoint>(h).start(start).steps(40).tangent_by(&["m", "weights[2]"]))
+    });
+    let listed = Listed { m: 0.8, weights };
+    let run = || listed.simulate::<Own<Heun>>(0.05).start(start).steps(40);
+    assert!(run().tangent_by(&["m"]).is_ok());
+    match run().tangent_by(&["weights[2]"]) {
+        Err(Error::Config(ConfigError::Setting(message))) => {
+            assert!(message.contains("entries of lists"), "{message}")
+        }
+        other => panic!("{other:?}"),
+    }
+}
