@@ -124,8 +124,8 @@
 //! * **Error against run time**: with the feature `report`, `report::WorkPrecision` measures schemes against
 //!   each other and writes tables, plots and one HTML page.
 //! * **Long runs**: a [`Checkpoint`](checkpoint::Checkpoint) lets a stopped run resume, bit for bit.
-//! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start;
-//!   [`scalar::Dual`] is the number type behind it.
+//! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start, `tangent_by` those by parameters, and
+//!   `adjoint` the gradient of a function of the end; [`scalar::Dual`] is the number type behind them.
 //! * **Averages along one path**, with errors that include correlations: [`time_averages()`](simulate::Simulation::time_averages) and [`series`]. Temperatures and
 //!   equipartition are among them; with the feature `correlation` there are correlation functions, too.
 //! * **Errors** are values that say where, why and what to do; [`Error`] unites them.

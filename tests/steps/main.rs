@@ -4,6 +4,7 @@
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
 mod accuracy;
+mod adjoint;
 mod compensation;
 mod composition;
 mod conditions;

@@ -33,8 +33,8 @@ pub enum StepFailure {
         /// The mean of `|p · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
     },
-    /// Only in a [derivative by the start](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew, and found another
-    /// solution than the step.
+    /// Only in [derivatives](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew, and found another solution than the step, or
+    /// did not come back to its start.
     OtherSolution {
         /// The difference between the two relative to the length of the step, largest component.
         apart: f64,
@@ -104,8 +104,8 @@ messages! { StepFailure:
          mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or check the \
          energy yourself with `.unwatched()`";
     Self::OtherSolution { apart } =>
-        "the equations of the step have several solutions, and dual numbers found another one than the step, {apart:.1e} of its \
-         length away, so the derivative is not known; take a smaller step";
+        "dual numbers found another end of the step, {apart:.1e} of its length away, so the derivative is not known: its equations have \
+         several solutions, or `adjoint` names a scheme that is not the adjoint one; take a smaller step";
     Self::TooManyUnknowns { unknowns, most } =>
         "sweeps over the stages do not contract, and Newton's method would have to factor {unknowns} unknowns, more than {most}; \
          take a smaller step";

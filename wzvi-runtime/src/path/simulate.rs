@@ -1,8 +1,11 @@
 //! One path: a builder, and the run that it starts.
 
+mod adjoint;
+mod bare;
 mod run;
 mod tangent;
 
+pub use adjoint::Adjoint;
 pub(crate) use run::{OnePath, Records, Run};
 pub use tangent::Tangent;
 

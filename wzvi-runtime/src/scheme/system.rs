@@ -49,13 +49,16 @@ pub struct Kind {
     pub is_conformal: bool,
     /// Whether there is a force beside the drift: [`Hamiltonian::force`].
     pub is_forced: bool,
+    /// Whether noises drive forces that follow from no Hamiltonian.
+    pub has_noise_forces: bool,
     /// Whether the drift reads the time.
     pub reads_time: bool,
 }
 
 impl Kind {
     /// None of these.
-    pub const AUTONOMOUS: Self = Self { is_conformal: false, is_forced: false, reads_time: false };
+    pub const AUTONOMOUS: Self =
+        Self { is_conformal: false, is_forced: false, has_noise_forces: false, reads_time: false };
 }
 
 /// Whether states of the system may have this many degrees of freedom.

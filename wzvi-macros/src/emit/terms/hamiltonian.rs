@@ -40,6 +40,7 @@ pub(super) fn kind(model: &System) -> Option<TokenStream> {
     let acting = [
         ("is_conformal", model.conformal.is_some()),
         ("is_forced", model.force.is_some()),
+        ("has_noise_forces", model.noise.iter().any(|noise| noise.is_force)),
         ("reads_time", reads_time),
     ];
     let fields: Vec<_> =

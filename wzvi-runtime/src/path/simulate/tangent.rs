@@ -6,16 +6,13 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::{Simulation, Unobserved};
-use crate::algebra::memory::Threads;
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
-use crate::path::options::{Execution, Setup};
 use crate::path::retry::Subdivision;
-use crate::path::step::StepInfo;
-use crate::path::steps::{Single, Step};
+use crate::path::steps::Step;
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
 use crate::scheme::system::{
@@ -86,78 +83,31 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), and for
-    /// schemes that read parameters without derivatives: systems of any size, thermostats and friction, parts of the drift, kicks by the square of
-    /// the force, and [`Own<T>`](crate::scheme::system::Own).
+    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), for entries of
+    /// lists in steps that are not in straight lines, and for steps without such derivatives: [`GjI`](crate::scheme::bath::GjI), kicks by the square of the force,
+    /// and baths of a size that only the state knows.
     pub fn tangent_by(self, parameters: &[&str]) -> Result<Tangent<H::Vector>, Error> {
         self.varied(Some(parameters))
     }
 
     fn varied(self, parameters: Option<&[&str]>) -> Result<Tangent<H::Vector>, Error> {
-        let Self { setup, noise, observer: Unobserved, .. } = self;
-        let Setup {
-            system,
-            h,
-            span,
-            recorded,
-            observables,
-            sections,
-            retry,
-            is_watched,
-            execution,
-            keeping,
-            more: (),
-        } = setup;
-        // Nothing is shown, and steps are not in lanes.
-        let Execution { threads, stop, handle, .. } = execution;
-        let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
-        let is_exact = span.is_exact;
-        let (start, grid) = span.checked::<H, E>(system, h)?;
-        let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
-        let unused = [
-            ("`observe`", !observables.is_empty()),
-            ("`section`", !sections.is_empty()),
-            ("`record_every` and `record_at`", is_recorded),
-            ("a checkpoint", keeping.is_set()),
-            ("`exactly`", is_exact),
-            ("`handle`", handle.is_some()),
-            ("`stop_when`", stop.is_some()),
-        ];
-        if let Some((setting, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
-            return Err(
-                ConfigError::Setting(format!("`tangent` has no use for {setting}: leave it out")).into()
-            );
-        }
-        let degrees = start.q.components().len();
-        let processes = system.increments(degrees);
-        let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
-        let mut stepper = Varied::<H, E>::new(whole, system, h, &start, parameters)?;
-        let (mut state, mut dw) = (start, vec![0.0; processes]);
-        let mut path = Single {
-            stepper: &mut stepper,
-            state: &mut state,
-            noise: &mut noise,
-            dw: &mut dw,
-            first: grid.first(),
-        };
-        for step in 0..grid.steps {
-            let (stepper, step) = path.step(step);
-            stepper.take_step(step)?;
-        }
+        let bare = self.bare("tangent")?;
+        let degrees = bare.start.q.components().len();
+        let mut varied = Varied::<H, E>::new(bare.system, bare.h, &bare.start, parameters)?;
+        let end = bare.run(|whole, step| varied.take_step(whole, step))?;
         let named = parameters.map_or(0, <[&str]>::len);
         Ok(Tangent {
-            by_start: matrix(&stepper.by_start, degrees, 0..2 * degrees),
-            by_parameters: matrix(&stepper.by_constants, degrees, 0..named),
+            by_start: matrix(&varied.by_start, degrees, 0..2 * degrees),
+            by_parameters: matrix(&varied.by_constants, degrees, 0..named),
             by_step_size: parameters
-                .map(|_| matrix(&stepper.by_constants, degrees, named..named + 1).column(0).into_owned()),
-            end: state,
+                .map(|_| matrix(&varied.by_constants, degrees, named..named + 1).column(0).into_owned()),
+            end,
         })
     }
 }
 
-/// What takes the steps of a run, and the derivatives of its state.
+/// The derivatives of the state of a run.
 struct Varied<'a, H: Discretized<E>, E> {
-    whole: Subdivision<'a, H, E>,
     system: &'a H,
     h: f64,
     /// By the state of the start, and by parameters and the step size.
@@ -245,7 +195,6 @@ fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, Conf
 
 impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     fn new(
-        whole: Subdivision<'a, H, E>,
         system: &'a H,
         h: f64,
         start: &State<H::Vector>,
@@ -278,7 +227,6 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         };
         let firsts = (0..2 * degrees).step_by(BESIDE);
         Ok(Self {
-            whole,
             system,
             h,
             by_start: firsts.map(of_start).collect::<Result<_, ConfigError>>()?,
@@ -307,18 +255,21 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     }
 
     /// Takes a step, and differentiates it.
-    fn take_step<N: Noise>(&mut self, step: Step<'_, H::Vector, N>) -> Result<StepInfo, Error> {
+    fn take_step<N: Noise>(
+        &mut self,
+        whole: &mut Subdivision<'_, H, E>,
+        step: Step<'_, H::Vector, N>,
+    ) -> Result<(), Error> {
         let Step { state, interval, noise, dw } = step;
         copy_state(&mut self.before, state);
-        let info = self.whole.take_step(Step { state, interval, noise, dw })?;
+        whole.take_step(Step { state, interval, noise, dw })?;
         let (step, t, h) = (interval.step, self.before.t, self.h);
-        self.vary(step, state, dw).map_err(|cause| StepError { step, t, h, cause })?;
-        Ok(info)
+        Ok(self.vary(step, state, dw).map_err(|cause| StepError { step, t, h, cause })?)
     }
 }
 
 /// How far two ends of a step are from each other, relative to the way to the first.
-fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
+pub(super) fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
     let ends = a.components().iter().zip(b.components()).zip(start.components());
     ends.map(|((a, b), start)| ((a - b) / (a - start)).abs()).fold(0.0, f64::max)
 }

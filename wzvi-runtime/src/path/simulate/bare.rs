@@ -1,0 +1,98 @@
+//! A run of which only the steps are of interest.
+
+use super::{Simulation, Unobserved};
+use crate::algebra::memory::Threads;
+use crate::algebra::state::{State, Vector};
+use crate::error::ConfigError;
+use crate::increments::{Noise, Whole};
+use crate::path::Error;
+use crate::path::options::{Execution, Setup};
+use crate::path::retry::Subdivision;
+use crate::path::span::Grid;
+use crate::path::steps::{Single, Step};
+use crate::scheme::system::Discretized;
+
+/// What takes the steps, and from where.
+pub(super) struct Bare<'a, H: Discretized<E>, E, N> {
+    pub(super) system: &'a H,
+    pub(super) h: f64,
+    pub(super) start: State<H::Vector>,
+    whole: Subdivision<'a, H, E>,
+    grid: Grid,
+    noise: Option<N>,
+}
+
+impl<'a, H, E, N> Simulation<'a, H, E, N, Unobserved, Whole>
+where
+    H: Discretized<E>,
+    N: Noise,
+{
+    /// The steps of the run, for the method `what`.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] for settings that the method has no use for.
+    pub(super) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N>, Error> {
+        let Self { setup, noise, observer: Unobserved, .. } = self;
+        let Setup {
+            system,
+            h,
+            span,
+            recorded,
+            observables,
+            sections,
+            retry,
+            is_watched,
+            execution,
+            keeping,
+            more: (),
+        } = setup;
+        // Nothing is shown, and steps are not in lanes.
+        let Execution { threads, stop, handle, .. } = execution;
+        let whole = Subdivision::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
+        let is_exact = span.is_exact;
+        let (start, grid) = span.checked::<H, E>(system, h)?;
+        let is_recorded = recorded.every.is_some() || !recorded.times.is_empty();
+        let unused = [
+            ("`observe`", !observables.is_empty()),
+            ("`section`", !sections.is_empty()),
+            ("`record_every` and `record_at`", is_recorded),
+            ("a checkpoint", keeping.is_set()),
+            ("`exactly`", is_exact),
+            ("`handle`", handle.is_some()),
+            ("`stop_when`", stop.is_some()),
+        ];
+        if let Some((setting, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
+            let wrong = format!("`{what}` has no use for {setting}: leave it out");
+            return Err(ConfigError::Setting(wrong).into());
+        }
+        let processes = system.increments(start.q.components().len());
+        let noise = grid.prepared(noise, &H::PLAN, processes)?;
+        Ok(Bare { system, h, start, whole, grid, noise })
+    }
+}
+
+impl<'a, H: Discretized<E>, E, N: Noise> Bare<'a, H, E, N> {
+    /// Takes all steps by `take`; returns the end.
+    ///
+    /// # Errors
+    /// The first one of a step.
+    pub(super) fn run(
+        self,
+        mut take: impl FnMut(&mut Subdivision<'a, H, E>, Step<'_, H::Vector, N>) -> Result<(), Error>,
+    ) -> Result<State<H::Vector>, Error> {
+        let Self { system, start: mut state, mut whole, grid, mut noise, .. } = self;
+        let mut dw = vec![0.0; system.increments(state.q.components().len())];
+        let mut path = Single {
+            stepper: &mut whole,
+            state: &mut state,
+            noise: &mut noise,
+            dw: &mut dw,
+            first: grid.first(),
+        };
+        for step in 0..grid.steps {
+            let (whole, step) = path.step(step);
+            take(whole, step)?;
+        }
+        Ok(state)
+    }
+}
