@@ -1,6 +1,6 @@
 //! Derivatives of the end of a run by parameters and by the step size, through steps in loops, flows, friction and baths.
 
-use fixtures::bath::{Coupled, Oscillator, Rough};
+use fixtures::bath::{self, Coupled, Oscillator, Rough};
 use wzvi::embedding::{OneStep, Own};
 use wzvi::error::{ConfigError, Error, StepFailure};
 use wzvi::nalgebra::{DMatrix, DVector, SVector};
@@ -370,6 +370,18 @@ fn baths() {
         let run = run.simulate::<Baoab>(h).start(start).noise(Wiener::seed(2)).steps(40);
         ended(run.tangent_by(&["m", "n", "k", "kt"]))
     });
+    fn long<E>()
+    where
+        bath::Chain: Discretized<E, Vector = DVector<f64>>,
+    {
+        check(std::any::type_name::<E>(), [0.3, 0.7], None, |[gamma, kt], h| {
+            let run = bath::Chain { gamma, kt };
+            let run = run.simulate::<E>(h).start(line(4)).noise(Wiener::seed(2)).steps(40);
+            ended(run.tangent_by(&["gamma", "kt"]))
+        });
+    }
+    long::<Baoab>();
+    long::<Thermostat<Midpoint>>();
     check("by place", [0.9, 0.3, 0.7], None, |[m, gamma, kt], h| {
         let run = Rough { m, gamma, edge: 50.0, kt };
         let run = run.simulate::<Obabo>(h).start(State::new([0.4], [0.7])).noise(Wiener::seed(2)).steps(40);
@@ -381,7 +393,7 @@ fn baths() {
 #[test]
 fn friction_of_a_bath_by_the_step_size() {
     check("Baoab", [0.9, 0.8, 0.3, 0.6], Some(0.05), |[m, k, b, gamma], h| {
-        let run = fixtures::bath::Damped { m, k, b, gamma };
+        let run = bath::Damped { m, k, b, gamma };
         let run = run.simulate::<Baoab>(h).start(State::new([0.4], [0.7])).steps(40);
         ended(run.tangent_by(&["m", "k", "b", "gamma"]))
     });

@@ -15,7 +15,7 @@ use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::Elements;
-use crate::scheme::system::{Hamiltonian as _, Lift, varied_without_lists, without_derivatives};
+use crate::scheme::system::{Hamiltonian as _, Lift, varied_without_lists};
 
 /// The number of O parts of a step, of equal duration, and their decay.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,21 @@ pub(super) fn rate<T: Elements>(system: &T, degrees: usize) -> Result<f64, BathE
     if is_one { Ok(rate) } else { Err(BathError::Rates) }
 }
 
-/// The constants of the O parts of steps of size `h`; `None` for a system whose size only its state knows.
+/// The constants of the O parts.
+#[derive(Clone, Debug)]
+pub(super) enum Law<K> {
+    Known(Relaxation<K>),
+    /// They follow from the size of the state, and from all parameters, where these have derivatives.
+    OfState(Vec<K>),
+}
+
+impl<K> Law<K> {
+    fn known(&self) -> Option<&Relaxation<K>> {
+        if let Self::Known(relaxation) = self { Some(relaxation) } else { None }
+    }
+}
+
+/// The constants of the O parts of steps of size `h`.
 ///
 /// # Errors
 /// [`ConfigError::Bath`]
@@ -54,27 +68,24 @@ pub(super) fn prepare<T: Elements, K: Constant>(
     system: &T,
     (lift, h): (Lift<'_, K>, K),
     shares: Shares,
-) -> Result<Option<Relaxation<K>>, ConfigError> {
+) -> Result<Law<K>, ConfigError> {
     let (degrees, friction) = (system.degrees(), Damped::<T>::FRICTION);
-    if degrees == 0 {
-        without_derivatives(h)?;
-        Relaxation::<f64>::check((system, &[]), friction).map_err(ConfigError::Bath)?;
-        return Ok(None);
-    }
     let parameters = varied_without_lists(system, lift)?;
+    if degrees == 0 {
+        Relaxation::<f64>::check((system, &[]), friction).map_err(ConfigError::Bath)?;
+        return Ok(Law::OfState(parameters));
+    }
     let relaxation = Relaxation::new((system, &*parameters), friction, degrees, h, shares.of_one());
-    relaxation.map(Some).map_err(ConfigError::Bath)
+    relaxation.map(Law::Known).map_err(ConfigError::Bath)
 }
 
 /// The constants of systems in lanes; `None` if there are none.
-pub(super) fn gather<const L: usize>(
-    of_lanes: [&Option<Relaxation>; L],
-) -> Option<Option<Relaxation<Lanes<L>>>> {
-    let mut relaxations = [of_lanes.first()?.as_ref()?; L];
+pub(super) fn gather<const L: usize>(of_lanes: [&Law<f64>; L]) -> Option<Law<Lanes<L>>> {
+    let mut relaxations = [of_lanes.first()?.known()?; L];
     for (relaxation, of_lane) in relaxations.iter_mut().zip(of_lanes) {
-        *relaxation = of_lane.as_ref()?;
+        *relaxation = of_lane.known()?;
     }
-    Relaxation::gather(relaxations).map(Some)
+    Relaxation::gather(relaxations).map(Law::Known)
 }
 
 /// The constants for one step size and number of degrees of freedom.
@@ -82,19 +93,26 @@ pub(super) fn gather<const L: usize>(
 struct Own {
     h: f64,
     degrees: usize,
-    relaxation: Relaxation,
+    /// A [`Relaxation`] in the constants of the steps.
+    relaxation: Box<dyn Any + Send + Sync>,
 }
 
 impl Own {
     #[cold]
-    fn new<T: Elements>(system: &T, degrees: usize, h: f64, shares: Shares) -> Result<Self, StepFailure> {
+    fn new<T: Elements, K: Constant>(
+        of: (&T, &[K]),
+        degrees: usize,
+        h: K,
+        shares: Shares,
+    ) -> Result<Self, StepFailure> {
+        let (system, _) = of;
         system.check(degrees)?;
         if shares.is_shortened {
             rate(system, degrees).map_err(StepFailure::Bath)?;
         }
-        let relaxation = Relaxation::new((system, &[]), Damped::<T>::FRICTION, degrees, h, shares.of_one());
-        let relaxation = relaxation.map_err(StepFailure::Bath)?;
-        Ok(Self { h, degrees, relaxation })
+        let relaxation = Relaxation::new(of, Damped::<T>::FRICTION, degrees, h, shares.of_one());
+        let relaxation = Box::new(relaxation.map_err(StepFailure::Bath)?);
+        Ok(Self { h: h.lane(0), degrees, relaxation })
     }
 }
 
@@ -154,7 +172,7 @@ impl<S: Scalar> Memory<S> {
     pub(super) fn parts<'m, T: Elements, K: Constant>(
         &'m mut self,
         system: &'m T,
-        prepared: &'m Option<Relaxation<K>>,
+        prepared: &'m Law<K>,
         (h, shares, degrees): (K, Shares, usize),
         (dw, noises): (&'m [S], usize),
     ) -> Result<Parts<'m, T, K, S>, StepFailure> {
@@ -164,16 +182,15 @@ impl<S: Scalar> Memory<S> {
         }
         self.fit::<T>(degrees);
         let relaxation = match prepared {
-            Some(relaxation) => relaxation,
-            None => {
-                let h = h.lane(0);
-                let own = self.own.take().filter(|own| own.h == h && own.degrees == degrees);
-                let own = match own {
+            Law::Known(relaxation) => relaxation,
+            Law::OfState(parameters) => {
+                let is_alike = |own: &Own| own.h == h.lane(0) && own.degrees == degrees;
+                let own = match self.own.take().filter(is_alike) {
                     Some(own) => own,
-                    None => Own::new(system, degrees, h, shares)?,
+                    None => Own::new((system, parameters), degrees, h, shares)?,
                 };
-                // Systems without a known size go neither in lanes nor with derivatives.
-                same(&self.own.insert(own).relaxation)
+                // A memory belongs to the steps of one stepper, which have one type of constants.
+                (self.own.insert(own).relaxation.downcast_ref())
                     .ok_or(StepFailure::Internal(StepPromise::PlainConstants))?
             }
         };

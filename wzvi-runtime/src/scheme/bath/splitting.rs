@@ -8,10 +8,10 @@
 use std::marker::PhantomData;
 
 use super::modes::Decay;
-use super::part::{self, Parts, Shares};
+use super::part::{self, Law, Parts, Shares};
 use super::windowed::WithBath;
 use super::word::{A, Act, B, O, Part, Spelling, joined};
-use super::{Baoab, Damped, GjI, Gjf, Obabo, Relaxation, with_bath};
+use super::{Baoab, Damped, GjI, Gjf, Obabo, with_bath};
 use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
@@ -78,7 +78,7 @@ pub struct Prepared<P, K> {
     joined: Stages<Act>,
     /// Kicks and drifts alone, neighbours of one kind merged: for systems without friction.
     still: Stages<Act>,
-    relaxation: Option<Relaxation<K>>,
+    relaxation: Law<K>,
 }
 
 impl<F, W> Scheme<F> for Splitting<W>

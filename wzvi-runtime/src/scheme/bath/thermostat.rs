@@ -5,8 +5,8 @@
 use std::marker::PhantomData;
 
 use super::modes::Decay;
-use super::part::{self, Parts, Shares, normals};
-use super::{Relaxation, with_bath};
+use super::part::{self, Law, Parts, Shares, normals};
+use super::with_bath;
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
@@ -31,7 +31,7 @@ pub struct Around<E>(PhantomData<E>);
 #[derive(Clone, Debug)]
 pub struct Prepared<M, K> {
     step: M,
-    relaxation: Option<Relaxation<K>>,
+    relaxation: Law<K>,
 }
 
 /// As far as the plan of `E` says.
