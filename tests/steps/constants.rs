@@ -348,6 +348,7 @@ fn baths() {
     one::<Baoab>();
     one::<Obabo>();
     one::<Gjf>();
+    one::<GjI>();
     one::<Thermostat<Verlet>>();
     one::<Thermostat<Midpoint>>();
     one::<Thermostat<Gauss<3>>>();

@@ -11,7 +11,7 @@ use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::{Request, StepMemory};
-use crate::algebra::scalar::{Constant, Over, Scalar};
+use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::Elements;
@@ -36,13 +36,17 @@ impl Shares {
 ///
 /// # Errors
 /// [`BathError::Rates`] if they have several, or rates that depend on the state.
-pub(super) fn rate<T: Elements>(system: &T, degrees: usize) -> Result<f64, BathError> {
-    let (mut rates, friction) = (vec![f64::NAN; degrees], Damped::<T>::FRICTION);
+pub(super) fn rate<T: Elements, K: Constant>(
+    (system, parameters): (&T, &[K]),
+    degrees: usize,
+) -> Result<K, BathError> {
+    let zero = K::from_f64(0.0);
+    let (mut rates, friction) = (vec![K::from_f64(f64::NAN); degrees], Damped::<T>::FRICTION);
     if !friction.is_matrix && !friction.is_per_state {
-        friction.damping((system, &[]), &vec![0.0; degrees], &mut rates);
+        friction.damping((system, K::varied(parameters)), &vec![zero; degrees], &mut rates);
     }
-    let rate = rates.first().copied().unwrap_or(0.0);
-    let is_one = rate >= 0.0 && rates.iter().all(|other| *other == rate);
+    let rate = rates.first().copied().unwrap_or(zero);
+    let is_one = zero.less_equal(rate).all() && rates.iter().all(|other| other.equal(rate).all());
     if is_one { Ok(rate) } else { Err(BathError::Rates) }
 }
 
@@ -108,7 +112,7 @@ impl Own {
         let (system, _) = of;
         system.check(degrees)?;
         if shares.is_shortened {
-            rate(system, degrees).map_err(StepFailure::Bath)?;
+            rate(of, degrees).map_err(StepFailure::Bath)?;
         }
         let relaxation = Relaxation::new(of, Damped::<T>::FRICTION, degrees, h, shares.of_one());
         let relaxation = Box::new(relaxation.map_err(StepFailure::Bath)?);

@@ -26,7 +26,7 @@ use crate::scheme::elements::{Elements, Taken, check_new};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{
-    At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits, without_derivatives,
+    At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits, varied_without_lists,
 };
 
 /// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme with a name.
@@ -79,6 +79,8 @@ pub struct Prepared<P, K> {
     /// Kicks and drifts alone, neighbours of one kind merged: for systems without friction.
     still: Stages<Act>,
     relaxation: Law<K>,
+    /// The ratio of the time of kicks and drifts to that of their stages.
+    stretch: K,
 }
 
 impl<F, W> Scheme<F> for Splitting<W>
@@ -127,14 +129,10 @@ where
         let substeps: Vec<Substep> =
             letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();
         let still = Stages::of(&substeps).map(|_, half| Act::Flow(half));
-        let factor = if W::IS_SHORTENED { shortened(system, without_derivatives(h)?)? } else { 1.0 };
-        let apart = letters.iter().map(|stage| {
-            let (weight, share) = (factor * stage.weight, factor * stage.share);
-            Stage { weight, share, ..*stage }
-        });
-        let apart = Stages(apart.collect()).with_ends(Act::half);
+        let stretch = if W::IS_SHORTENED { shortened(system, lift, h)? } else { K::from_f64(1.0) };
+        let apart = Stages(letters.to_vec()).with_ends(Act::half);
         let joined = Stages(joined(&apart.0));
-        Ok(Prepared { parameters: system.parameters(lift), apart, joined, still, relaxation })
+        Ok(Prepared { parameters: system.parameters(lift), apart, joined, still, relaxation, stretch })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -145,7 +143,8 @@ where
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
         let relaxation = part::gather(prepared.map(|prepared| &prepared.relaxation))?;
         let Prepared { apart, joined, still, .. } = (*prepared.first()?).clone();
-        Some(Prepared { parameters, apart, joined, still, relaxation })
+        let stretch = Lanes::from_f64(1.0);
+        Some(Prepared { parameters, apart, joined, still, relaxation, stretch })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -165,7 +164,8 @@ where
             && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
             let (t, h) = (t.lane(0), h.lane(0));
-            let givens = Givens { t, h, q, p, dw: &own[..noises.min(own.len())] };
+            let (stretch, of_noises) = (prepared.stretch.lane(0), &own[..noises.min(own.len())]);
+            let givens = Givens { t, h, stretch, q, p, dw: of_noises };
             if let Some(taken) =
                 in_windows::<F, K, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
             {
@@ -181,7 +181,8 @@ where
             true => &prepared.joined,
             false => &prepared.apart,
         };
-        let flows = FlowsOf { system, parameters: &prepared.parameters, t, h };
+        let Prepared { parameters, stretch, .. } = prepared;
+        let flows = FlowsOf { system, parameters, t, h, stretch: *stretch };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take::<C>(stage, rooms, memory);
         let effort = stages::advance(system, take, list, [q, p], &dw[..noises], memory, carry)?;
@@ -201,7 +202,8 @@ where
     ) -> Result<Effort, StepFailure> {
         if const { F::FACTS.has_windows && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
             let noises = system.noises().min(dw.len());
-            let givens = Givens { t, h, q: q.components(), p: p.components(), dw: &dw[..noises] };
+            let (stretch, of_noises) = (prepared.stretch, &dw[..noises]);
+            let givens = Givens { t, h, stretch, q: q.components(), p: p.components(), dw: of_noises };
             let (bath, flows) = &mut *memory;
             if let Some(taken) =
                 in_windows::<F, f64, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
@@ -222,15 +224,16 @@ where
 ///
 /// # Errors
 /// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises, whose increments would be shortened, too.
-fn shortened<T: Elements>(system: &T, h: f64) -> Result<f64, ConfigError> {
+fn shortened<T: Elements, K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<K, ConfigError> {
     if system.noises() > 0 {
         let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
         return Err(ConfigError::Setting(wrong.into()));
     }
     // If the size is unknown, one degree of freedom is enough to read the rate; the first step compares it with the others.
-    let rate = part::rate(system, system.degrees().max(1)).map_err(ConfigError::Bath)?;
-    let x = 0.5 * h * rate;
-    Ok(if x == 0.0 { 1.0 } else { (x.tanh() / x).sqrt() })
+    let parameters = varied_without_lists(system, lift)?;
+    let rate = part::rate((system, &*parameters), system.degrees().max(1)).map_err(ConfigError::Bath)?;
+    let x = h * 0.5 * rate;
+    Ok(if x.lane(0) == 0.0 { K::from_f64(1.0) } else { (x.tanh() / x).sqrt() })
 }
 
 /// A step window by window; returns its heat, or `None` if friction and masses are not lists.
@@ -278,7 +281,7 @@ impl<F: Field, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
         let (part, drift) = match stage.act {
             Act::Flow(half) => return self.flows.take::<S, C>(&stage.with((half, 0.0)), rooms, memory),
             Act::Relax(part) => (part, None),
-            Act::RelaxBetween(part) => (part, Some(self.flows.h * stage.weight)),
+            Act::RelaxBetween(part) => (part, Some(self.flows.h * (self.flows.stretch * stage.weight))),
         };
         self.heat = self.heat + self.parts.apply::<C>(part, drift, [q, p, lost_p])?;
         Ok(())

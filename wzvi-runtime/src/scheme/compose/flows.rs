@@ -92,7 +92,7 @@ where
             && takes_windows::<F>(q.len())
             && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
         {
-            let givens = Givens { t: t.lane(0), h: h.lane(0), q, p, dw };
+            let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q, p, dw };
             let (taken, _) = memory.windows.advance(system, stages, givens, |flows| flows)?;
             taken.copy(q, p);
             return Ok(Effort::fast(0));
@@ -100,7 +100,7 @@ where
         if SQUARES && K::plain(&[h]).is_none() {
             return Err(StepFailure::Internal(StepPromise::PlainConstants));
         }
-        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h };
+        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h, stretch: K::from_f64(1.0) };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take::<S, C>(stage, rooms, memory);
         advance(system, take, stages, [q, p], dw, memory, carry)
     }
@@ -116,7 +116,7 @@ where
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         if takes_windows::<F>(q.components().len()) && !C::CARRIES && !SQUARES {
-            let givens = Givens { t, h, q: q.components(), p: p.components(), dw };
+            let givens = Givens { t, h, stretch: 1.0, q: q.components(), p: p.components(), dw };
             let (taken, _) = memory.windows.advance(system, &prepared.stages.0, givens, |flows| flows)?;
             taken.exchange(q, p);
             return Ok(Effort::fast(0));
@@ -128,7 +128,8 @@ where
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
         let Stages(stages) = stages::<E, T, W>();
         let parameters = &system.parameters(&as_they_are);
-        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t: segment.t, h: segment.h };
+        let Segment { t, h, .. } = *segment;
+        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h, stretch: 1.0 };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
     }
 }
@@ -154,6 +155,8 @@ pub(crate) struct FlowsOf<'a, F: Field, K: Constant, const SQUARES: bool = false
     pub(crate) parameters: &'a Of<F::Parameters, K>,
     pub(crate) t: K,
     pub(crate) h: K,
+    /// The ratio of the time of all flows to that of their stages.
+    pub(crate) stretch: K,
 }
 
 impl<F: Field, K: Constant, const SQUARES: bool> Clone for FlowsOf<'_, F, K, SQUARES> {
@@ -175,7 +178,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     ) -> Result<(), StepFailure> {
         let (half, gradient) = stage.act;
         let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
-        let (t, h) = (self.t + self.h * stage.node, self.h * stage.share);
+        let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
         match half {
             Half::First => {
                 self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut())

@@ -48,6 +48,8 @@ struct Scaled {
 pub(crate) struct Givens<'a> {
     pub(crate) t: f64,
     pub(crate) h: f64,
+    /// As of [`FlowsOf`](super::flows::FlowsOf).
+    pub(crate) stretch: f64,
     pub(crate) q: &'a [f64],
     pub(crate) p: &'a [f64],
     pub(crate) dw: &'a [f64],
@@ -76,7 +78,7 @@ impl Memory {
         givens: Givens<'_>,
         word: impl FnOnce(FlowList<'m, A>) -> W,
     ) -> Result<(Taken<'m>, W), StepFailure> {
-        let Givens { t, h, q, p, dw } = givens;
+        let Givens { t, h, stretch, q, p, dw } = givens;
         let degrees = q.len();
         if self.plan.degrees() != Some(degrees) || !fits(system, degrees) {
             system.check(degrees)?;
@@ -84,7 +86,7 @@ impl Memory {
         check_lengths(system, [degrees, p.len(), dw.len()])?;
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
-        let mut word = word(FlowList { t, h, stages, scaled, reads_time: F::FORCE_READS_TIME });
+        let mut word = word(FlowList { t, h, stretch, stages, scaled, reads_time: F::FORCE_READS_TIME });
         let missing = Err(StepFailure::Internal(StepPromise::Windows));
         let taken = system.take_windows(&mut word, q, p, plan).unwrap_or(missing)?;
         Ok((taken, word))
@@ -111,6 +113,7 @@ impl Memory {
 pub(crate) struct FlowList<'a, A> {
     t: f64,
     h: f64,
+    stretch: f64,
     stages: &'a [Stage<A>],
     scaled: &'a [Scaled],
     reads_time: bool,
@@ -133,7 +136,7 @@ impl<'a, A> FlowList<'a, A> {
     /// The time step of a part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn time(&self, stage: &Stage<A>) -> f64 {
-        stage.weight * self.h
+        self.stretch * stage.weight * self.h
     }
 
     /// The move of a kick or a drift.
@@ -151,7 +154,7 @@ impl<'a, A> FlowList<'a, A> {
     pub(crate) fn flow(&self, number: usize) -> Flow<'a, f64> {
         let &Stage { share, node, .. } = &self.stages[number];
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
-        Flow { t: self.t + node * self.h, h: share * self.h, parameters: &[], dw }
+        Flow { t: self.t + node * self.h, h: self.stretch * share * self.h, parameters: &[], dw }
     }
 
     /// As [`Word::origin`].
