@@ -403,11 +403,6 @@ where
     }
 }
 
-/// The value of a part of the drift, or of the temperature.
-pub(crate) fn value_of_part<H: Elements>(system: &H, number: usize, t: f64, q: &[f64], p: &[f64]) -> f64 {
-    system.value(number, 1.0, &Point::new([q, p], t, &[], &[]))
-}
-
 /// Whether scratch for `ready` degrees of freedom fits a state of `got`; the system was checked when the scratch was made.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn is_sized<H: Elements>(system: &H, ready: usize, got: usize) -> bool {

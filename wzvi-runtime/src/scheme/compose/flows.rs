@@ -29,9 +29,7 @@ use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{
-    At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are, without_derivatives,
-};
+use crate::scheme::system::{At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are};
 
 /// The drifts and kicks `W` in turn; `SQUARES` if kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +64,8 @@ where
 
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
         if SQUARES {
-            without_derivatives(h)?;
+            let wrong = "steps of this scheme have no derivatives by parameters or by the step size";
+            K::plain(&[h]).ok_or_else(|| ConfigError::Setting(wrong.into()))?;
         }
         check_new(system)?;
         Ok(Prepared { parameters: system.parameters(lift), stages: stages::<E, T, W>() })

@@ -20,7 +20,7 @@ use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Elements, Point, Slopes, check_new, forces, slopes, value_of_part};
+use crate::scheme::elements::{Elements, Point, Slopes, check_new, forces, slopes};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     At, Hamiltonian as _, Lift, Properties, Scheme, Segment, as_they_are, varied, varied_without_lists,
@@ -182,7 +182,8 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
         let action = |stage: &Stage<Act<f64>>, before: [&[f64]; 2], [q, p]: [&[f64]; 2]| {
             let value = |half: Half| {
                 let part = Parts::<F>::OF_DRIFT.0 + half as usize;
-                stage.weight * h * value_of_part(system, part, t + stage.node * h, q, p)
+                let at = Point::new([q, p], t + stage.node * h, &[], &[]);
+                stage.weight * h * system.value(part, 1.0, &at)
             };
             match &stage.act {
                 Act::Kick(half) => -value(*half),

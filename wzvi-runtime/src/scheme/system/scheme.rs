@@ -9,7 +9,7 @@ use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure, StepPromise};
+use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 
@@ -35,21 +35,6 @@ impl<'a, S: Over<K>, K: Constant> At<'a, S, K> {
         let Self { t, h, q, p, dw } = self;
         let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
         At { t, h, q, p, dw }
-    }
-}
-
-impl<'a, S, K: Constant> At<'a, S, K> {
-    /// With time and step size as `f64`, for schemes that do not propagate derivatives.
-    ///
-    /// # Errors
-    /// [`StepPromise::PlainConstants`] if they are not `f64`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn plain(self) -> Result<At<'a, S>, StepFailure> {
-        let Self { t, h, q, p, dw } = self;
-        match K::plain(&[t, h]) {
-            Some(&[t, h]) => Ok(At { t, h, q, p, dw }),
-            _ => Err(StepFailure::Internal(StepPromise::PlainConstants)),
-        }
     }
 }
 
@@ -89,19 +74,6 @@ pub(crate) fn varied_without_lists<H: Hamiltonian, K: Constant>(
         }
     }
     Ok(varied)
-}
-
-/// The step size as an `f64`, if it and the parameters are.
-///
-/// # Errors
-/// [`ConfigError::Setting`] if they have derivatives, which the scheme does not propagate.
-pub(crate) fn without_derivatives<K: Constant>(h: K) -> Result<f64, ConfigError> {
-    match K::plain(&[h]) {
-        Some(&[h]) => Ok(h),
-        _ => Err(ConfigError::Setting(
-            "steps of this scheme have no derivatives by parameters or by the step size".into(),
-        )),
-    }
 }
 
 /// Properties of the steps of a scheme for runs, besides its [`Plan`].
@@ -280,21 +252,3 @@ pub type PreparedOf<H, E, K = f64> = <SchemeOf<H, E> as Scheme<H>>::Prepared<K>;
 pub type CarryOf<H, E> = <SchemeOf<H, E> as Scheme<H>>::Carry<f64>;
 /// The memory of steps of `H` by `E`.
 pub type MemoryOf<H, E, S> = <SchemeOf<H, E> as Scheme<H>>::Memory<S>;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::algebra::scalar::Dual;
-
-    /// Derivatives by the step size that would be lost are refused.
-    #[test]
-    fn derivatives_are_not_dropped() {
-        let (mut q, mut p) = ([Dual::<1>::constant(0.5)], [Dual::<1>::constant(1.0)]);
-        let h = Dual { value: 0.1, derivative: [1.0] };
-        let at = At { t: Dual::<1>::constant(0.0), h, q: &mut q, p: &mut p, dw: &[] };
-        let plain = at.plain();
-        assert_eq!(plain.map(|at| at.h), Err(StepFailure::Internal(StepPromise::PlainConstants)));
-        let at = At { t: 0.25, h: 0.1, q: &mut q, p: &mut p, dw: &[] };
-        assert_eq!(at.plain().map(|at| [at.t, at.h]), Ok([0.25, 0.1]));
-    }
-}
