@@ -41,13 +41,14 @@ struct Noisy {
     s: f64,
 }
 
-/// Bodies in the plane: rows of pairs.
+/// Bodies in the plane: rows of pairs, with a condition and a power of parameters.
 #[hamiltonian(
     drift = |q: &[[f64; 2]], p: &[[f64; 2]]| {
         p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1])).sum::<f64>()
             + (0..q.len()).map(|i| (0..i).map(|j| {
                 let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
-                -g / (x * x + y * y + e * e).sqrt()
+                let held = if g < e { g * x * x } else { y * y };
+                0.01 * (held + (1.0 + x * x).powf(e)) - g / (x * x + y * y + e * e).sqrt()
             }).sum::<f64>()).sum::<f64>()
     },
     embedding = [DeltaPlus, Midpoint],
@@ -58,10 +59,12 @@ struct Bodies {
     e: f64,
 }
 
-/// Oscillators on a graph: placements that are gathered.
+/// Oscillators on a graph: placements that are gathered, with a condition on parameters.
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
-        p.iter().map(|p| 0.5 * p * p).sum::<f64>() + edges.iter().map(|[a, b]| c * (1.0 - (s * (q[*a] - q[*b])).cos())).sum::<f64>()
+        let strength = |c: f64| if c < s && c > 0.0 { c } else { s };
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + edges.iter().map(|[a, b]| strength(c) * (1.0 - (s * (q[*a] - q[*b])).cos())).sum::<f64>()
     },
     embedding = [DeltaPlus, Midpoint],
 )]

@@ -246,6 +246,38 @@ fn scaling_the_energy_scales_the_time() {
     check::<Composed<Midpoint, Yoshida4>>();
 }
 
+mod outside {
+    pub const G: f64 = 0.77;
+}
+
+#[hamiltonian_fn]
+fn quartic(x: f64) -> f64 {
+    crate::tangent::outside::G * x.powi(4)
+}
+
+/// A field and a constant with one name, and two spellings of one entry.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + quartic(q) + self.G * q * q + v[0] * q + v[n - 1] * q.cos(), embedding = Midpoint)]
+#[allow(non_snake_case, reason = "the name of a constant")]
+struct Twins {
+    G: f64,
+    v: [f64; 2],
+    n: usize,
+}
+
+#[test]
+fn names_of_two_numbers_are_refused() {
+    let twins = Twins { G: 0.4, v: [0.1, 0.2], n: 2 };
+    for name in ["G", "v[0]", "v[n - 1]"] {
+        let run = twins.simulate::<Midpoint>(0.1).start(State::new([0.4], [0.7])).steps(10);
+        match run.tangent_by(&[name]) {
+            Err(Error::Config(ConfigError::Setting(message))) => {
+                assert!(message.contains("may be the same"), "{message}")
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
 #[test]
 fn constants_without_derivatives_are_refused() {
     let setting = |error: Error| match error {

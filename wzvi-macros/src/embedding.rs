@@ -162,14 +162,6 @@ impl Embedding {
         }
     }
 
-    /// Whether it is one list of quadrature points for all terms.
-    pub(crate) fn is_quadrature(&self) -> bool {
-        matches!(
-            self,
-            Self::DeltaPlus | Self::Midpoint | Self::DeltaMinus | Self::Lambda(..) | Self::Declared(_)
-        )
-    }
-
     /// The order in `h` without noise.
     pub(crate) fn order(&self) -> u32 {
         match self {

@@ -129,7 +129,8 @@ impl Energy {
         let Hamiltonians { drift, noise, forces, t, .. } = of;
         let explicit = sums.partial(drift, *t);
         let explicit = sums.vanishes(Some(explicit), Increments::Each).known;
-        let is_conservative = noise.is_empty() && forces.are_absent() && explicit.is_proven();
+        let is_forced = !(forces.force.is_empty() && forces.friction.is_empty() && forces.noise.is_empty());
+        let is_conservative = noise.is_empty() && !is_forced && explicit.is_proven();
         let powers = forces.powers(sums, drift);
         let rates = noise.iter().map(|one| {
             let rate = sums.bracket(one, drift);

@@ -51,13 +51,10 @@ pub(crate) struct Scheme {
 /// (`cargo bench --bench seam` forces both ways beside the chosen one.)
 const MOST_UNKNOWNS: usize = 6;
 
-impl Scheme {
-    /// Whether Newton's method with dense elimination costs more than iterations with no elimination, or a banded one.
-    pub(crate) fn is_cheaper_swept(&self) -> bool {
-        let takes_newton = |block: &&Block| matches!(block.solution, Solution::Newton { .. });
-        let mut iterated = self.structure.blocks.iter().filter(takes_newton);
-        iterated.any(|block| block.iterates.len() > MOST_UNKNOWNS)
-    }
+/// Whether Newton's method with dense elimination costs more than iterations with no elimination, or a banded one.
+pub(crate) fn is_cheaper_swept(Scheme { structure, .. }: &Scheme) -> bool {
+    let takes_newton = |block: &&Block| matches!(block.solution, Solution::Newton { .. });
+    structure.blocks.iter().filter(takes_newton).any(|block| block.iterates.len() > MOST_UNKNOWNS)
 }
 
 /// Discretises `line` by `embedding`: from Hamiltonians to a step in straight-line code.

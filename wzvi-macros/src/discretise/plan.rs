@@ -14,7 +14,7 @@
 
 use std::rc::Rc;
 
-use crate::discretise::{Facts, Part, Quadrature, Scheme, Stage, discretise};
+use crate::discretise::{Facts, Part, Quadrature, Scheme, Stage, discretise, is_cheaper_swept};
 use crate::embedding::Embedding;
 use crate::model::{StraightLine, System, Term};
 use crate::symbolic::Rational;
@@ -45,7 +45,7 @@ impl Step {
     pub(crate) fn of(system: &mut System, facts: &Facts, embedding: &Embedding) -> Self {
         let System { graph, line, emission, .. } = system;
         let scheme = line.clone().map(|line| (discretise(graph, &line, facts, embedding), line));
-        let pays = |scheme: &Scheme| emission.is_some() || !scheme.is_cheaper_swept();
+        let pays = |scheme: &Scheme| emission.is_some() || !is_cheaper_swept(scheme);
         match scheme.filter(|(scheme, _)| pays(scheme)) {
             Some((scheme, line)) => Self::StraightLine(line, Box::new(scheme)),
             None => Self::InLoops(embedding.clone(), Strategy::of(system, facts, embedding)),

@@ -256,10 +256,13 @@ impl<'p> Printer<'p> {
 
     /// The type of a value.
     pub(crate) fn rank(&self, op: Op) -> Rank {
-        match self.readers.get(op) {
-            _ if self.lifted.contains_key(&op) => self.lifted[&op],
+        match (self.lifted.get(&op), self.program.operation(op)) {
+            (Some(lifted), _) => *lifted,
+            (_, truth) if truth.is_truth() && !self.lifted.is_empty() => {
+                truth.operands().iter().map(|&operand| self.rank(operand)).max().unwrap_or(Rank::Number)
+            }
             _ if self.program.level(op) >= Level::Increments => Rank::Scalar,
-            Some(true) => Rank::Constant,
+            _ if self.readers.get(op) == Some(&true) => Rank::Constant,
             _ => Rank::Number,
         }
     }

@@ -99,7 +99,9 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
     let text = name.to_string();
     let is_whole = inside == Inside::List;
     let plain = Embedding::PLAIN.into_iter().find(|plain| plain.name() == text);
-    let plain = plain.filter(|plain| is_whole || plain.is_quadrature());
+    let is_quadrature =
+        |of: &_| matches!(of, Embedding::DeltaPlus | Embedding::Midpoint | Embedding::DeltaMinus);
+    let plain = plain.filter(|plain| is_whole || is_quadrature(plain));
     let inner = |argument, inside| scheme(argument, inside, declared).map(Box::new);
     Ok(match (text.as_str(), arguments.as_deref(), plain) {
         (_, None, Some(plain)) => plain,

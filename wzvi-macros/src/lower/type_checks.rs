@@ -29,12 +29,9 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
         }
     };
     let scalars = system.fields.iter().filter(|field| is_scalar(field));
-    let scalars: Vec<&Ident> = scalars
-        .filter_map(|field| match &field.member {
-            Member::Named(name) => Some(name),
-            Member::Unnamed(_) => None,
-        })
-        .collect();
+    let named =
+        scalars.filter_map(|field| if let Member::Named(name) = &field.member { Some(name) } else { None });
+    let scalars: Vec<&Ident> = named.collect();
     let closures = declaration.in_order().map(|closure| {
         let plain = dereferenced(&closure.tokens, &scalars);
         let rewritten = match (plain, closure.role.is_covector()) {

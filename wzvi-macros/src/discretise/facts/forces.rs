@@ -21,10 +21,6 @@ pub(super) struct Forces {
 }
 
 impl Forces {
-    pub(super) fn are_absent(&self) -> bool {
-        self.force.is_empty() && self.friction.is_empty() && self.noise.is_empty()
-    }
-
     /// All forces, with what is said of their powers; nothing of a damping matrix, whose product here is with momenta, not
     /// with velocities.
     fn named(&self) -> impl Iterator<Item = (Option<String>, &Sum)> {

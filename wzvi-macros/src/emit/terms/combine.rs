@@ -174,18 +174,12 @@ mod tests {
 
     /// Expressions with all definitions followed.
     fn followed(graph: &mut Graph, combined: &Combined, of: &[Expr]) -> Vec<Expr> {
+        let symbols: Vec<Symbol> = combined.definitions.keys().copied().collect();
         let mut of = of.to_vec();
-        while graph.depends_on_any(&of, &combined.definitions) {
+        while of.iter().any(|&expr| graph.depends_on(expr, &symbols)) {
             of = graph.substitute(&of, &combined.definitions);
         }
         of
-    }
-
-    impl Graph {
-        fn depends_on_any(&self, of: &[Expr], symbols: &HashMap<Symbol, Expr>) -> bool {
-            let symbols: Vec<Symbol> = symbols.keys().copied().collect();
-            of.iter().any(|&expr| self.depends_on(expr, &symbols))
-        }
     }
 
     /// `d² + d⁴` of `d = x_a - x_b` for every given pair, summed.

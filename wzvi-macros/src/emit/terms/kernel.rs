@@ -12,7 +12,7 @@ use super::weighted::{Nests, Outputs, Weight};
 use crate::diagnostics::promised;
 use crate::discretise::{Weighted, family_of};
 use crate::emit::{Level, Lowering, Names, Op, Printer, Rank, count, parameter_names};
-use crate::model::{Atom, Element, Half, Index, Loop, System};
+use crate::model::{Atom, Half, Index, Loop, System};
 use crate::symbolic::{Expr, Symbol};
 
 /// The target of a computed value.
@@ -62,17 +62,18 @@ impl Nests<'_> {
         if outputs.is_empty() {
             return TokenStream::new();
         }
-        let arithmetic = self.arithmetic(&weighted.element, weight, (&outputs, definitions));
+        let arithmetic = self.arithmetic(weighted, weight, (&outputs, definitions));
         self.in_loops(weighted, weight, &outputs, &arithmetic)
     }
 
     fn arithmetic(
         &mut self,
-        element: &Element,
+        weighted: &Weighted,
         weight: Weight<'_>,
         (outputs, definitions): (&[(Expr, Target)], HashMap<Symbol, Expr>),
     ) -> Arithmetic {
-        let System { graph, parameters, t, scale, .. } = &mut *self.model;
+        let System { graph, parameters, t, scale, tables, components, .. } = &mut *self.model;
+        let element = &weighted.element;
         let mut taken = Names::default();
         let own = parameter_names(&mut taken, graph, parameters);
         let slots = element.locals.iter().map(|local| graph.symbol_name(local.symbol));
@@ -83,21 +84,28 @@ impl Nests<'_> {
         let of_time = [(*t, format_ident!("__t"))].into_iter();
         let of_time = of_time.chain(scale.map(|scale| (scale, format_ident!("__scale"))));
         let of_system = parameters.iter().map(|parameter| parameter.symbol).zip(own);
+        let of_state = of_state.map(|named| (named, Level::State));
+        let of_time = of_time.map(|named| (named, Level::Time));
+        let of_system = of_system.map(|named| (named, Level::Prepared));
         let mut lowering = Lowering::new(graph, definitions);
-        let mut inputs: Vec<_> =
-            of_state.map(|(symbol, name)| (lowering.input(symbol, Level::State), name)).collect();
-        let own =
-            of_time.chain(of_system).map(|(symbol, name)| (lowering.input(symbol, Level::Prepared), name));
-        let (own, named): (Vec<Op>, Vec<_>) = own.map(|input| (input.0, input)).unzip();
-        inputs.extend(named);
+        let inputs = of_state.chain(of_time).chain(of_system);
+        let inputs: Vec<(Op, Ident)> =
+            inputs.map(|((symbol, name), level)| (lowering.input(symbol, level), name)).collect();
         let ops: Vec<Op> = outputs.iter().map(|&(root, _)| lowering.lower(root)).collect();
         let program = &lowering.program;
         let (uses, hints) = (program.uses(&ops), HashMap::new());
         let number = self.wanted.number();
         let printer = Printer::new(program, number.clone(), &hints, taken);
+        let is_fixed = |op: Op| program.level(op) < Level::Increments;
+        let own: Vec<Op> = inputs.iter().map(|(op, _)| *op).filter(|&op| is_fixed(op)).collect();
         let mut printer = printer.with_constants(&own, quote!(#number::Constant));
         inputs.into_iter().for_each(|(op, name)| printer.set(op, name));
-        let mut fixed = program.frontier(&ops, &|op| program.level(op) < Level::Increments);
+        // In functions of their own, all constants are numbers.
+        let is_apart = self.wanted == Wanted::Slopes
+            && (partners(weighted, &Indices::unchecked(tables), *components).is_some()
+                || gathers(graph, element, *components));
+        let mut fixed =
+            program.frontier(&ops, &|op| is_fixed(op) && !(is_apart && program.operation(op).is_truth()));
         fixed.retain(|&op| printer.rank(op) == Rank::Constant);
         let before = printer.lift(&fixed);
         let constants = fixed.iter().filter_map(|&op| printer.bound(op).cloned()).collect();

@@ -178,18 +178,34 @@ fn matrix<H: Discretized<E>, E, K: Constant>(
 /// The numbers of parameters with these names.
 ///
 /// # Errors
-/// [`ConfigError::Setting`] for a name that does not exist.
+/// [`ConfigError::Setting`] for a name that does not exist, and for one that does not name all of what the number is.
 fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, ConfigError> {
     let known: Vec<&str> = (0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect();
     let find = |name: &&str| {
-        known.iter().position(|other| other == name).ok_or_else(|| {
-            let known = known.join("`, `");
-            ConfigError::Setting(format!(
-                "`tangent_by` knows no parameter `{name}`: numbers that the Hamiltonians read are `{known}`"
-            ))
-        })
+        let number = known.iter().position(|other| other == name);
+        let twin =
+            known.iter().enumerate().find(|(other, twin)| Some(*other) != number && are_alike(name, twin));
+        match (number, twin) {
+            (Some(_), Some((_, twin))) => Err(ConfigError::Setting(format!(
+                "`tangent_by` does not know what `{name}` is: the Hamiltonians read `{twin}`, too, which may be the same number or \
+                 another of the same name"
+            ))),
+            (Some(number), None) => Ok(number),
+            (None, _) => Err(ConfigError::Setting(format!(
+                "`tangent_by` knows no parameter `{name}`: numbers that the Hamiltonians read are `{}`",
+                known.join("`, `")
+            ))),
+        }
     };
     names.iter().map(find).collect()
+}
+
+/// Whether two names may be those of one number, or of two: the same name, or entries of one list of which an index is not a number.
+fn are_alike(a: &str, b: &str) -> bool {
+    let list = |name: &str| name.split_once('[').map(|(list, _)| list.to_owned());
+    let is_open =
+        |name: &str| name.split(['[', ']']).skip(1).any(|index| index.contains(char::is_alphabetic));
+    a == b || list(a).is_some() && list(a) == list(b) && (is_open(a) || is_open(b))
 }
 
 impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
