@@ -1,14 +1,14 @@
 //! Derivatives of the end of a run by parameters and by the step size, through steps in loops, flows, friction and baths.
 
 use fixtures::bath::{self, Coupled, Oscillator, Rough};
-use wzvi::embedding::{OneStep, Own};
-use wzvi::error::{ConfigError, Error, StepFailure};
+use wzvi::embedding::Own;
+use wzvi::error::{ConfigError, Error};
 use wzvi::nalgebra::{DMatrix, DVector, SVector};
 use wzvi::prelude::*;
-use wzvi::scalar::Scalar;
 use wzvi::simulate::Tangent;
 use wzvi::state::Vector;
-use wzvi::system::{Scratch, StepField};
+
+use crate::own::RungeKutta4;
 
 /// A driven chain of any size with noise at its ends; the parameters are in loops, beside the time and in a comparison.
 #[hamiltonian(
@@ -135,39 +135,14 @@ struct Massive {
     kt: f64,
 }
 
-/// Heun's rule.
-struct Heun;
-
-impl OneStep for Heun {
-    const ORDER: u32 = 2;
-    const IS_CONSISTENT: bool = true;
-
-    fn step<S: Scalar>(
-        field: &impl StepField<S>,
-        [q, p]: [&mut [S]; 2],
-        scratch: &mut Scratch<S>,
-    ) -> Result<(), StepFailure> {
-        let [dq, dp, mid_q, mid_p, end_q, end_p] = scratch.lists(q.len());
-        field.at(0.0, [q, p], [dq, dp]);
-        for i in 0..q.len() {
-            (mid_q[i], mid_p[i]) = (q[i] + dq[i], p[i] + dp[i]);
-        }
-        field.at(1.0, [mid_q, mid_p], [end_q, end_p]);
-        for i in 0..q.len() {
-            (q[i], p[i]) = (q[i] + (dq[i] + end_q[i]) * 0.5, p[i] + (dp[i] + end_p[i]) * 0.5);
-        }
-        Ok(())
-    }
-}
-
 /// The end of a run with its derivatives by parameters and by the step size.
-struct Ended {
+pub(super) struct Ended {
     end: Vec<f64>,
     by_parameters: DMatrix<f64>,
     by_step_size: DVector<f64>,
 }
 
-fn ended<V: Vector>(tangent: Result<Tangent<V>, Error>) -> Ended {
+pub(super) fn ended<V: Vector>(tangent: Result<Tangent<V>, Error>) -> Ended {
     let Tangent { end, by_parameters, by_step_size, .. } = tangent.unwrap();
     let end = [end.q.components(), end.p.components()].concat();
     Ended { end, by_parameters, by_step_size: by_step_size.unwrap() }
@@ -182,7 +157,12 @@ fn slope(d: f64, size: f64, f: impl Fn(f64) -> Vec<f64>) -> (Vec<f64>, f64) {
 
 /// Compares all columns with differences of the ends of runs of some forty steps. With the same increments the step size has no differences of runs with noise:
 /// then `H` times a number stands for it.
-fn check<const N: usize>(what: &str, at: [f64; N], h: Option<f64>, run: impl Fn([f64; N], f64) -> Ended) {
+pub(super) fn check<const N: usize>(
+    what: &str,
+    at: [f64; N],
+    h: Option<f64>,
+    run: impl Fn([f64; N], f64) -> Ended,
+) {
     let (step, ours) = (h.unwrap_or(0.05), run(at, h.unwrap_or(0.05)));
     let agree = |column: &[f64], (differences, error): (Vec<f64>, f64), name: String| {
         for (ours, other) in column.iter().zip(differences) {
@@ -231,7 +211,7 @@ fn chains_of_any_size() {
     of::<Mixed<Midpoint, Midpoint>>();
     of::<Composed<Verlet, KahanLi8>>();
     of::<Composed<Midpoint, Yoshida4>>();
-    of::<Own<Heun>>();
+    of::<Own<RungeKutta4>>();
 }
 
 /// Steps so long that they are solved by Newton's method: with factors in a band, and with products with the Jacobian.
@@ -263,7 +243,7 @@ fn noises_are_taken_as_given() {
     of::<Midpoint>();
     of::<Corrected<DeltaPlus>>();
     of::<Gauss<2>>();
-    of::<Own<Heun>>();
+    of::<Own<RungeKutta4>>();
 }
 
 #[test]
@@ -427,7 +407,7 @@ fn entries_of_lists() {
         ended(listed.simulate::<Midpoint>(h).start(start).steps(40).tangent_by(&["m", "weights[2]"]))
     });
     let listed = Listed { m: 0.8, weights };
-    let run = || listed.simulate::<Own<Heun>>(0.05).start(start).steps(40);
+    let run = || listed.simulate::<Own<RungeKutta4>>(0.05).start(start).steps(40);
     assert!(run().tangent_by(&["m"]).is_ok());
     match run().tangent_by(&["weights[2]"]) {
         Err(Error::Config(ConfigError::Setting(message))) => {

@@ -10,7 +10,7 @@ use wzvi::scalar::{Dual, Scalar};
 use wzvi::system::{Scratch, StepField};
 
 /// The classical scheme of Runge and Kutta.
-struct RungeKutta4;
+pub(super) struct RungeKutta4;
 
 impl OneStep for RungeKutta4 {
     const ORDER: u32 = 4;

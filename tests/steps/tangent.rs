@@ -6,6 +6,8 @@ use wzvi::error::{ConfigError, Error};
 use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
 
+use crate::constants::{check as check_columns, ended};
+
 /// A linear chain of any size.
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
@@ -133,52 +135,15 @@ fn noise_is_taken_as_given() {
     assert!((tangent.by_start.determinant() - 1.0).abs() < 1e-12);
 }
 
-/// `f'(0)` by four points `d` apart: `d⁴ f⁽⁵⁾/30` and `1.5 ε f/d` off.
-fn slope<const N: usize>(d: f64, f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
-    let [a, b, c, e] = [-2.0, -1.0, 1.0, 2.0].map(|k| f(k * d));
-    std::array::from_fn(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - e[i]) / (12.0 * d))
-}
-
-fn is_near(ours: f64, difference: f64, tolerance: f64, what: &str) {
-    assert!((ours - difference).abs() < tolerance * difference.abs().max(1.0), "{what}: {ours} {difference}");
-}
-
-/// Fifth derivatives of the ends below by a parameter are at most 1e4: 3e-10, and the roundings of forty steps, 1e-14, over the distance are 1e-11.
-const BY_PARAMETER: [f64; 2] = [1e-3, 1e-9];
-/// By the step size they are 40⁵ times as large: 1e-10, and the roundings 3e-10.
-const BY_STEP_SIZE: [f64; 2] = [5e-5, 1e-8];
-
 /// By four parameters and the step size, of which the time of each step is a multiple.
 fn by_constants<E>()
 where
     Driven: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
 {
-    let what = std::any::type_name::<E>();
-    let run = |[m, k, f, w, h]: [f64; 5]| {
-        let driven = Driven { m, k, f, w };
-        let run = driven.simulate::<E>(h).start(State { t: 0.3, ..State::new([0.4], [0.7]) }).steps(40);
-        run.tangent_by(&["w", "k", "m", "f"]).unwrap()
-    };
-    let at = [1.3, 0.8, 0.5, 2.0, 0.05];
-    let tangent = run(at);
-    let by_step_size = tangent.by_step_size.clone().unwrap();
-    let column = |number: usize| match number {
-        4 => [by_step_size[0], by_step_size[1]],
-        _ => [0, 1].map(|row| tangent.by_parameters[(row, [2, 1, 3, 0][number])]),
-    };
-    for number in 0..at.len() {
-        let [distance, tolerance] = if number == 4 { BY_STEP_SIZE } else { BY_PARAMETER };
-        let varied = slope(distance, |d| {
-            let mut at = at;
-            at[number] += d;
-            let end = run(at).end;
-            [end.q[0], end.p[0]]
-        });
-        column(number)
-            .into_iter()
-            .zip(varied)
-            .for_each(|(ours, slope)| is_near(ours, slope, tolerance, what));
-    }
+    check_columns(std::any::type_name::<E>(), [0.8, 0.5, 2.0, 1.3], Some(0.05), |[k, f, w, m], h| {
+        let start = State { t: 0.3, ..State::new([0.4], [0.7]) };
+        ended(Driven { m, k, f, w }.simulate::<E>(h).start(start).steps(40).tangent_by(&["k", "f", "w", "m"]))
+    });
 }
 
 #[test]
@@ -198,27 +163,12 @@ fn matrices_and_noises_have_derivatives_by_parameters() {
     where
         Linear: Discretized<E, Vector = nalgebra::SVector<f64, 2>>,
     {
-        let run = |[a, b, c, s]: [f64; 4]| {
+        check_columns(std::any::type_name::<E>(), [1.4, 0.9, 0.6, 0.5], None, |[a, b, c, s], h| {
             let linear = Linear { a, b, c, s };
             let start = State::new([0.4, -0.1], [0.2, 0.3]);
-            let run = linear.simulate::<E>(0.05).start(start).noise(Wiener::seed(11)).steps(40);
-            run.tangent_by(&["a", "b", "c", "s"]).unwrap()
-        };
-        let at = [1.4, 0.9, 0.6, 0.5];
-        let tangent = run(at);
-        for number in 0..at.len() {
-            let [distance, tolerance] = BY_PARAMETER;
-            let varied = slope(distance, |d| {
-                let mut at = at;
-                at[number] += d;
-                let State { q, p, .. } = run(at).end;
-                [q[0], q[1], p[0], p[1]]
-            });
-            for (row, slope) in varied.into_iter().enumerate() {
-                let what = std::any::type_name::<E>();
-                is_near(tangent.by_parameters[(row, number)], slope, tolerance, what);
-            }
-        }
+            let run = linear.simulate::<E>(h).start(start).noise(Wiener::seed(11)).steps(40);
+            ended(run.tangent_by(&["a", "b", "c", "s"]))
+        });
     }
     check::<Midpoint>();
     check::<DeltaMinus>();
