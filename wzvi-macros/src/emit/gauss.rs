@@ -94,7 +94,7 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read
     // Times and weights differ between stages.
     bound.extend([(phase.t, format_ident!("__t")), (slopes.h, format_ident!("__h"))]);
     let roots = [slopes.by_q.as_slice(), slopes.by_p.as_slice()].concat();
-    let numbers = (&quote!(__S), &quote!(__K));
+    let numbers = (Some(&quote!(__S)), &quote!(__K));
     let Body { statements, values, reads } =
         evaluation_over(graph, &line.parameters, (names, own, bound), numbers, &roots);
     let parameters: Vec<_> = reads.iter().map(|read| &read.name).collect();

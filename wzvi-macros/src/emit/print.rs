@@ -244,7 +244,6 @@ impl<'p> Printer<'p> {
         match (self.rank(op), rank) {
             (own, wanted) if own == wanted => value,
             (Rank::Number, Rank::Constant) => quote!(<#constant as __wzvi::Scalar>::from_f64(#value)),
-            (Rank::Constant, _) if scalar.to_string() == constant.to_string() => value,
             (Rank::Constant, _) => quote!(<#scalar as __wzvi::Over<#constant>>::constant(#value)),
             _ => quote!(#scalar::from_f64(#value)),
         }

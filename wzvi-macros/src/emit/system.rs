@@ -50,7 +50,7 @@ pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Pa
 pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[Expr]) -> Body {
     let (mut names, number) = (Names::default(), quote!(__K));
     let own = parameter_names(&mut names, graph, parameters);
-    let body = evaluation_over(graph, parameters, (names, own, Vec::new()), (&number, &number), roots);
+    let body = evaluation_over(graph, parameters, (names, own, Vec::new()), (None, &number), roots);
     let reads = body.reads.iter().map(|Read { number, name, tokens }| {
         let number = count(*number);
         quote!(let #name = __K::parameter(__parameters, #number, #tokens);)
@@ -60,12 +60,12 @@ pub(crate) fn evaluation(graph: &mut Graph, parameters: &[Parameter], roots: &[E
 }
 
 /// The evaluation of `roots` in the type `scalar`, with the symbols of the state `bound` to some of `names`, and parameters to names of their
-/// `own`. Parameters have the type `constant`.
+/// `own`; in constants where there is no `scalar`. Parameters have the type `constant`.
 pub(crate) fn evaluation_over(
     graph: &mut Graph,
     parameters: &[Parameter],
     (names, own, bound): (Names, Vec<Ident>, Vec<(Symbol, Ident)>),
-    (scalar, constant): (&TokenStream, &TokenStream),
+    (scalar, constant): (Option<&TokenStream>, &TokenStream),
     roots: &[Expr],
 ) -> Body {
     let mut lowering = Lowering::new(graph, HashMap::new());
@@ -80,13 +80,14 @@ pub(crate) fn evaluation_over(
     let program = &lowering.program;
     let (uses, hints) = (program.uses(&roots), HashMap::new());
     let constants: Vec<Op> = reads.iter().map(|(op, ..)| *op).collect();
-    let printer = Printer::new(program, scalar.clone(), &hints, names);
+    let printer = Printer::new(program, scalar.unwrap_or(constant).clone(), &hints, names);
     let mut printer = printer.with_constants(&constants, constant.clone());
     reads.retain(|(op, ..)| uses[*op] > 0);
     let named = reads.iter().map(|(op, read)| (*op, read.name.clone()));
     bound.into_iter().chain(named).for_each(|(op, name)| printer.set(op, name));
     let statements = printer.bind(&roots, &uses, &|_| false);
-    let values = roots.iter().map(|&root| printer.scalar_value(root)).collect();
+    let value = if scalar.is_some() { Printer::scalar_value } else { Printer::constant_value };
+    let values = roots.iter().map(|&root| value(&printer, root)).collect();
     Body { statements, values, reads: reads.into_iter().map(|(_, read)| read).collect() }
 }
 

@@ -9,7 +9,7 @@
 //! with the adjoint scheme `Φ*` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.3 and VI.2): the transposed matrix takes one derivative
 //! of the step backwards in one direction, for any number of degrees of freedom.
 
-use super::tangent::apart;
+use super::tangent::ends_at;
 use super::{Simulation, Unobserved};
 use crate::algebra::scalar::Dual;
 use crate::algebra::state::{State, Vector};
@@ -17,8 +17,9 @@ use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::steps::Step;
-use crate::scheme::continuation::is_near;
-use crate::scheme::system::{At, Discretized, Gradient, MemoryOf, Scheme, SchemeOf, anew, as_they_are};
+use crate::scheme::system::{
+    At, Discretized, Gradient, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
+};
 
 /// The end of a run, and the gradient of a function of the end by the start.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +107,7 @@ where
 struct Back<'a, H: Discretized<T>, T> {
     system: &'a H,
     h: f64,
-    prepared: <SchemeOf<H, T> as Scheme<H>>::Prepared<f64>,
+    prepared: PreparedOf<H, T>,
     memory: MemoryOf<H, T, Dual<1>>,
     q: Vec<Dual<1>>,
     p: Vec<Dual<1>>,
@@ -147,12 +148,7 @@ impl<'a, H: Discretized<T>, T> Back<'a, H, T> {
         own.extend(dw.iter().map(|dw| Dual::constant(-dw)));
         let at = At { t: after.t, h: -*h, q: &mut *q, p: &mut *p, dw: own };
         anew::advance::<H, SchemeOf<H, T>, f64, Dual<1>>(*system, prepared, at, memory)?;
-        for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
-            end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
-            if !is_near(after, [before, end]) {
-                return Err(StepFailure::OtherSolution { apart: apart(after, [before, end]) });
-            }
-        }
+        ends_at([q, p], [after, before], end)?;
         // `-J M⁻¹ J λ`
         for (into, numbers, sign) in [(by_q, &*p, -1.0), (by_p, &*q, 1.0)] {
             for (into, number) in into.components_mut().iter_mut().zip(numbers) {

@@ -151,13 +151,7 @@ where
         let t = (*h - h.lane(0)) * step as f64 + before.t;
         let at = At { t, h: *h, q: &mut *q, p: &mut *p, dw };
         anew::advance::<H, SchemeOf<H, E>, K, Number>(system, prepared, at, memory)?;
-        for (numbers, before, after) in [(&*q, &before.q, &after.q), (&*p, &before.p, &after.p)] {
-            end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
-            if !is_near(before, [after, end]) {
-                return Err(StepFailure::OtherSolution { apart: apart(before, [after, end]) });
-            }
-        }
-        Ok(())
+        ends_at([q, p], [before, after], end)
     }
 }
 
@@ -283,8 +277,26 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     }
 }
 
+/// Checks that the step in dual numbers from the first state ends at the second; `end` is scratch.
+///
+/// # Errors
+/// [`StepFailure::OtherSolution`]
+pub(super) fn ends_at<const N: usize, V: Vector>(
+    [q, p]: [&[Dual<N>]; 2],
+    [start, known]: [&State<V>; 2],
+    end: &mut V,
+) -> Result<(), StepFailure> {
+    for (numbers, start, known) in [(q, &start.q, &known.q), (p, &start.p, &known.p)] {
+        end.components_mut().iter_mut().zip(numbers).for_each(|(x, number)| *x = number.value);
+        if !is_near(start, [known, end]) {
+            return Err(StepFailure::OtherSolution { apart: apart(start, [known, end]) });
+        }
+    }
+    Ok(())
+}
+
 /// How far two ends of a step are from each other, relative to the way to the first.
-pub(super) fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
+fn apart<V: Vector>(start: &V, [a, b]: [&V; 2]) -> f64 {
     let ends = a.components().iter().zip(b.components()).zip(start.components());
     ends.map(|((a, b), start)| ((a - b) / (a - start)).abs()).fold(0.0, f64::max)
 }

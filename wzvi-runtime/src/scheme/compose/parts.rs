@@ -23,7 +23,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Elements, Point, Slopes, check_new, forces, slopes};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Hamiltonian as _, Lift, Properties, Scheme, Segment, as_they_are, varied, varied_without_lists,
+    At, Hamiltonian as _, Lift, Properties, Scheme, Segment, as_they_are, varied_without_lists,
 };
 
 /// The form of a part of the Hamiltonian.
@@ -95,7 +95,7 @@ fn prepare<F: Elements, K: Constant>(
     (lift, h): (Lift<'_, K>, K),
     substeps: &[Substep],
 ) -> Result<Prepared<K>, ConfigError> {
-    let parameters = varied(system, &|number, value| lift(number, value).to_constant());
+    let parameters = varied_without_lists(system, lift)?;
     let mut known: Vec<(Stage, Arc<Linear<K>>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
@@ -112,9 +112,10 @@ fn prepare<F: Elements, K: Constant>(
         let map = Linear::new(degrees, h * stage.weight, &mut |x, slopes| {
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
             let unit = [0.0, 1.0].map(Scalar::from_f64);
-            slopes_of_part::<F, K, true, true>(system, half, &parameters, unit, [q, p], [by_q, by_p]);
+            let varied = K::varied(&parameters);
+            slopes_of_part::<F, K, true, true>(system, half, varied, unit, [q, p], [by_q, by_p]);
             if F::FACTS.kind.is_conformal {
-                let rate = K::of_constant(system.friction_rate(&parameters));
+                let rate: K = system.friction_rate(&parameters);
                 by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
             }
         });
@@ -123,9 +124,8 @@ fn prepare<F: Elements, K: Constant>(
         Ok(Act::Map(map))
     };
     let stages = Stages::of(substeps).0;
-    let stages = stages.iter().map(|stage| Ok(stage.with(act(stage)?)));
-    let parameters = varied_without_lists(system, lift)?;
-    Ok(Prepared { parameters, stages: Stages(stages.collect::<Result<_, _>>()?) })
+    let stages = stages.iter().map(|stage| Ok(stage.with(act(stage)?))).collect::<Result<_, _>>()?;
+    Ok(Prepared { parameters, stages: Stages(stages) })
 }
 
 impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> {
