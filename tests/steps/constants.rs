@@ -92,6 +92,19 @@ struct Listed {
     weights: [f64; 3],
 }
 
+/// Two driven sites in straight lines.
+#[hamiltonian(
+    drift = |[x, y], [u, v], t| 0.5 * (u * u + v * v + u * v) / m + 0.25 * k * (x.powi(4) + y * y) + 0.5 * (x - y).powi(2) + (w * t).sin() * x,
+    noise = [|[x, y], _| s * (x * y).sin()],
+    embedding = Verlet,
+)]
+struct Two {
+    m: f64,
+    k: f64,
+    w: f64,
+    s: f64,
+}
+
 /// A quadratic part with forces and friction, and a kick.
 #[hamiltonian(
     drift = [|[x, y], [u, v]| 0.5 * (u * u + v * v) / m + 0.5 * k * (x * x + 2.0 * y * y) + c * x * y, |[x, y], _, t| 0.25 * b * (x - y).powi(4) + (w * t).sin() * x],
@@ -226,6 +239,31 @@ fn long_steps() {
         let network = Network { edges: edges.clone(), c, s };
         ended(network.simulate::<Midpoint>(h).start(line(103)).steps(1).tangent_by(&["c", "s"]))
     });
+}
+
+/// Kicks by the square of the force take second derivatives themselves.
+#[test]
+fn squares_of_the_force() {
+    fn of<W: 'static>()
+    where
+        Chain: Discretized<Composed<Verlet, W>, Vector = DVector<f64>>,
+        Two: Discretized<Composed<Verlet, W>, Vector = SVector<f64, 2>>,
+    {
+        let name = std::any::type_name::<W>();
+        check(name, [0.9, 0.8, 0.7, 1.1, 2.0], Some(0.05), |[m, k, b, f, w], h| {
+            let run = Chain { m, k, b, f, w };
+            let run = run.simulate::<Composed<Verlet, W>>(h).start(line(5)).steps(40);
+            ended(run.tangent_by(&["m", "k", "b", "f", "w"]))
+        });
+        check(name, [0.9, 0.8, 2.0, 0.4], None, |[m, k, w, s], h| {
+            let run = Two { m, k, w, s };
+            let start = State::new([0.4, -0.1], [0.2, 0.3]);
+            let run = run.simulate::<Composed<Verlet, W>>(h).start(start).noise(Wiener::seed(5)).steps(40);
+            ended(run.tangent_by(&["m", "k", "w", "s"]))
+        });
+    }
+    of::<Chin4>();
+    of::<TakahashiImada4>();
 }
 
 #[test]

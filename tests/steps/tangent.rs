@@ -242,10 +242,6 @@ fn constants_without_derivatives_are_refused() {
     let tangent = run().tangent_by(&[]).unwrap();
     assert!(tangent.by_parameters.ncols() == 0 && tangent.by_step_size.is_some());
     assert!(run().tangent().unwrap().by_step_size.is_none());
-    // Kicks by the square of the force.
-    let squares = driven.simulate::<Composed<Verlet, Chin4>>(0.1).start(State::new([0.4], [0.7])).steps(10);
-    let message = setting(squares.tangent_by(&[]).unwrap_err());
-    assert!(message.contains("no derivatives by parameters"), "{message}");
 }
 
 /// A part of what `tests/laws` runs.

@@ -15,12 +15,17 @@ use crate::ground::numbers::for_tuples;
 pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
     /// A factored matrix of such numbers.
     type Factor<const N: usize>: Clone + Debug + Send + Sync;
+    /// The constants of numbers with one more derivative, [`Over::Along`]. Of systems side by side there are none: those of the first stand for them.
+    type Lifted: Constant;
 
     /// Factors a matrix, given by rows.
     ///
     /// # Errors
     /// Those of [`Factor::new`].
     fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Self::Factor<N>, StepFailure>;
+
+    /// As a constant of numbers with one more derivative.
+    fn lifted(self) -> Self::Lifted;
 
     /// A parameter of a system: the entry of the list of all parameters where they have derivatives, else the value.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -32,7 +37,11 @@ pub trait Constant: Over<Self> + Scalar<Mask: Send + Sync> + Send + Sync {
 
 impl Constant for f64 {
     type Factor<const N: usize> = Factor<f64, N>;
+    type Lifted = f64;
 
+    fn lifted(self) -> f64 {
+        self
+    }
     fn factor<const N: usize>(matrix: [[f64; N]; N]) -> Result<Factor<f64, N>, StepFailure> {
         Factor::new(matrix)
     }
@@ -40,7 +49,11 @@ impl Constant for f64 {
 
 impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Constant for Dual<D, C> {
     type Factor<const N: usize> = Factor<Self, N>;
+    type Lifted = Dual<1, Self>;
 
+    fn lifted(self) -> Dual<1, Self> {
+        Dual::constant(self)
+    }
     fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<Factor<Self, N>, StepFailure> {
         Factor::new(matrix)
     }
@@ -52,7 +65,11 @@ impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Constant for Dual<D
 
 impl<const L: usize> Constant for Lanes<L> {
     type Factor<const N: usize> = FactorsByLane<L, N>;
+    type Lifted = f64;
 
+    fn lifted(self) -> f64 {
+        self.lane(0)
+    }
     fn factor<const N: usize>(matrix: [[Self; N]; N]) -> Result<FactorsByLane<L, N>, StepFailure> {
         FactorsByLane::new(matrix)
     }
@@ -63,6 +80,10 @@ impl<const L: usize> Constant for Lanes<L> {
 pub trait Over<K: Constant>:
     Scalar + Add<K, Output = Self> + Sub<K, Output = Self> + Mul<K, Output = Self> + Div<K, Output = Self>
 {
+    /// [`Dual<1, Self>`](Dual).
+    type Along: Over<K::Lifted>;
+    /// The same lists.
+    fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Self::Along]; N];
     /// A constant as such a number.
     fn constant(constant: K) -> Self;
     /// The list of all parameters, where they have derivatives; others do not read it.
@@ -77,6 +98,11 @@ pub trait Over<K: Constant>:
 }
 
 impl<S: Scalar> Over<f64> for S {
+    type Along = Dual<1, Self>;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Dual<1, Self>]; N] {
+        lists
+    }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: f64) -> S {
         S::from_f64(constant)
@@ -100,6 +126,11 @@ impl<S: Scalar> Over<f64> for S {
 }
 
 impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Over<Self> for Dual<D, C> {
+    type Along = Dual<1, Self>;
+    #[inline]
+    fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Dual<1, Self>]; N] {
+        lists
+    }
     #[inline]
     fn constant(constant: Self) -> Self {
         constant
@@ -123,6 +154,11 @@ impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Over<Self> for Dual
 }
 
 impl<const L: usize> Over<Self> for Lanes<L> {
+    type Along = Dual<1, Self>;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn along<const N: usize>(lists: [&mut [Dual<1, Self>]; N]) -> [&mut [Dual<1, Self>]; N] {
+        lists
+    }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: Self) -> Self {
         constant

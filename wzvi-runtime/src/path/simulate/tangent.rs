@@ -83,8 +83,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), for entries of
-    /// lists in steps that are not in straight lines, and for kicks by the square of the force.
+    /// Those of [`Simulation::tangent`], and [`ConfigError::Setting`] for a name that is not a parameter (an integer has no derivative), and for
+    /// entries of lists in steps that are not in straight lines.
     pub fn tangent_by(self, parameters: &[&str]) -> Result<Tangent<H::Vector>, Error> {
         self.varied(Some(parameters))
     }

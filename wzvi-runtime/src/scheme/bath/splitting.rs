@@ -182,7 +182,7 @@ where
             false => &prepared.apart,
         };
         let Prepared { parameters, stretch, .. } = prepared;
-        let flows = FlowsOf { system, parameters, t, h, stretch: *stretch };
+        let flows = FlowsOf { system, parameters, along: &None, t, h, stretch: *stretch };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take::<C>(stage, rooms, memory);
         let effort = stages::advance(system, take, list, [q, p], &dw[..noises], memory, carry)?;

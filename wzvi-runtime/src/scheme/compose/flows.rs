@@ -25,7 +25,7 @@ use crate::algebra::scalar::{Constant, Of, Over, Parameters as _, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{ConfigError, StepFailure, StepPromise};
+use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
@@ -49,7 +49,7 @@ where
         fills_registers_from: if SQUARES { usize::MAX } else { least_alone::<F>() },
         ..Properties::of(&<Self as Scheme<F>>::PLAN, 0)
     };
-    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>>;
+    type Prepared<K: Constant> = Prepared<Of<F::Parameters, K>, Of<F::Parameters, K::Lifted>>;
     type Memory<S: Scalar> = Memory<S, F::Shape>;
     type Compensated<S: Scalar> = carry::Compensated<S, F::Shape>;
     type Carry<S: Scalar> = Plain;
@@ -62,13 +62,10 @@ where
         memory
     }
 
-    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, h: K) -> Result<Self::Prepared<K>, ConfigError> {
-        if SQUARES {
-            let wrong = "steps of this scheme have no derivatives by parameters or by the step size";
-            K::plain(&[h]).ok_or_else(|| ConfigError::Setting(wrong.into()))?;
-        }
+    fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, _: K) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
-        Ok(Prepared { parameters: system.parameters(lift), stages: stages::<E, T, W>() })
+        let along = SQUARES.then(|| system.parameters(&|number, value| lift(number, value).lifted()));
+        Ok(Prepared { parameters: system.parameters(lift), along, stages: stages::<E, T, W>() })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -76,13 +73,13 @@ where
             return None;
         }
         let parameters = gather::<F, L>(prepared.map(|prepared| &prepared.parameters))?;
-        Some(Prepared { parameters, stages: prepared.first()?.stages.clone() })
+        Some(Prepared { parameters, along: None, stages: prepared.first()?.stages.clone() })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
-        Prepared { parameters, stages: Stages(stages) }: &Self::Prepared<K>,
+        Prepared { parameters, along, stages: Stages(stages) }: &Self::Prepared<K>,
         At { t, h, q, p, dw }: At<'_, S, K>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
@@ -96,10 +93,7 @@ where
             taken.copy(q, p);
             return Ok(Effort::fast(0));
         }
-        if SQUARES && K::plain(&[h]).is_none() {
-            return Err(StepFailure::Internal(StepPromise::PlainConstants));
-        }
-        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h, stretch: K::from_f64(1.0) };
+        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take::<S, C>(stage, rooms, memory);
         advance(system, take, stages, [q, p], dw, memory, carry)
     }
@@ -128,7 +122,8 @@ where
         let Stages(stages) = stages::<E, T, W>();
         let parameters = &system.parameters(&as_they_are);
         let Segment { t, h, .. } = *segment;
-        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, t, h, stretch: 1.0 };
+        let along = &SQUARES.then(|| system.parameters(&as_they_are));
+        let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: 1.0 };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
     }
 }
@@ -143,8 +138,10 @@ fn stages<E, T, W: Composes<E, T>>() -> Stages<Act> {
 
 /// The parameters of a system, and the parts of a step.
 #[derive(Clone, Debug)]
-pub struct Prepared<P> {
+pub struct Prepared<P, A> {
     parameters: P,
+    /// The parameters for kicks with the square of the force, which take one more derivative.
+    along: Option<A>,
     stages: Stages<Act>,
 }
 
@@ -152,6 +149,7 @@ pub struct Prepared<P> {
 pub(crate) struct FlowsOf<'a, F: Field, K: Constant, const SQUARES: bool = false> {
     pub(crate) system: &'a F,
     pub(crate) parameters: &'a Of<F::Parameters, K>,
+    pub(crate) along: &'a Option<Of<F::Parameters, K::Lifted>>,
     pub(crate) t: K,
     pub(crate) h: K,
     /// The ratio of the time of all flows to that of their stages.
@@ -186,7 +184,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
                 let Memory { directional, dw, .. } = memory;
                 let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
                 directional.fit(q.len(), dw.len());
-                Kick { flows: self, stage, q, dw }.differentiate(directional, force, change);
+                Kick { flows: self, stage, q, dw }.differentiate(directional, force, change)?;
                 let factor = 2.0 * gradient / stage.share.powi(3);
                 for (force, change) in force.iter_mut().zip(change) {
                     *force = *force + *change * factor;

@@ -13,7 +13,8 @@
 
 use super::flows::{Act, FlowsOf};
 use super::stages::Stage;
-use crate::algebra::scalar::{Constant, Dual, Over, Parameters, Scalar};
+use crate::algebra::scalar::{Constant, Dual, Of, Over, Scalar};
+use crate::error::{StepFailure, StepPromise};
 use crate::scheme::gauss::Field;
 
 impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
@@ -29,7 +30,7 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
         let [mut force, mut change] = [vec![0.0; degrees], vec![0.0; degrees]];
         let square =
             Kick { flows: self, stage, q, dw: &dw }.differentiate(&mut directional, &mut force, &mut change);
-        gradient / stage.share.powi(3) * square
+        gradient / stage.share.powi(3) * square.unwrap_or(f64::NAN)
     }
 }
 
@@ -43,64 +44,49 @@ pub(super) struct Kick<'a, 'f, F: Field, K: Constant, S, const SQUARES: bool> {
 
 impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, S, SQUARES> {
     /// Writes `V'` into `force` and `V'' T'' V'` into `change`; returns `|V'|²`.
+    ///
+    /// # Errors
+    /// [`StepPromise::PlainConstants`]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn differentiate(&self, room: &mut Directional<S>, force: &mut [S], change: &mut [S]) -> S {
-        let &Self { flows: &FlowsOf { system, parameters, t, h, .. }, stage, q, dw } = self;
-        // Derivatives by these are not propagated.
-        let (t, h, parameters) = (t.lane(0), h.lane(0), &F::Parameters::lane(parameters, 0));
-        let (t, h) = (t + stage.node * h, stage.share * h);
-        let Directional { q: dual_q, p: dual_p, slopes, dw: dual_dw } = room;
+    pub(super) fn differentiate(
+        &self,
+        room: &mut Directional<S>,
+        force: &mut [S],
+        change: &mut [S],
+    ) -> Result<S, StepFailure> {
+        let &Self { flows: &FlowsOf { system, parameters, along, t, h, .. }, stage, q, dw } = self;
+        let Some(along) = along else { return Err(StepFailure::Internal(StepPromise::PlainConstants)) };
+        let (t, h) = (t + h * stage.node, h * stage.share);
         // `V'` and the constant `T''` do not depend on the momenta.
-        system.step_slopes::<f64, S, true, false>(
+        system.step_slopes::<K, S, true, false>(
             parameters,
-            S::from_f64(t),
-            S::from_f64(h),
+            S::constant(t),
+            S::constant(h),
             q,
             q,
             dw,
             force,
             &mut [],
         );
-        let zero = S::from_f64(0.0);
-        for (dual, &dw) in dual_dw.iter_mut().zip(dw) {
+        for (dual, &dw) in room.dw.iter_mut().zip(dw) {
             *dual = Dual::constant(dw);
         }
-        for ((dual_q, dual_p), (&q, &force)) in dual_q.iter_mut().zip(&mut *dual_p).zip(q.iter().zip(&*force))
+        for ((dual_q, dual_p), (&q, &force)) in room.q.iter_mut().zip(&mut room.p).zip(q.iter().zip(&*force))
         {
             *dual_q = Dual::constant(q);
-            *dual_p = Dual { value: zero, derivative: [force] };
+            *dual_p = Dual { value: S::from_f64(0.0), derivative: [force] };
         }
-        let [t, h] = [t, h].map(Dual::from_f64);
-        system.step_slopes::<f64, Dual<1, S>, false, true>(
-            parameters,
-            t,
-            h,
-            dual_q,
-            dual_p,
-            dual_dw,
-            &mut [],
-            slopes,
-        );
-        let mut square = zero;
-        for ((dual_q, slope), &force) in dual_q.iter_mut().zip(&*slopes).zip(&*force) {
-            let [along] = slope.derivative;
-            dual_q.derivative = [along];
-            square = square + force * along;
+        room.slopes::<F, K, false, true>(system, along, [t, h]);
+        let mut square = S::from_f64(0.0);
+        for ((dual_q, slope), &force) in room.q.iter_mut().zip(&room.slopes).zip(&*force) {
+            dual_q.derivative = slope.derivative;
+            square = square + force * slope.derivative[0];
         }
-        system.step_slopes::<f64, Dual<1, S>, true, false>(
-            parameters,
-            t,
-            h,
-            dual_q,
-            dual_p,
-            dual_dw,
-            slopes,
-            &mut [],
-        );
-        for (change, slope) in change.iter_mut().zip(&*slopes) {
+        room.slopes::<F, K, true, false>(system, along, [t, h]);
+        for (change, slope) in change.iter_mut().zip(&room.slopes) {
             [*change] = slope.derivative;
         }
-        square
+        Ok(square)
     }
 }
 
@@ -124,5 +110,22 @@ impl<S: Scalar> Directional<S> {
             }
             self.dw.resize(noises, zero);
         }
+    }
+
+    /// The slopes by the coordinates or by the momenta.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn slopes<F: Field, K: Constant, const BY_Q: bool, const BY_P: bool>(
+        &mut self,
+        system: &F,
+        parameters: &Of<F::Parameters, K::Lifted>,
+        constants: [K; 2],
+    ) where
+        S: Over<K>,
+    {
+        let [t, h] = constants.map(|constant| S::Along::constant(constant.lifted()));
+        let Self { q, p, slopes, dw } = self;
+        let [q, p, slopes, dw] = S::along([q, p, slopes, dw]);
+        let (by_q, by_p) = if BY_Q { (slopes, &mut [][..]) } else { (&mut [][..], slopes) };
+        system.step_slopes::<K::Lifted, S::Along, BY_Q, BY_P>(parameters, t, h, q, p, dw, by_q, by_p);
     }
 }
