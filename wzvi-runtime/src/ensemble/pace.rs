@@ -1,9 +1,9 @@
 //! How often a run asks whether it was stopped.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::job::Stop;
-use crate::ground::clock::{self, Moment};
+use crate::ground::clock;
 
 /// Approximate time between two checks for a stop: a tenth of a delay that a person notices.
 const WANTED: Duration = Duration::from_millis(10);
@@ -15,7 +15,7 @@ pub(super) struct Pace<'s> {
     stop: Stop<'s>,
     left: u32,
     between: u32,
-    asked: Option<Moment>,
+    asked: Option<Instant>,
 }
 
 impl<'s> Pace<'s> {
@@ -45,8 +45,8 @@ impl<'s> Pace<'s> {
     #[inline(never)]
     fn ask(&mut self) -> bool {
         let now = clock::now();
-        if let (Some(now), Some(asked)) = (&now, &self.asked) {
-            let ratio = WANTED.as_secs_f64() / clock::between(asked, now).as_secs_f64().max(1e-9);
+        if let (Some(now), Some(asked)) = (now, self.asked) {
+            let ratio = WANTED.as_secs_f64() / now.duration_since(asked).as_secs_f64().max(1e-9);
             // At most twice as many at once: what comes may be slower.
             self.between = ((f64::from(self.between) * ratio.min(2.0)) as u32).clamp(1, MOST);
         }

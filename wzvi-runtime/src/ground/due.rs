@@ -1,8 +1,8 @@
 //! When something is due in a run: a checkpoint, a look at how far it is.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crate::ground::clock::{self, Moment};
+use crate::ground::clock;
 
 /// Decides at which nodes. A node that it need not think about costs one comparison.
 #[derive(Debug)]
@@ -19,8 +19,8 @@ pub(crate) struct Due {
 #[derive(Debug)]
 struct Clock {
     interval: Duration,
-    done: Moment,
-    looked: Moment,
+    done: Instant,
+    looked: Instant,
     /// Steps between looks.
     stride: u64,
 }
@@ -80,9 +80,9 @@ impl Clock {
     fn look(&mut self) -> bool {
         let Some(now) = clock::now() else { return false };
         let wanted = (self.interval / 100).min(Duration::from_millis(100));
-        let ratio = wanted.as_secs_f64() / clock::between(&self.looked, &now).as_secs_f64().max(1e-9);
+        let ratio = wanted.as_secs_f64() / now.duration_since(self.looked).as_secs_f64().max(1e-9);
         self.stride = ((self.stride as f64 * ratio.min(2.0)) as u64).max(1);
-        let is_time = clock::between(&self.done, &now) >= self.interval;
+        let is_time = now.duration_since(self.done) >= self.interval;
         self.looked = now;
         is_time
     }

@@ -1,9 +1,9 @@
 //! How far a long run is: one line on a terminal, nothing elsewhere.
 
 use std::io::{IsTerminal, Write, stderr};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crate::ground::clock::{self, Moment};
+use crate::ground::clock;
 use crate::ground::due::Due;
 use crate::ground::handle::Handle;
 
@@ -18,16 +18,16 @@ pub(crate) struct ProgressLine {
     unit: &'static str,
     handle: Option<Handle>,
     /// When the handle's function was called.
-    reported: Option<Moment>,
+    reported: Option<Instant>,
     /// `None` where nobody looks, or where there is no clock.
     watch: Option<Watch>,
     is_shown: bool,
 }
 
 struct Watch {
-    began: Moment,
+    began: Instant,
     /// The last look at the line.
-    looked: Moment,
+    looked: Instant,
     wait: Duration,
 }
 
@@ -43,19 +43,19 @@ impl ProgressLine {
     pub(crate) fn show(&mut self, done: u64, all: u64) {
         if let Some(handle) = &self.handle {
             handle.reach(done, all);
-            if self.reported.as_ref().is_none_or(|reported| clock::since(reported) >= PAUSE) {
+            if self.reported.is_none_or(|reported| clock::since(reported) >= PAUSE) {
                 self.reported = clock::now();
                 handle.report();
             }
         }
         let Some(watch) = &mut self.watch else { return };
         let Some(now) = clock::now() else { return };
-        if clock::between(&watch.looked, &now) < watch.wait {
+        if now.duration_since(watch.looked) < watch.wait {
             return;
         }
         (watch.looked, watch.wait) = (now, PAUSE);
         self.is_shown = true;
-        let mut line = line(self.unit, done, all, clock::since(&watch.began));
+        let mut line = line(self.unit, done, all, clock::since(watch.began));
         if self.handle.as_ref().is_some_and(Handle::hears_interrupt) {
             line += " (Ctrl-C stops and keeps what is done)";
         }
