@@ -9,7 +9,7 @@
 //! with the adjoint scheme `Φ*` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.3 and VI.2): the transposed matrix takes one derivative
 //! of the step backwards in one direction, for any number of degrees of freedom.
 
-use super::tangent::ends_at;
+use super::tangent::Columns;
 use super::{Simulation, Unobserved};
 use crate::algebra::scalar::Dual;
 use crate::algebra::state::{State, Vector};
@@ -17,9 +17,7 @@ use crate::error::{ConfigError, StepError, StepFailure};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::steps::Step;
-use crate::scheme::system::{
-    At, Discretized, Gradient, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
-};
+use crate::scheme::system::{Discretized, Gradient, as_they_are};
 
 /// The end of a run, and the gradient of a function of the end by the start.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,10 +90,12 @@ where
             Ok(())
         })?;
         let mut by_start = gradient(&end);
-        let mut back = Back::<H, T>::new(system, h, &end)?;
-        let mut after = end.clone();
+        let zeros = || vec![Dual::default(); end.q.components().len()];
+        let mut back = Columns::<H, T, f64, 1>::new(system, &as_they_are, -h, [zeros(), zeros()])?;
+        let (mut after, mut reversed, mut room) = (end.clone(), Vec::new(), end.q.clone());
         for (step, Taken { before, dw }) in taken.into_iter().enumerate().rev() {
-            let pulled = back.pull([&before, &after], &dw, &mut by_start);
+            let ends = [&before, &after];
+            let pulled = pull(&mut back, system, ends, &dw, &mut by_start, (&mut reversed, &mut room));
             pulled.map_err(|cause| StepError { step: step as u64, t: before.t, h, cause })?;
             after = before;
         }
@@ -103,58 +103,29 @@ where
     }
 }
 
-/// Steps backwards, with one derivative.
-struct Back<'a, H: Discretized<T>, T> {
-    system: &'a H,
-    h: f64,
-    prepared: PreparedOf<H, T>,
-    memory: MemoryOf<H, T, Dual<1>>,
-    q: Vec<Dual<1>>,
-    p: Vec<Dual<1>>,
-    dw: Vec<Dual<1>>,
-    end: H::Vector,
-}
-
-impl<'a, H: Discretized<T>, T> Back<'a, H, T> {
-    fn new(system: &'a H, h: f64, state: &State<H::Vector>) -> Result<Self, ConfigError> {
-        let prepared = SchemeOf::<H, T>::prepare(system, &as_they_are, -h)?;
-        let list = || vec![Dual::default(); state.q.components().len()];
-        let (memory, end) = (Default::default(), state.q.clone());
-        Ok(Self { system, h, prepared, memory, q: list(), p: list(), dw: Vec::new(), end })
+/// `λ_{i+1} → λ_i`, by a step backwards with one derivative; the last lists are scratch for its increments and its end.
+///
+/// # Errors
+/// If the step has no solution, or another one.
+fn pull<H: Discretized<T>, T>(
+    back: &mut Columns<H, T, f64, 1>,
+    system: &H,
+    [before, after]: [&State<H::Vector>; 2],
+    dw: &[f64],
+    gradient: &mut Gradient<H::Vector>,
+    (reversed, end): (&mut Vec<Dual<1>>, &mut H::Vector),
+) -> Result<(), StepFailure> {
+    let Gradient { q: by_q, p: by_p } = gradient;
+    // `J λ`
+    for (numbers, along, sign) in [(&mut back.q, &*by_p, 1.0), (&mut back.p, &*by_q, -1.0)] {
+        numbers.iter_mut().zip(along.components()).for_each(|(x, along)| x.derivative = [sign * along]);
     }
-
-    /// `λ_{i+1} → λ_i`
-    ///
-    /// # Errors
-    /// If the step has no solution, or another one.
-    fn pull(
-        &mut self,
-        [before, after]: [&State<H::Vector>; 2],
-        dw: &[f64],
-        gradient: &mut Gradient<H::Vector>,
-    ) -> Result<(), StepFailure> {
-        let Self { system, h, prepared, memory, q, p, dw: own, end } = self;
-        let Gradient { q: by_q, p: by_p } = gradient;
-        // `J λ`
-        let set = |numbers: &mut [Dual<1>], values: &H::Vector, along: &H::Vector, sign: f64| {
-            let along = along.components().iter().map(|along| sign * along);
-            for ((number, value), along) in numbers.iter_mut().zip(values.components()).zip(along) {
-                *number = Dual { value: *value, derivative: [along] };
-            }
-        };
-        set(q, &after.q, by_p, 1.0);
-        set(p, &after.p, by_q, -1.0);
-        own.clear();
-        own.extend(dw.iter().map(|dw| Dual::constant(-dw)));
-        let at = At { t: after.t, h: -*h, q: &mut *q, p: &mut *p, dw: own };
-        anew::advance::<H, SchemeOf<H, T>, f64, Dual<1>>(*system, prepared, at, memory)?;
-        ends_at([q, p], [after, before], end)?;
-        // `-J M⁻¹ J λ`
-        for (into, numbers, sign) in [(by_q, &*p, -1.0), (by_p, &*q, 1.0)] {
-            for (into, number) in into.components_mut().iter_mut().zip(numbers) {
-                *into = sign * number.derivative[0];
-            }
-        }
-        Ok(())
+    reversed.clear();
+    reversed.extend(dw.iter().map(|dw| Dual::constant(-dw)));
+    back.vary(system, 0, [after, before], reversed, end)?;
+    // `-J M⁻¹ J λ`
+    for (into, numbers, sign) in [(by_q, &back.p, -1.0), (by_p, &back.q, 1.0)] {
+        into.components_mut().iter_mut().zip(numbers).for_each(|(into, x)| *into = sign * x.derivative[0]);
     }
+    Ok(())
 }

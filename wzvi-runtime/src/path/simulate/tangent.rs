@@ -16,7 +16,7 @@ use crate::path::steps::Step;
 use crate::scheme::continuation::is_near;
 use crate::scheme::dense::copy_state;
 use crate::scheme::system::{
-    At, Discretized, Hamiltonian, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
+    At, Discretized, Hamiltonian, Lift, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
 };
 
 /// Derivatives that are taken beside each other.
@@ -110,37 +110,48 @@ struct Varied<'a, H: Discretized<E>, E> {
     system: &'a H,
     h: f64,
     /// By the state of the start, and by parameters and the step size.
-    by_start: Vec<Columns<H, E, f64>>,
-    by_constants: Vec<Columns<H, E, Number>>,
+    by_start: Vec<Columns<H, E, f64, BESIDE>>,
+    by_constants: Vec<Columns<H, E, Number, BESIDE>>,
     dw: Vec<Number>,
     /// The state before a step, and one of both ends that dual numbers have.
     before: State<H::Vector>,
     end: H::Vector,
 }
 
-/// Some columns of a matrix of derivatives, with constants `K` that may have derivatives themselves.
-struct Columns<H: Discretized<E>, E, K: Constant> {
+/// `N` columns of a matrix of derivatives, with constants `K` that may have derivatives themselves.
+pub(super) struct Columns<H: Discretized<E>, E, K: Constant, const N: usize> {
     prepared: PreparedOf<H, E, K>,
     h: K,
-    q: Vec<Number>,
-    p: Vec<Number>,
-    memory: MemoryOf<H, E, Number>,
+    pub(super) q: Vec<Dual<N>>,
+    pub(super) p: Vec<Dual<N>>,
+    memory: MemoryOf<H, E, Dual<N>>,
 }
 
-impl<H: Discretized<E>, E, K: Constant> Columns<H, E, K>
+impl<H: Discretized<E>, E, K: Constant, const N: usize> Columns<H, E, K, N>
 where
-    Number: Over<K>,
+    Dual<N>: Over<K>,
 {
+    /// Of steps of size `h`, from these derivatives of the state.
+    pub(super) fn new(
+        system: &H,
+        lift: Lift<'_, K>,
+        h: K,
+        [q, p]: [Vec<Dual<N>>; 2],
+    ) -> Result<Self, ConfigError> {
+        let prepared = SchemeOf::<H, E>::prepare(system, lift, h)?;
+        Ok(Self { prepared, h, q, p, memory: Default::default() })
+    }
+
     /// The derivatives of the step number `step` from one state to another.
     ///
     /// # Errors
     /// If it has no solution, or another one.
-    fn vary(
+    pub(super) fn vary(
         &mut self,
         system: &H,
         step: u64,
         [before, after]: [&State<H::Vector>; 2],
-        dw: &[Number],
+        dw: &[Dual<N>],
         end: &mut H::Vector,
     ) -> Result<(), StepFailure> {
         let Self { prepared, h, q, p, memory } = self;
@@ -150,14 +161,14 @@ where
         // So many step sizes from the start.
         let t = (*h - h.lane(0)) * step as f64 + before.t;
         let at = At { t, h: *h, q: &mut *q, p: &mut *p, dw };
-        anew::advance::<H, SchemeOf<H, E>, K, Number>(system, prepared, at, memory)?;
+        anew::advance::<H, SchemeOf<H, E>, K, Dual<N>>(system, prepared, at, memory)?;
         ends_at([q, p], [before, after], end)
     }
 }
 
 /// Columns of a matrix, by row `(q, p)`.
 fn matrix<H: Discretized<E>, E, K: Constant>(
-    columns: &[Columns<H, E, K>],
+    columns: &[Columns<H, E, K, BESIDE>],
     degrees: usize,
     range: Range<usize>,
 ) -> DMatrix<f64> {
@@ -212,9 +223,8 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         let degrees = start.q.components().len();
         let of_start = |first: usize| {
             let unit = |i: usize| Number::variable(0.0, i.wrapping_sub(first));
-            let [q, p] = [0, degrees].map(|offset| (offset..offset + degrees).map(unit).collect());
-            let prepared = SchemeOf::<H, E>::prepare(system, &as_they_are, h)?;
-            Ok(Columns { prepared, h, q, p, memory: Default::default() })
+            let lists = [0, degrees].map(|offset| (offset..offset + degrees).map(unit).collect());
+            Columns::new(system, &as_they_are, h, lists)
         };
         let of_constants = |first: usize, numbers: &[usize]| {
             let lift = |number: usize, value: f64| Dual {
@@ -222,9 +232,8 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
                 derivative: from_fn(|column| f64::from(numbers.get(first + column) == Some(&number))),
             };
             let h = Number::variable(h, numbers.len() - first);
-            let [q, p] = [0, 1].map(|_| vec![Number::from_f64(0.0); degrees]);
-            let prepared = SchemeOf::<H, E>::prepare(system, &lift, h)?;
-            Ok(Columns { prepared, h, q, p, memory: Default::default() })
+            let lists = [0, 1].map(|_| vec![Number::from_f64(0.0); degrees]);
+            Columns::new(system, &lift, h, lists)
         };
         let by_constants = match parameters {
             None => Vec::new(),
@@ -281,7 +290,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
 ///
 /// # Errors
 /// [`StepFailure::OtherSolution`]
-pub(super) fn ends_at<const N: usize, V: Vector>(
+fn ends_at<const N: usize, V: Vector>(
     [q, p]: [&[Dual<N>]; 2],
     [start, known]: [&State<V>; 2],
     end: &mut V,
