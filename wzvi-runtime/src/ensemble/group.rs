@@ -158,7 +158,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         self.memory.tell(&Request::Forget);
         self.are_apart = false;
         self.increments.begin(path);
-        if P::ARE_OWN {
+        if const { P::ARE_OWN } {
             self.own.clear();
             for lane in 0..L {
                 self.own.push(self.prepared(lane)?);
@@ -315,9 +315,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         if self.are_apart {
             return self.one_by_one(None, step, t);
         }
-        let gathered = self.gathered.as_ref().filter(|_| P::ARE_OWN);
+        let gathered = self.gathered.as_ref();
         let at = At { t, h: job.h, q: &mut self.q, p: &mut self.p, dw: self.increments.of(step) };
-        let outcome = advance::<H, E, L>(job.system, &job.prepared, gathered, at, &mut self.memory);
+        let outcome = advance::<H, E, P, L>(job.system, &job.prepared, gathered, at, &mut self.memory);
         match outcome {
             Ok(_) => Ok(()),
             Err(StepFailure::Lanes(failed)) => self.one_by_one(Some(failed), step, t),
@@ -364,7 +364,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
 
     fn fail(&mut self, lane: usize, error: StepError) {
         (self.failed[lane], self.any_failed) = (true, true);
-        if P::ARE_OWN && self.gathered.is_some() {
+        if const { P::ARE_OWN } && self.gathered.is_some() {
             self.gather();
         }
         if self.counts[lane] {
@@ -459,24 +459,24 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
 /// A step the short way, of one system in all lanes, or of one in each where there are some: then all that it reads is in lanes, for one lane, too, so that
 /// the bits of a path do not depend on how many are beside it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn advance<H: Discretized<E>, E, const L: usize>(
+fn advance<H: Discretized<E>, E, P: Systems, const L: usize>(
     system: &H,
     prepared: &PreparedOf<H, E>,
     gathered: Option<&PreparedOf<H, E, Lanes<L>>>,
     At { t, h, q, p, dw }: At<'_, Lanes<L>>,
     memory: &mut MemoryOf<H, E, Lanes<L>>,
 ) -> Result<Effort, StepFailure> {
-    match gathered {
-        None => {
-            let at = At { t, h, q, p, dw };
-            SchemeOf::<H, E>::advance::<f64, _, Plain, false>(system, prepared, at, memory, &mut Plain)
-        }
-        Some(gathered) => {
-            let [t, h] = [t, h].map(Lanes::from_f64);
-            let at = At { t, h, q, p, dw };
-            SchemeOf::<H, E>::advance::<Lanes<L>, _, Plain, false>(system, gathered, at, memory, &mut Plain)
-        }
+    if const { P::ARE_OWN }
+        && let Some(gathered) = gathered
+    {
+        let [t, h] = [t, h].map(Lanes::from_f64);
+        let at = At { t, h, q, p, dw };
+        return SchemeOf::<H, E>::advance::<Lanes<L>, _, Plain, false>(
+            system, gathered, at, memory, &mut Plain,
+        );
     }
+    let at = At { t, h, q, p, dw };
+    SchemeOf::<H, E>::advance::<f64, _, Plain, false>(system, prepared, at, memory, &mut Plain)
 }
 
 fn in_order_of_paths(mut failures: Vec<PathFailure>) -> Vec<PathFailure> {
