@@ -142,7 +142,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     ) -> Result<(), Error> {
         let Some(LaneInside { before, dense, room, .. }) = self.lanes.get_mut(lane) else { return Ok(()) };
         let (events, changes, passed) = (&self.job.events, &mut self.changes, &mut self.passed);
-        group.look_inside(lane, node, before, dense, |dense, _, _| {
+        group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
             for ((event, change), passed) in events.iter().zip(&mut *changes).zip(&mut *passed) {
                 let Some([value, _]) = change else { continue };
                 let next = event(dense.end());
@@ -163,7 +163,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
                 continue;
             }
             let path = group.path(lane);
-            group.look_inside(lane, node, before, dense, |dense, _, _| {
+            group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
                 watch.follow(sections, dense, |Crossing { section, direction, state }| {
                     let (before, t) = (counts[section], state.t);
                     let (q, p) = (state.q.components(), state.p.components());
@@ -216,7 +216,7 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             let state = match self.lanes.get_mut(lane) {
                 Some(LaneInside { before, dense, room, .. }) if is_inside => {
                     let mut is_found = false;
-                    group.look_inside(lane, node, before, dense, |dense, _, is_last| {
+                    group.look_inside(lane, node, before, dense, &mut |dense, _, is_last| {
                         let theta = dense.fraction(t);
                         if !is_found && (theta <= 1.0 || is_last) {
                             dense.write(theta.clamp(0.0, 1.0), room);

@@ -63,7 +63,7 @@ where
             recorder.step(group.increments_of(lane, node - 1), &StepInfo { halvings, ..StepInfo::default() });
             if let Some(looks) = looks.as_mut().filter(|looks| looks.wants(node, recorder.next_inside())) {
                 let mut later = group.increments_of(lane, node - 1).to_vec();
-                group.look_inside(lane, node, &reached, &mut dense, |dense, dw, is_last| {
+                group.look_inside(lane, node, &reached, &mut dense, &mut |dense, dw, is_last| {
                     later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
                     looks.look(dense, &Part { step: node - 1, dw, later: &later, is_last }, &mut recorder);
                 })?;

@@ -131,16 +131,16 @@ enum Way {
 
 impl Tape {
     /// The words of everything that `pass` shows.
-    pub(crate) fn write(pass: impl FnOnce(&mut Self)) -> Vec<u64> {
-        Self::recorded(None, pass)
+    pub(crate) fn write(mut pass: impl FnMut(&mut Self)) -> Vec<u64> {
+        Self::recorded(None, &mut pass)
     }
 
     /// The words of one lane of everything that `pass` shows.
-    pub(crate) fn split(lane: usize, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
-        Self::recorded(Some(lane), pass)
+    pub(crate) fn split(lane: usize, mut pass: impl FnMut(&mut Self)) -> Vec<u64> {
+        Self::recorded(Some(lane), &mut pass)
     }
 
-    fn recorded(lane: Option<usize>, pass: impl FnOnce(&mut Self)) -> Vec<u64> {
+    fn recorded(lane: Option<usize>, pass: &mut dyn FnMut(&mut Self)) -> Vec<u64> {
         let mut tape = Self { way: Way::Writing(Vec::new()), lane };
         pass(&mut tape);
         match tape.way {
@@ -150,22 +150,22 @@ impl Tape {
     }
 
     /// Replaces everything that `pass` shows by the words; `None` if there are more or fewer of them.
-    pub(crate) fn read(words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
-        Self::replaced(None, vec![words], pass)
+    pub(crate) fn read(words: Vec<u64>, mut pass: impl FnMut(&mut Self)) -> Option<()> {
+        Self::replaced(None, vec![words], &mut pass)
     }
 
     /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or not each other.
     #[cfg(feature = "ensemble")]
-    pub(crate) fn join(lanes: Vec<Vec<u64>>, pass: impl FnOnce(&mut Self)) -> Option<()> {
-        Self::replaced(None, lanes, pass)
+    pub(crate) fn join(lanes: Vec<Vec<u64>>, mut pass: impl FnMut(&mut Self)) -> Option<()> {
+        Self::replaced(None, lanes, &mut pass)
     }
 
     /// Replaces one lane of everything that `pass` shows by the words; `None` if they do not fit.
-    pub(crate) fn place(lane: usize, words: Vec<u64>, pass: impl FnOnce(&mut Self)) -> Option<()> {
-        Self::replaced(Some(lane), vec![words], pass)
+    pub(crate) fn place(lane: usize, words: Vec<u64>, mut pass: impl FnMut(&mut Self)) -> Option<()> {
+        Self::replaced(Some(lane), vec![words], &mut pass)
     }
 
-    fn replaced(lane: Option<usize>, lists: Vec<Vec<u64>>, pass: impl FnOnce(&mut Self)) -> Option<()> {
+    fn replaced(lane: Option<usize>, lists: Vec<Vec<u64>>, pass: &mut dyn FnMut(&mut Self)) -> Option<()> {
         let lists = lists.into_iter().map(Vec::into_iter).collect();
         let mut tape = Self { way: Way::Reading { lists, short: false }, lane };
         pass(&mut tape);

@@ -144,7 +144,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         interval: Interval,
         noise: &mut Option<N>,
         halvings: u32,
-        mut see: impl FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+        see: &mut dyn FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
     ) -> Result<(), Error> {
         let mut stepper = self.stepper(part_of(self.h, halvings))?;
         let (mut before, mut state) = (before.clone(), before.clone());

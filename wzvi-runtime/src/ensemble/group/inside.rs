@@ -53,7 +53,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         node: u64,
         before: &State<H::Vector>,
         dense: &mut DenseOutput<H::Vector>,
-        mut see: impl FnMut(&DenseOutput<H::Vector>, &[f64], bool),
+        see: &mut dyn FnMut(&DenseOutput<H::Vector>, &[f64], bool),
     ) -> Result<(), Error> {
         let (job, path, step) = (self.job, self.path(lane), node - 1);
         self.state_at(lane, node);
@@ -66,7 +66,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             let interval = Interval { step, ..job.grid.first() };
             let mut parts = 1_u64 << halvings;
             let noise = &mut noise.as_deref_mut();
-            return subdivision.revisit(before, interval, noise, halvings, |stepper, nodes, dw| {
+            return subdivision.revisit(before, interval, noise, halvings, &mut |stepper, nodes, dw| {
                 parts -= 1;
                 stepper.fill(nodes, dw, dense);
                 see(dense, dw, parts == 0);

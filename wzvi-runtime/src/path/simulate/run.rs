@@ -238,7 +238,7 @@ impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
             } else {
                 let (before, mut later, mut parts) = (looks.before.clone(), dw.to_vec(), 1_u64 << halvings);
                 let interval = Interval { step, ..*first };
-                stepper.revisit(&before, interval, noise, halvings, |stepper, nodes, dw| {
+                stepper.revisit(&before, interval, noise, halvings, &mut |stepper, nodes, dw| {
                     later.iter_mut().zip(dw).for_each(|(later, dw)| *later -= dw);
                     parts -= 1;
                     stepper.fill(nodes, dw, dense);

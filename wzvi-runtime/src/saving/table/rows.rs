@@ -33,7 +33,11 @@ impl<'r, R: 'r> Rows<'r, R> {
     where
         Column: From<Vec<T>>,
     {
-        let entries = move |rows: &[R]| rows.iter().map(&entry).collect::<Vec<T>>().into();
+        let entries = move |rows: &[R]| {
+            // Collected once for each type, not for each column.
+            let entry: &dyn Fn(&R) -> T = &entry;
+            rows.iter().map(entry).collect::<Vec<T>>().into()
+        };
         self.columns.push((name.into(), Box::new(entries)));
         self
     }
