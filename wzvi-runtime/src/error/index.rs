@@ -28,20 +28,9 @@ pub struct IndexError {
     name: &'static Name,
     at: [u32; LEVELS],
     levels: u8,
-    limit: Limit,
-    /// What the limit counts.
-    count: usize,
+    limit: IndexLimit,
     /// The halves of an `i128`, high and low, which keep errors small.
     value: [u64; 2],
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Limit {
-    Points,
-    Entries,
-    Integers,
-    Natural,
-    Divisor,
 }
 
 /// What an integer of a system has to be.
@@ -61,15 +50,8 @@ pub enum IndexLimit {
 
 impl IndexError {
     pub(crate) fn new(name: &'static Name, value: i128, limit: IndexLimit) -> Self {
-        let (limit, count) = match limit {
-            IndexLimit::Points(count) => (Limit::Points, count),
-            IndexLimit::Entries(count) => (Limit::Entries, count),
-            IndexLimit::Integers => (Limit::Integers, 0),
-            IndexLimit::Natural => (Limit::Natural, 0),
-            IndexLimit::Divisor => (Limit::Divisor, 0),
-        };
         let value = [(value >> 64) as u64, value as u64];
-        Self { name, at: [0; LEVELS], levels: 0, limit, count, value }
+        Self { name, at: [0; LEVELS], levels: 0, limit, value }
     }
 
     /// Adds an index to the name, up to the number that fits.
@@ -88,13 +70,7 @@ impl IndexError {
 
     /// What it has to be.
     pub fn limit(&self) -> IndexLimit {
-        match self.limit {
-            Limit::Points => IndexLimit::Points(self.count),
-            Limit::Entries => IndexLimit::Entries(self.count),
-            Limit::Integers => IndexLimit::Integers,
-            Limit::Natural => IndexLimit::Natural,
-            Limit::Divisor => IndexLimit::Divisor,
-        }
+        self.limit
     }
 
     /// What has the value, as the Hamiltonian names it: `bonds[17].1`. For [`IndexLimit::Entries`] the list that is read
@@ -102,7 +78,7 @@ impl IndexError {
     pub fn name(&self) -> String {
         let at: String =
             self.at[..usize::from(self.levels)].iter().map(|index| format!("[{index}]")).collect();
-        let suffix = if self.limit == Limit::Entries { "" } else { self.name.suffix };
+        let suffix = if matches!(self.limit, IndexLimit::Entries(_)) { "" } else { self.name.suffix };
         format!("{}{at}{suffix}", self.name.name)
     }
 }
@@ -112,7 +88,7 @@ impl fmt::Debug for IndexError {
         f.debug_struct("IndexError")
             .field("name", &self.name())
             .field("value", &self.value())
-            .field("limit", &self.limit())
+            .field("limit", &self.limit)
             .finish()
     }
 }
@@ -120,7 +96,7 @@ impl fmt::Debug for IndexError {
 impl fmt::Display for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, value) = (self.name(), self.value());
-        match self.limit() {
+        match self.limit {
             IndexLimit::Points(points) => write!(f, "`{name}` is {value}, but the state has {points}")?,
             IndexLimit::Entries(length) => {
                 write!(f, "`{name}` is read at {value}, but it has {length} entries")?
