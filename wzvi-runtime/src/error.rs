@@ -15,10 +15,8 @@ macro_rules! messages {
         impl std::error::Error for $type {}
     };
 }
-#[cfg(feature = "ensemble")]
 pub(crate) use messages;
 
-#[cfg(feature = "ensemble")]
 mod words;
 
 mod bath;
@@ -30,7 +28,6 @@ mod failure;
 pub(crate) mod file;
 mod index;
 mod internal;
-#[cfg(feature = "ensemble")]
 mod level;
 mod noise;
 #[cfg(feature = "plot")]
@@ -38,7 +35,6 @@ mod plot;
 #[cfg(feature = "report")]
 mod report;
 mod series;
-#[cfg(feature = "ensemble")]
 mod statistics;
 mod stopped;
 
@@ -56,7 +52,6 @@ pub use file::FileError;
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
 pub use internal::{InternalError, StepPromise};
-#[cfg(feature = "ensemble")]
 pub use level::{LevelError, LevelFailure};
 pub use noise::NoiseError;
 #[cfg(feature = "plot")]
@@ -64,7 +59,6 @@ pub use plot::PlotError;
 #[cfg(feature = "report")]
 pub use report::ReportError;
 pub use series::SeriesError;
-#[cfg(feature = "ensemble")]
 pub use statistics::StatisticsError;
 pub use stopped::StoppedError;
 

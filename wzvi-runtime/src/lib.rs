@@ -17,6 +17,14 @@
 //! | `integrate` | the entry points of runs |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![cfg_attr(
+    not(all(feature = "ensemble", feature = "report")),
+    allow(
+        dead_code,
+        unused_imports,
+        reason = "what features that are off have in common is compiled with all of them"
+    )
+)]
 
 pub mod algebra;
 #[cfg(feature = "ensemble")]

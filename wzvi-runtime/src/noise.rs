@@ -53,14 +53,12 @@ pub trait Paths: Noise {
 }
 
 /// A noise of any type that every thread can have a copy of.
-#[cfg(feature = "ensemble")]
 pub(crate) trait Driver: Paths + Send + Sync {
     fn copy<'a>(&self) -> Box<dyn Driver + 'a>
     where
         Self: 'a;
 }
 
-#[cfg(feature = "ensemble")]
 impl<N: Paths + Clone + Send + Sync> Driver for N {
     fn copy<'a>(&self) -> Box<dyn Driver + 'a>
     where

@@ -22,10 +22,8 @@ mod statistics;
 mod ticks;
 
 pub use crate::error::PlotError;
-#[cfg(feature = "report")]
 pub(crate) use drawing::Plot;
 pub use figure::{Axis, Colour, Figure, Look, Series};
-#[cfg(feature = "report")]
 pub(crate) use layout::Layout;
 pub use path::PathPlot;
 pub use sheet::Sheet;

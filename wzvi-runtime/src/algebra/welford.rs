@@ -42,7 +42,6 @@ impl Welford {
     }
 }
 
-#[cfg(feature = "ensemble")]
 impl Welford {
     /// The samples of both. The order matters to the last bit.
     pub(crate) fn merge(&mut self, other: &Self) {

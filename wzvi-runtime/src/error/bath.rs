@@ -55,7 +55,6 @@ messages! { BathError:
         "the step size is {}: a system with friction cannot run backwards in time; take a positive one", Brief(*h);
 }
 
-#[cfg(feature = "ensemble")]
 impl BathError {
     /// Which one, and its two values.
     pub(super) fn words(self) -> [u64; 3] {

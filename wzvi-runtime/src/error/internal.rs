@@ -14,7 +14,6 @@ pub(super) const MISTAKE: &str = concat!(
     ", not a mistake of yours; please report it: an assumption does not hold"
 );
 
-#[cfg(feature = "ensemble")]
 impl InternalError {
     /// `promise` does not hold, as `data` shows.
     pub(crate) fn new(promise: &'static str, data: impl std::fmt::Display) -> Self {
@@ -33,7 +32,6 @@ pub enum StepPromise {
     PlainConstants,
 }
 
-#[cfg(feature = "ensemble")]
 impl StepPromise {
     pub(super) const ALL: [Self; 3] = [Self::Windows, Self::ListedRates, Self::PlainConstants];
 }

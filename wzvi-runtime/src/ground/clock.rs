@@ -1,6 +1,5 @@
 //! The time, where there is one: targets such as `wasm32-unknown-unknown` have no clock, and asking for it there is a trap.
 
-#[cfg(feature = "report")]
 use std::time::SystemTime;
 use std::time::{Duration, Instant};
 
@@ -10,7 +9,6 @@ pub(crate) fn now() -> Option<Instant> {
     IS_THERE.then(Instant::now)
 }
 
-#[cfg(feature = "report")]
 pub(crate) fn date() -> Option<SystemTime> {
     IS_THERE.then(SystemTime::now)
 }

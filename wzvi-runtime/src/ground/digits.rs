@@ -18,11 +18,9 @@ impl fmt::Display for Brief {
 }
 
 /// Digits of a number that are written one by one up to the first uncertain one.
-#[cfg(feature = "ensemble")]
 const MOST_DIGITS: i32 = 10;
 
 /// A number with three significant digits, for people.
-#[cfg(any(feature = "ensemble", feature = "plot"))]
 pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {
@@ -44,7 +42,6 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// `10⁻³`
-#[cfg(any(feature = "ensemble", feature = "plot"))]
 pub(crate) fn power_of_ten(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raised =
@@ -54,7 +51,6 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
 
 /// `value ± uncertainty` to the first digit of the uncertainty, with one power of ten for both where they are large or small; a dash
 /// for none.
-#[cfg(feature = "ensemble")]
 pub(crate) fn estimate(value: f64, uncertainty: f64) -> String {
     if value.is_nan() {
         return "-".to_owned();

@@ -155,7 +155,6 @@ impl Tape {
     }
 
     /// Replaces all lanes of everything that `pass` shows by the words of each; `None` if they do not fit, or not each other.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn join(lanes: Vec<Vec<u64>>, mut pass: impl FnMut(&mut Self)) -> Option<()> {
         Self::replaced(None, lanes, &mut pass)
     }

@@ -143,7 +143,6 @@ impl StepNormals {
     }
 
     /// With another truncation, if one is set.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn with_truncation(mut self, truncation: Truncation) -> Self {
         if truncation != Truncation::Unset {
             self.truncation = truncation;
@@ -152,14 +151,12 @@ impl StepNormals {
     }
 
     /// Of a level of a multilevel run.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn on_level(mut self, level: u32) -> Self {
         self.level = level;
         self.drawn.clear();
         self
     }
 
-    #[cfg(feature = "ensemble")]
     pub(crate) fn is_antithetic(&self) -> bool {
         self.is_antithetic
     }

@@ -87,10 +87,8 @@ use crate::error::ConfigError;
 pub use crate::error::{CheckpointError, Damage, Difference};
 use crate::path::simulate::Simulation;
 use crate::scheme::system::Discretized;
-#[cfg(feature = "ensemble")]
 pub(crate) use format::Kind;
 pub(crate) use keeper::Keeper;
-#[cfg(feature = "ensemble")]
 pub(crate) use keeper::{Described, Extent};
 
 /// The file of a checkpoint, and how often it is written: after some time, or after a number of what the run counts, `C`. A [`Simulation`]
@@ -198,7 +196,6 @@ impl Keeping {
     }
 }
 
-#[cfg(feature = "ensemble")]
 pub(crate) use identity::between;
 pub(crate) use identity::checksum;
 

@@ -6,14 +6,11 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-#[cfg(feature = "ensemble")]
 use crate::algebra::lanes::instructions::InstructionSet;
-#[cfg(feature = "ensemble")]
 use crate::algebra::memory::Threads;
 use crate::algebra::state::State;
 use crate::error::ConfigError;
 use crate::ground::handle::Handle;
-#[cfg(feature = "ensemble")]
 use crate::ground::progress::ProgressLine;
 use crate::path::checkpoint::Keeping;
 use crate::path::recording::Request;
@@ -26,7 +23,6 @@ use crate::scheme::system::Hamiltonian;
 pub(crate) type Observable<'a, V> = Arc<dyn Fn(&State<V>) -> f64 + Send + Sync + 'a>;
 
 /// A function of the system of a path and its state.
-#[cfg(feature = "ensemble")]
 pub(crate) type OwnObservable<'a, H, V> = Arc<dyn Fn(&H, &State<V>) -> f64 + Send + Sync + 'a>;
 
 /// Functions of the state, with the settings of each.
@@ -62,14 +58,12 @@ impl<'a, V, K> Functions<'a, V, K> {
         self.0.is_empty()
     }
 
-    #[cfg(feature = "ensemble")]
     pub(crate) fn len(&self) -> usize {
         self.0.len()
     }
 }
 
 /// In the place of an observable that is no function of the state alone: whoever looks at a path puts its value there.
-#[cfg(feature = "ensemble")]
 pub(crate) fn elsewhere<V>(_: &State<V>) -> f64 {
     f64::NAN
 }
@@ -131,7 +125,6 @@ pub(crate) struct Execution<'a> {
     pub(crate) is_quiet: bool,
     pub(crate) handle: Option<Handle>,
     /// The best of the machine by default.
-    #[cfg(feature = "ensemble")]
     pub(crate) instructions: Option<InstructionSet>,
 }
 
@@ -142,7 +135,6 @@ impl fmt::Debug for Execution<'_> {
     }
 }
 
-#[cfg(feature = "ensemble")]
 impl Execution<'_> {
     /// The requested number, or all cores.
     ///

@@ -76,7 +76,6 @@ impl Recording {
     ///
     /// # Errors
     /// [`ConfigError::Setting`] if there are more than `most`.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn all(&self, grid: &Grid, most: u64) -> Result<Vec<Recorded>, ConfigError> {
         let steps = grid.steps;
         let every = if self.every == 0 { steps.max(1) } else { self.every };
@@ -127,7 +126,6 @@ impl Recording {
 }
 
 /// A recorded time of a run.
-#[cfg(feature = "ensemble")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Recorded {
     /// The node, or that at the end of the step that has it inside.

@@ -24,7 +24,7 @@ use crate::path::step::{StepInfo, Stepper};
 use crate::path::steps::{Single, Step};
 use crate::path::watch::{AGREEMENT, Watch, disagreement};
 use crate::scheme::plan::NoiseClass;
-use crate::scheme::system::{CarryOf, Discretized};
+use crate::scheme::system::{CarryOf, Discretized, Hamiltonian};
 
 /// How often steps may be halved. The default is never, because the long-time behaviour of a symplectic scheme depends on uniform steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,6 +84,10 @@ pub(crate) struct Subdivision<'a, H: Discretized<E>, E, C = CarryOf<H, E>> {
     part: Vec<f64>,
 }
 
+/// Sees a part of a step: its stepper, its nodes, and its increments.
+type See<'s, 'a, H, E, C> =
+    &'s mut dyn FnMut(&Stepper<'a, H, E, C>, [&State<<H as Hamiltonian>::Vector>; 2], &[f64]);
+
 impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
     pub(crate) fn new(
         system: &'a H,
@@ -136,7 +140,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         Ok(())
     }
 
-    /// The parts of a step that was halved so often, once more: `see` is shown the stepper, the nodes, and the increments of each.
+    /// The parts of a step that was halved so often, once more.
     #[cold]
     pub(crate) fn revisit<N: Noise>(
         &self,
@@ -144,7 +148,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         interval: Interval,
         noise: &mut Option<N>,
         halvings: u32,
-        see: &mut dyn FnMut(&Stepper<'a, H, E, C>, [&State<H::Vector>; 2], &[f64]),
+        see: See<'_, 'a, H, E, C>,
     ) -> Result<(), Error> {
         let mut stepper = self.stepper(part_of(self.h, halvings))?;
         let (mut before, mut state) = (before.clone(), before.clone());

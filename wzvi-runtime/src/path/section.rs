@@ -138,7 +138,6 @@ impl<V: Vector> Crossing<V> {
 }
 
 /// When a function is first zero in a step or changes its sign there, if its `values` at both nodes say that it does.
-#[cfg(feature = "ensemble")]
 pub(crate) fn first_zero<V: Vector>(
     dense: &DenseOutput<V>,
     value: &dyn Fn(&State<V>) -> f64,

@@ -24,7 +24,6 @@ pub use batches::BatchMeans;
 pub use chains::Chains;
 #[cfg(feature = "correlation")]
 pub use correlation::{Autocorrelation, ByLag};
-#[cfg(feature = "report")]
 pub(crate) use student::NORMAL;
 pub(crate) use tally::Averaged;
 pub use temperature::{Equipartition, Share};

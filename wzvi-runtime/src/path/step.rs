@@ -164,7 +164,6 @@ impl<'a, H: Discretized<E>, E> Stepper<'a, H, E> {
     }
 }
 
-#[cfg(feature = "ensemble")]
 impl<'a, H: Discretized<E>, E> Stepper<'a, H, E, Plain> {
     /// For one of many paths, which have the threads already, with plain sums; whether it accounts for what forces and bath do.
     ///

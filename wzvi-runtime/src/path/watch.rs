@@ -126,20 +126,17 @@ impl<V: Vector> Watch<V> {
     /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then at eight times the step of the last test, and 64
     /// steps before the end. After a deviation it is tested like a single run, until the deviation ends. A path thus pays for four tests in its first
     /// thousand steps and one more for eight times as many, and deviations up to 64 steps before its end are found.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
         let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
         Self { next, steps: Some(steps), is_refusing: true, ..Self::default() }
     }
 
     /// The same, of the next path.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn restart<H: Discretized<E, Vector = V>, E>(&mut self, steps: u64) {
         *self = Self { room: self.room.take(), ..Self::among_others::<H, E>(steps) };
     }
 
     /// The step to look at.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn next(&self) -> u64 {
         self.next
     }

@@ -37,7 +37,6 @@ const GRID: RGBColor = RGBColor(221, 221, 221);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 /// A point of a series on the drawing.
-#[cfg(feature = "report")]
 pub(crate) struct Placed {
     pub(crate) series: usize,
     pub(crate) index: usize,
@@ -144,7 +143,6 @@ impl<'a> Plot<'a> {
     }
 
     /// Every point that is drawn, for the page: marks all, lines at some places.
-    #[cfg(feature = "report")]
     pub(crate) fn placed(&self) -> Vec<Placed> {
         let mut placed = vec![];
         for (number, series) in self.figure.series.iter().enumerate() {
@@ -157,13 +155,11 @@ impl<'a> Plot<'a> {
     }
 
     /// Width and height, in pixels.
-    #[cfg(feature = "report")]
     pub(crate) fn size(&self) -> (u32, u32) {
         let (width, height) = self.layout.size;
         ((self.scale * width) as u32, (self.scale * height) as u32)
     }
 
-    #[cfg(feature = "report")]
     pub(crate) fn svg(&self) -> Result<String, PlotError> {
         drawn_svg(self.size(), &[((0, 0), self.clone())])
     }

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-#[cfg(feature = "report")]
 use crate::saving::table::Rows;
 
 /// One axis.
@@ -100,7 +99,6 @@ impl Series {
     }
 
     /// Whether its points have marks with numbers.
-    #[cfg(feature = "report")]
     pub(crate) fn marked(&self) -> bool {
         matches!(self.look, Look::Marks | Look::Joined)
     }
@@ -242,7 +240,6 @@ impl Figure {
     }
 
     /// The same as CSV.
-    #[cfg(feature = "report")]
     pub fn csv(&self) -> Vec<u8> {
         let rows = self.series.iter().flat_map(|series| {
             series.points.iter().enumerate().map(move |(index, point)| (series, index, point))

@@ -41,7 +41,6 @@ impl Layout {
     }
 
     /// The same for a page, which has the title above the drawing: a legend of several rows makes it higher.
-    #[cfg(feature = "report")]
     pub(crate) fn untitled(figure: &Figure, (width, height): (i32, i32)) -> Self {
         let top = 12;
         let rows = Self::below(figure, (width, height), top, None).frame[1] - top;

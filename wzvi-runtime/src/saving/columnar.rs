@@ -22,7 +22,6 @@ impl Table {
     }
 
     /// The rows of this one and those of others with the same columns, a group each.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn write_parquet_parts(
         &self,
         rest: impl Iterator<Item = Self>,

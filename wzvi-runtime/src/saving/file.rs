@@ -150,7 +150,6 @@ impl Drop for Staged {
 }
 
 /// Replaces several files. The first one says that the others belong together: it is gone while they are replaced, and comes last.
-#[cfg(feature = "ensemble")]
 pub(crate) fn publish_set(staged: Vec<Staged>) -> Result<(), FileError> {
     let mut staged = staged.into_iter();
     let Some(seal) = staged.next() else { return Ok(()) };

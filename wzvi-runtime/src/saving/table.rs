@@ -1,13 +1,11 @@
 //! Tables: columns with names, and their text as CSV and JSON.
 
-#[cfg(feature = "ensemble")]
 mod rows;
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use crate::ground::names::free;
-#[cfg(feature = "ensemble")]
 pub(crate) use rows::{Parts, Rows};
 
 /// Columns of one length.
@@ -74,7 +72,6 @@ impl Table {
     }
 
     /// The rows of this one and those of others with the same columns.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn write_csv_parts(
         &self,
         rest: impl Iterator<Item = Self>,
@@ -115,7 +112,6 @@ impl Table {
     }
 
     /// [`Table::write_csv`] into memory.
-    #[cfg(feature = "report")]
     pub(crate) fn csv(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         // Writing to memory cannot fail.
@@ -125,7 +121,6 @@ impl Table {
 
     /// The entries of a column with commas between them, and before the first one unless it is that of the whole table; numbers come back to the last
     /// bit, but JSON has `null` for those that are none or infinite.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn write_json_entries(
         &self,
         column: usize,

@@ -40,7 +40,6 @@ impl InstructionSet {
     }
 
     /// The first set with groups of so many numbers, or this one.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn for_numbers(self, numbers: u64) -> Self {
         let widths = [(Self::Baseline, 4), (Self::Avx2, 8)];
         let narrow =

@@ -10,6 +10,9 @@ use crate::path::step::Stepper;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 
+/// Sees the dense output of a part of a step, its increments, and whether it is the last part.
+type SeeInside<'s, V> = &'s mut dyn FnMut(&DenseOutput<V>, &[f64], bool);
+
 impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L> {
     /// The last step, where it is shorter than the others: it is that of a stepper, and is not halved.
     ///
@@ -42,8 +45,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         Ok(())
     }
 
-    /// Shows `see` the dense output of the step of a lane that led from `before` to this node, part by part if it was halved, its increments, and
-    /// whether it is the last part.
+    /// Shows the step of a lane that led from `before` to this node, part by part if it was halved.
     ///
     /// # Errors
     /// Those of steps that have been taken before, and of a noise that had increments for them: never.
@@ -53,7 +55,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         node: u64,
         before: &State<H::Vector>,
         dense: &mut DenseOutput<H::Vector>,
-        see: &mut dyn FnMut(&DenseOutput<H::Vector>, &[f64], bool),
+        see: SeeInside<'_, H::Vector>,
     ) -> Result<(), Error> {
         let (job, path, step) = (self.job, self.path(lane), node - 1);
         self.state_at(lane, node);

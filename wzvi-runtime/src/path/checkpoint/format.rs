@@ -17,9 +17,7 @@ const WORD: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Path,
-    #[cfg(feature = "ensemble")]
     Ensemble,
-    #[cfg(feature = "ensemble")]
     Multilevel,
 }
 

@@ -51,7 +51,6 @@ impl Described {
     }
 
     /// And with observables of these values at some states: functions cannot be compared.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn observing(mut self, values: &[f64]) -> Self {
         let observed = identity::checksum(values.iter().map(|number| number.to_bits()));
         self.derived.push(("what the observables and events are on path 0 (checksum)".to_owned(), observed));
@@ -195,7 +194,6 @@ impl Keeper {
     }
 
     /// So much is done, and no more will be: saves it if it is not.
-    #[cfg(feature = "ensemble")]
     pub(crate) fn close(&mut self, done: u64, pass: &mut dyn FnMut(&mut Tape)) -> Result<(), Error> {
         match &self.file {
             Some(file) if done <= file.extent.end() && done > file.saved => self.save(done, pass),
@@ -236,7 +234,6 @@ impl Kept {
             let Extent { kind, all, .. } = self.extent;
             return Err(match kind {
                 Kind::Path => CheckpointError::Beyond { path, step: saved.done, steps: all },
-                #[cfg(feature = "ensemble")]
                 Kind::Ensemble | Kind::Multilevel => {
                     let done = saved.done.saturating_mul(self.extent.unit);
                     CheckpointError::MorePaths { path, done, paths: all }

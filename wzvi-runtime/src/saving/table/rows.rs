@@ -64,7 +64,6 @@ impl<'r, R: 'r> Rows<'r, R> {
     }
 
     /// The whole table.
-    #[cfg(any(all(test, feature = "columnar"), feature = "report"))]
     pub(crate) fn table(mut self, name: &str) -> Table {
         self.some(name, usize::MAX)
     }
