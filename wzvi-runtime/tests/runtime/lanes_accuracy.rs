@@ -3,13 +3,15 @@
 //! The bounds are those of the table in the documentation of `wzvi_runtime::algebra::lanes`. With `WZVI_SAMPLES=1000000` in the
 //! environment every function is measured at so many arguments per range, and `--nocapture` prints what was found.
 
-use astro_float_num::{BigFloat, Consts, RoundingMode};
+#[path = "../../../wzvi-macros/src/symbolic/tests/real.rs"]
+#[allow(unreachable_pub, reason = "another crate shares it")]
+mod real;
+
+use real::{Real, error_in_ulps, with_precision};
 use wzvi_runtime::algebra::lanes::Lanes;
 use wzvi_runtime::algebra::scalar::Scalar;
 
 const L: usize = 8;
-const BITS: usize = 256;
-const ROUND: RoundingMode = RoundingMode::ToEven;
 
 struct Arguments(u64);
 
@@ -53,40 +55,17 @@ impl Range {
     }
 }
 
-/// Exactly; `from_f64` itself misreads subnormal numbers.
-fn big(x: f64) -> BigFloat {
-    let (large, small) = (2f64.powi(200), 2f64.powi(-200));
-    if x.is_subnormal() {
-        BigFloat::from_f64(x * large, BITS).mul(&BigFloat::from_f64(small, BITS), BITS, ROUND)
-    } else {
-        BigFloat::from_f64(x, BITS)
-    }
-}
-
-/// `(mantissa in [1/2, 1), exponent)` of a number that is not zero.
-fn parts(x: &BigFloat) -> Option<(f64, i32)> {
-    let (words, _, _, exponent, _) = x.as_raw_parts()?;
-    let top = *words.last()?;
-    (top != 0).then(|| (top as f64 / 2f64.powi(64), exponent))
-}
-
-/// `|y - exact|` in units in the last place of `exact`.
-fn ulps(y: f64, exact: &BigFloat) -> f64 {
-    let Some((_, exponent)) = parts(exact) else {
-        return if y == 0.0 { 0.0 } else { f64::INFINITY };
-    };
-    if exponent > 1024 {
+/// `|y - exact|` in units in the last place of `exact`; overflow begins half a unit above the largest number.
+fn ulps(y: f64, exact: &Real) -> f64 {
+    let is_beyond = exact.abs() > Real::from(f64::MAX);
+    match exact.exponent() {
+        None if y != 0.0 => f64::INFINITY,
         // The nearest number is infinite, or the largest one.
-        return if y == f64::INFINITY.copysign(y) { 0.0 } else { f64::INFINITY };
+        Some(1025..) if y.is_finite() => f64::INFINITY,
+        Some(1025..) => 0.0,
+        _ if y.is_infinite() && is_beyond => 0.5,
+        _ => error_in_ulps(y, exact),
     }
-    if !y.is_finite() {
-        // Overflow begins half a unit above the largest number.
-        let largest = big(f64::MAX).sub(&exact.abs(), BITS, ROUND);
-        return if y.is_infinite() && largest.is_negative() { 0.5 } else { f64::INFINITY };
-    }
-    let unit = (exponent - 53).max(-1074);
-    let difference = big(y).sub(exact, BITS, ROUND);
-    parts(&difference).map_or(0.0, |(mantissa, e)| mantissa * 2f64.powi(e - unit))
 }
 
 fn samples() -> usize {
@@ -94,18 +73,18 @@ fn samples() -> usize {
 }
 
 type One = fn(Lanes<L>) -> Lanes<L>;
-type Exact = fn(&BigFloat, &mut Consts) -> BigFloat;
+type Exact = fn(&Real) -> Real;
 
 /// The largest error over some ranges.
 fn measure(name: &str, function: One, exact: Exact, ranges: &[Range], bound: f64) {
-    let (mut arguments, mut constants) = (Arguments(name.len() as u64), Consts::new().unwrap());
+    let mut arguments = Arguments(name.len() as u64);
     let (mut worst, mut at) = (0.0, 0.0);
     for &range in ranges {
         for _ in 0..samples().div_ceil(L) {
             let x: [f64; L] = std::array::from_fn(|_| range.draw(&mut arguments));
             let y = function(Lanes::new(x));
             for i in 0..L {
-                let error = ulps(y[i], &exact(&big(x[i]), &mut constants));
+                let error = ulps(y[i], &exact(&Real::from(x[i])));
                 if error.is_nan() || error > worst {
                     (worst, at) = (error, x[i]);
                 }
@@ -117,10 +96,10 @@ fn measure(name: &str, function: One, exact: Exact, ranges: &[Range], bound: f64
 }
 
 type Two = fn(Lanes<L>, Lanes<L>) -> Lanes<L>;
-type ExactTwo = fn(&BigFloat, &BigFloat, &mut Consts) -> BigFloat;
+type ExactTwo = fn(&Real, &Real) -> Real;
 
 fn measure_two(name: &str, function: Two, exact: ExactTwo, ranges: &[[Range; 2]], bound: f64) {
-    let (mut arguments, mut constants) = (Arguments(name.len() as u64), Consts::new().unwrap());
+    let mut arguments = Arguments(name.len() as u64);
     let (mut worst, mut at) = (0.0, (0.0, 0.0));
     for &[first, second] in ranges {
         for _ in 0..samples().div_ceil(L) {
@@ -128,7 +107,7 @@ fn measure_two(name: &str, function: Two, exact: ExactTwo, ranges: &[[Range; 2]]
             let y: [f64; L] = std::array::from_fn(|_| second.draw(&mut arguments));
             let z = function(Lanes::new(x), Lanes::new(y));
             for i in 0..L {
-                let error = ulps(z[i], &exact(&big(x[i]), &big(y[i]), &mut constants));
+                let error = ulps(z[i], &exact(&Real::from(x[i]), &Real::from(y[i])));
                 if error.is_nan() || error > worst {
                     (worst, at) = (error, (x[i], y[i]));
                 }
@@ -144,26 +123,30 @@ use Range::{Sizes, Uniform};
 const ALL: Range = Sizes(-1074.0, 1023.0, true);
 const POSITIVE: Range = Sizes(-1074.0, 1023.0, false);
 
+fn pi() -> Real {
+    Real::from(-1.0).acos()
+}
+
 #[test]
 fn exponentials() {
     measure(
         "exp",
         Scalar::exp,
-        |x, c| x.exp(BITS, ROUND, c),
+        Real::exp,
         &[Uniform(-750.0, 712.0), Uniform(-1.0, 1.0), Sizes(-1074.0, 9.0, true)],
         1.0,
     );
     measure(
         "exp2",
         Scalar::exp2,
-        |x, c| big(2.0).pow(x, BITS, ROUND, c),
+        |x| Real::from(2.0).pow(x),
         &[Uniform(-1080.0, 1025.0), Uniform(-1.0, 1.0), Sizes(-60.0, 10.0, true)],
         1.0,
     );
     measure(
         "exp_m1",
         Scalar::exp_m1,
-        |x, c| x.exp(BITS, ROUND, c).sub(&big(1.0), BITS, ROUND),
+        |x| x.exp() - 1.0,
         &[Uniform(-40.0, 712.0), Uniform(-40.0, 1.0), Uniform(-1.0, 1.0), Sizes(-90.0, 6.0, true)],
         1.0,
     );
@@ -172,25 +155,13 @@ fn exponentials() {
 #[test]
 fn logarithms() {
     let near_one = Uniform(0.5, 2.0);
-    measure("ln", Scalar::ln, |x, c| x.ln(BITS, ROUND, c), &[POSITIVE, near_one, Uniform(0.999, 1.001)], 1.0);
-    measure(
-        "log2",
-        Scalar::log2,
-        |x, c| x.log2(BITS, ROUND, c),
-        &[POSITIVE, near_one, Uniform(0.999, 1.001)],
-        1.0,
-    );
-    measure(
-        "log10",
-        Scalar::log10,
-        |x, c| x.log10(BITS, ROUND, c),
-        &[POSITIVE, near_one, Uniform(0.999, 1.001)],
-        1.0,
-    );
+    measure("ln", Scalar::ln, Real::ln, &[POSITIVE, near_one, Uniform(0.999, 1.001)], 1.0);
+    measure("log2", Scalar::log2, Real::log2, &[POSITIVE, near_one, Uniform(0.999, 1.001)], 1.0);
+    measure("log10", Scalar::log10, Real::log10, &[POSITIVE, near_one, Uniform(0.999, 1.001)], 1.0);
     measure(
         "ln_1p",
         Scalar::ln_1p,
-        |x, c| x.add(&big(1.0), BITS, ROUND).ln(BITS, ROUND, c),
+        |x| (x + 1.0).ln(),
         &[Sizes(-90.0, 1023.0, false), Uniform(-1.0, 2.0), Sizes(-90.0, -1.0, true)],
         1.0,
     );
@@ -199,33 +170,34 @@ fn logarithms() {
 #[test]
 fn trigonometry() {
     let ranges = [ALL, Uniform(-10.0, 10.0), Uniform(-2e6, 2e6), Uniform(-0.8, 0.8)];
-    measure("sin", Scalar::sin, |x, c| x.sin(BITS, ROUND, c), &ranges, 0.9);
-    measure("cos", Scalar::cos, |x, c| x.cos(BITS, ROUND, c), &ranges, 0.9);
-    measure("tan", Scalar::tan, |x, c| x.tan(BITS, ROUND, c), &ranges, 0.9);
+    measure("sin", Scalar::sin, Real::sin, &ranges, 0.9);
+    measure("cos", Scalar::cos, Real::cos, &ranges, 0.9);
+    measure("tan", Scalar::tan, Real::tan, &ranges, 0.9);
 }
 
 /// The nearest numbers to multiples of `π/2`, where the reduced argument cancels most.
 #[test]
 fn trigonometry_near_its_zeros() {
-    let mut constants = Consts::new().unwrap();
     let mut arguments = Arguments(3);
-    let (mut worst, half_pi) = (0.0_f64, constants.pi(BITS, ROUND).div(&big(2.0), BITS, ROUND));
+    let (mut worst, half_pi) = (0.0_f64, pi() / 2.0);
     for i in 0..2000 + samples() {
         let n = if i < 2000 { (i + 1) as f64 } else { arguments.uniform(2e3, 1e6).floor() };
         let x =
             f64::from_bits((n * std::f64::consts::FRAC_PI_2).to_bits() + (arguments.unit() * 3.0) as u64 - 1);
-        let rest = big(x).sub(&half_pi.mul(&big(n), BITS, ROUND), BITS, ROUND);
-        let (sine, cosine) = (rest.sin(BITS, ROUND, &mut constants), rest.cos(BITS, ROUND, &mut constants));
-        let (s, c, t) = (Lanes::new([x]).sin()[0], Lanes::new([x]).cos()[0], Lanes::new([x]).tan()[0]);
-        let quarter = n as u64 % 4;
-        let exact = [&sine, &cosine];
-        let [of_sine, of_cosine] = [exact[quarter as usize % 2], exact[(quarter as usize + 1) % 2]];
-        let sign = |negative: bool| if negative { -1.0 } else { 1.0 };
-        worst = worst.max(ulps(s * sign(quarter >= 2), of_sine));
-        worst = worst.max(ulps(c * sign(quarter == 1 || quarter == 2), of_cosine));
-        let tangent = sine.div(&cosine, BITS, ROUND);
-        let tangent = if quarter.is_multiple_of(2) { tangent } else { tangent.reciprocal(BITS, ROUND).neg() };
-        worst = worst.max(ulps(t, &tangent));
+        let rest = Real::from(x) - &half_pi * n;
+        let (sine, cosine) = (rest.sin(), rest.cos());
+        let exact = match n as u64 % 4 {
+            0 => [sine, cosine],
+            1 => [cosine, -sine],
+            2 => [-sine, -cosine],
+            _ => [-cosine, sine],
+        };
+        let x = Lanes::new([x]);
+        for (found, exact) in
+            [(x.sin(), &exact[0]), (x.cos(), &exact[1]), (x.tan(), &(&exact[0] / &exact[1]))]
+        {
+            worst = worst.max(ulps(found[0], exact));
+        }
     }
     println!("near multiples of a right angle: {worst:.3} ulp");
     assert!(worst <= 1.0, "{worst}");
@@ -234,19 +206,16 @@ fn trigonometry_near_its_zeros() {
 #[test]
 fn inverse_trigonometry() {
     let ranges = [Uniform(-1.0, 1.0), Uniform(0.9, 1.0), Sizes(-1074.0, -0.5, true)];
-    measure("asin", Scalar::asin, |x, c| x.asin(BITS, ROUND, c), &ranges, 0.9);
-    measure("acos", Scalar::acos, |x, c| x.acos(BITS, ROUND, c), &ranges, 0.9);
-    measure("atan", Scalar::atan, |x, c| x.atan(BITS, ROUND, c), &[ALL, Uniform(-4.0, 4.0)], 1.0);
+    measure("asin", Scalar::asin, Real::asin, &ranges, 0.9);
+    measure("acos", Scalar::acos, Real::acos, &ranges, 0.9);
+    measure("atan", Scalar::atan, Real::atan, &[ALL, Uniform(-4.0, 4.0)], 1.0);
     measure_two(
         "atan2",
         Scalar::atan2,
-        |y, x, c| {
-            let angle = y.div(x, BITS, ROUND).atan(BITS, ROUND, c);
-            match (x.is_negative(), y.is_negative()) {
-                (false, _) => angle,
-                (true, false) => angle.add(&c.pi(BITS, ROUND), BITS, ROUND),
-                (true, true) => angle.sub(&c.pi(BITS, ROUND), BITS, ROUND),
-            }
+        |y, x| match (x.is_negative(), y.is_negative()) {
+            (false, _) => (y / x).atan(),
+            (true, false) => (y / x).atan() + pi(),
+            (true, true) => (y / x).atan() - pi(),
         },
         &[
             [Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)],
@@ -260,36 +229,18 @@ fn inverse_trigonometry() {
 #[test]
 fn hyperbolic_functions() {
     let ranges = [Uniform(-712.0, 712.0), Uniform(-2.0, 2.0), Sizes(-90.0, 5.0, true)];
-    measure("sinh", Scalar::sinh, |x, c| x.sinh(BITS, ROUND, c), &ranges, 2.0);
-    measure("cosh", Scalar::cosh, |x, c| x.cosh(BITS, ROUND, c), &ranges, 2.0);
+    measure("sinh", Scalar::sinh, Real::sinh, &ranges, 2.0);
+    measure("cosh", Scalar::cosh, Real::cosh, &ranges, 2.0);
     measure(
         "tanh",
         Scalar::tanh,
-        |x, c| x.tanh(BITS, ROUND, c),
+        Real::tanh,
         &[Uniform(-25.0, 25.0), Uniform(-1.0, 1.0), Sizes(-90.0, 8.0, true)],
         2.2,
     );
-    measure(
-        "asinh",
-        Scalar::asinh,
-        |x, c| x.asinh(BITS, ROUND, c),
-        &[Sizes(-90.0, 1023.0, true), Uniform(-3.0, 3.0)],
-        2.0,
-    );
-    measure(
-        "acosh",
-        Scalar::acosh,
-        |x, c| x.acosh(BITS, ROUND, c),
-        &[Uniform(1.0, 3.0), Sizes(0.0, 1023.0, false)],
-        2.0,
-    );
-    measure(
-        "atanh",
-        Scalar::atanh,
-        |x, c| x.atanh(BITS, ROUND, c),
-        &[Uniform(-1.0, 1.0), Sizes(-90.0, -0.5, true)],
-        2.0,
-    );
+    measure("asinh", Scalar::asinh, Real::asinh, &[Sizes(-90.0, 1023.0, true), Uniform(-3.0, 3.0)], 2.0);
+    measure("acosh", Scalar::acosh, Real::acosh, &[Uniform(1.0, 3.0), Sizes(0.0, 1023.0, false)], 2.0);
+    measure("atanh", Scalar::atanh, Real::atanh, &[Uniform(-1.0, 1.0), Sizes(-90.0, -0.5, true)], 2.0);
 }
 
 #[test]
@@ -297,7 +248,7 @@ fn powers_and_roots() {
     measure_two(
         "powf",
         Scalar::powf,
-        |x, y, c| x.pow(y, BITS, ROUND, c),
+        Real::pow,
         &[
             [Uniform(0.0, 10.0), Uniform(-10.0, 10.0)],
             [Sizes(-1022.0, 1023.0, false), Uniform(-1.0, 1.0)],
@@ -306,15 +257,14 @@ fn powers_and_roots() {
         ],
         1.0,
     );
-    measure("cbrt", Scalar::cbrt, |x, _| x.cbrt(BITS, ROUND), &[ALL, Uniform(1.0, 8.0)], 1.0);
-    measure("sqrt", Scalar::sqrt, |x, _| x.sqrt(BITS, ROUND), &[POSITIVE], 0.5);
-    measure("recip", Scalar::recip, |x, _| x.reciprocal(BITS, ROUND), &[ALL], 0.5);
+    measure("cbrt", Scalar::cbrt, Real::cbrt, &[ALL, Uniform(1.0, 8.0)], 1.0);
+    measure("sqrt", Scalar::sqrt, Real::sqrt, &[POSITIVE], 0.5);
+    measure("recip", Scalar::recip, |x| Real::from(1.0) / x, &[ALL], 0.5);
     measure_two(
         "hypot",
         Scalar::hypot,
-        |x, y, _| {
-            x.mul(x, 4 * BITS, ROUND).add(&y.mul(y, 4 * BITS, ROUND), 4 * BITS, ROUND).sqrt(BITS, ROUND)
-        },
+        // Squares of numbers of very different sizes.
+        |x, y| with_precision(1024, || (x * x + y * y).sqrt()),
         &[
             [Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)],
             [ALL, ALL],

@@ -1,5 +1,5 @@
-//! Real numbers of chosen precision: the reference of the accuracy tests of this crate and of the facade.
-#![allow(dead_code, reason = "two crates share it, and each uses its part")]
+//! Real numbers of chosen precision: the reference of the accuracy tests of this crate, of the run time and of the facade.
+#![allow(dead_code, reason = "several crates share it, and each uses its part")]
 
 use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
