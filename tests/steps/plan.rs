@@ -199,52 +199,6 @@ fn noise_and_conservation() {
     assert_eq!(plan::<Midpoint, Driven>().conserves_energy, Refuted);
 }
 
-/// Oscillators that turn independently, each with a noise of its own.
-macro_rules! oscillators {
-    ($name:ident $(<$n:ident>)?, $state:ty, $count:expr) => {
-        #[hamiltonian(
-            drift = |q: $state, p: $state| {
-                (0..q.len()).map(|i| 0.5 * a * (q[i] * q[i] + p[i] * p[i])).sum::<f64>()
-            },
-            noise = [|q, p, k| 0.5 * sigma * (q[k] * q[k] + p[k] * p[k]); $count],
-            embedding = [Midpoint, Uncorrected<DeltaPlus>, Corrected<DeltaPlus>],
-            invariant = [|q, p| q.iter().zip(p).map(|(q, p)| q * q + p * p).sum::<f64>()],
-        )]
-        #[allow(dead_code, reason = "only a size at run time is read from the struct")]
-        struct $name $(<const $n: usize>)? {
-            a: f64,
-            sigma: f64,
-            sites: usize,
-        }
-    };
-}
-
-oscillators!(Sites2, [f64; 2], 2);
-oscillators!(Sites16, [f64; 16], 16);
-oscillators!(Sites17, [f64; 17], 17);
-oscillators!(Sites64, [f64; 64], 64);
-oscillators!(SitesGeneric<N>, [f64; N], N);
-oscillators!(SitesOfState, &[f64], sites);
-
-#[test]
-fn facts_do_not_depend_on_the_spelling_of_the_size() {
-    fn check<H>()
-    where
-        H: Discretized<Midpoint> + Discretized<Uncorrected<DeltaPlus>> + Discretized<Corrected<DeltaPlus>>,
-    {
-        let facts = |plan: Plan| (plan.noise, plan.consistent, plan.conserves_energy, plan.commuting);
-        assert_eq!(facts(plan::<Midpoint, H>()), (Multiplicative, true, Proven, Proven));
-        assert_eq!(facts(plan::<Uncorrected<DeltaPlus>, H>()), (Multiplicative, false, Proven, Proven));
-        assert_eq!(facts(plan::<Corrected<DeltaPlus>, H>()), (Multiplicative, true, Proven, Proven));
-    }
-    check::<Sites2>();
-    check::<Sites16>();
-    check::<Sites17>();
-    check::<Sites64>();
-    check::<SitesGeneric<5>>();
-    check::<SitesOfState>();
-}
-
 /// Whether these are lines of a text, whose indentation does not count.
 fn has_lines(text: &str, lines: &[&str]) {
     for line in lines {

@@ -4,6 +4,7 @@
 
 use crate::diagnostics::Diagnostics;
 use crate::discretise::facts::{Facts, NoiseClass};
+use crate::embedding::Embedding;
 use crate::input;
 use crate::lower::lower;
 use crate::passes::collect::collect;
@@ -90,6 +91,10 @@ fn check(point: &str, least: usize, drift: &str, noise: &str, expected: &Expecte
         let wanted = [expected.consistent, expected.energy, expected.commuting];
         assert_eq!(found.map(verdict), wanted, "{attribute}: {found:?}");
         assert_eq!(facts.noise, expected.noise, "{attribute}");
+        let at_start = || Box::new(Embedding::DeltaPlus);
+        let schemes = [Embedding::Uncorrected(at_start()), Embedding::Corrected(at_start())];
+        let converge = schemes.map(|scheme| facts.converges(&scheme));
+        assert_eq!(converge, [expected.consistent == Is::Proven, true], "{attribute}");
     }
 }
 
