@@ -136,9 +136,14 @@ fn friction_keeps_the_order_of_the_scheme() {
     crate::orders::orders(&Oscillator { drag: crate::orders::DRAG, push: crate::orders::PUSH });
 }
 
-/// Rates by degree of freedom, by place, and a matrix are forces.
+/// Rates by degree of freedom, by place, and a matrix, in straight lines and in loops, and the forces that they are.
 macro_rules! drawn {
-    ($name:ident, $strategy:ident, $($friction:tt)*) => {
+    ($name:ident, $loops:ident, $friction:tt, $forced:ident, $force:tt) => {
+        drawn!(@of $name, inline, $friction);
+        drawn!(@of $loops, sweep, $friction);
+        drawn!(@of $forced, inline, $force);
+    };
+    (@of $name:ident, $strategy:ident, { $($friction:tt)* }) => {
         #[hamiltonian(
             drift = |q: [f64; 2], p: [f64; 2]| 0.5 * p[0] * p[0] / self.m + 0.5 * p[1] * p[1] - (q[1] - q[0]).cos(),
             $($friction)*,
@@ -153,43 +158,30 @@ macro_rules! drawn {
     };
 }
 
-drawn!(List, inline, friction = [self.gamma, 0.5]);
-drawn!(ListLoops, sweep, friction = [self.gamma, 0.5]);
-drawn!(ListForce, inline, force = |_q: [f64; 2], p: [f64; 2]| [-self.gamma * p[0], -0.5 * p[1]]);
-drawn!(Place, inline, friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5]);
-drawn!(PlaceLoops, sweep, friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5]);
-drawn!(
-    PlaceForce,
-    inline,
+drawn!(List, ListLoops, { friction = [self.gamma, 0.5] }, ListForce, {
+    force = |_q: [f64; 2], p: [f64; 2]| [-self.gamma * p[0], -0.5 * p[1]]
+});
+drawn!(Place, PlaceLoops, { friction = |q: [f64; 2]| [self.gamma * q[0] * q[0], 0.5] }, PlaceForce, {
     force = |q: [f64; 2], p: [f64; 2]| [-self.gamma * q[0] * q[0] * p[0], -0.5 * p[1]]
-);
-drawn!(Matrix, inline, damping = [[self.gamma, 0.2], [0.2, 0.5]]);
-drawn!(MatrixLoops, sweep, damping = [[self.gamma, 0.2], [0.2, 0.5]]);
-drawn!(
-    MatrixForce,
-    inline,
-    force = |_q: [f64; 2], p: [f64; 2]| [
-        -self.gamma * p[0] / self.m - 0.2 * p[1],
-        -0.2 * p[0] / self.m - 0.5 * p[1]
-    ]
-);
+});
+drawn!(Matrix, MatrixLoops, { damping = [[self.gamma, 0.2], [0.2, 0.5]] }, MatrixForce, {
+    force = |_q: [f64; 2], p: [f64; 2]| {
+        [-self.gamma * p[0] / self.m - 0.2 * p[1], -0.2 * p[0] / self.m - 0.5 * p[1]]
+    }
+});
 drawn!(
     MatrixPlace,
-    inline,
-    damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]]
-);
-drawn!(
     MatrixPlaceLoops,
-    sweep,
-    damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]]
-);
-drawn!(
+    { damping = |q: [f64; 2]| [[self.gamma * q[1] * q[1], 0.2 * q[0]], [0.2 * q[0], 0.5]] },
     MatrixPlaceForce,
-    inline,
-    force = |q: [f64; 2], p: [f64; 2]| [
-        -self.gamma * q[1] * q[1] * p[0] / self.m - 0.2 * q[0] * p[1],
-        -0.2 * q[0] * p[0] / self.m - 0.5 * p[1]
-    ]
+    {
+        force = |q: [f64; 2], p: [f64; 2]| {
+            [
+                -self.gamma * q[1] * q[1] * p[0] / self.m - 0.2 * q[0] * p[1],
+                -0.2 * q[0] * p[0] / self.m - 0.5 * p[1],
+            ]
+        }
+    }
 );
 
 #[test]
