@@ -20,7 +20,7 @@ fn statistics() -> Statistics {
 #[test]
 fn files_of_kept_paths_take_the_memory_of_a_part() {
     let statistics = statistics();
-    let folder = std::env::temp_dir().join(format!("wzvi-large-tables-{}", std::process::id()));
+    let folder = fixtures::folder!("tables");
     let csv = measure(|| statistics.write_csv(&folder).expect("files"));
     println!("csv {} bytes", csv.bytes_max);
     // 260 000 rows of three numbers are 6.2 MB, and 130 000 names twice are 8.7 MB and more; a part of 32 768 rows has below 4 MB, doubled as its

@@ -3,8 +3,8 @@
 mod lanes;
 
 use fixtures::edge::Edge;
-use fixtures::small::{DoubleWell, Kubo};
-use fixtures::stepped::stepped;
+use fixtures::small::{DoubleWell, KUBO, Kubo};
+use fixtures::stepped::{every_split, stepped};
 use std::sync::Mutex;
 
 use wzvi::ensemble::Statistics;
@@ -33,41 +33,31 @@ fn default_observables_have_the_names_of_the_closure() {
     assert_eq!([run.mean("y").unwrap(), run.mean("u").unwrap()], [0.2, 0.3]);
 }
 
-/// The same run one path after the other, and in lanes on each number of threads.
-macro_rules! every_split {
-    ($run:expr) => {{
-        let reference: Statistics = $run.threads(1).run_in::<1>().unwrap();
-        for threads in [1, 2, 3] {
-            assert!($run.threads(threads).run().unwrap() == reference, "{threads} threads");
-        }
-        reference
-    }};
-}
-
 #[test]
 fn every_split_gives_the_same_bits() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
     let start = || State::new([0.0], [1.0]);
-    let all = every_split!(
-        kubo.ensemble::<Midpoint>(0.05).start(start()).paths(1101).seed(3).steps(37).record_every(10)
-    );
+    let all = every_split(|| {
+        KUBO.ensemble::<Midpoint>(0.05).start(start()).paths(1101).seed(3).steps(37).record_every(10)
+    });
     assert_eq!(all.nodes().len(), 5);
     assert!(all.nodes().iter().all(|node| node.count() == 1101));
     let well = DoubleWell { sigma: 0.3 };
-    every_split!(
+    every_split(|| {
         well.ensemble::<Midpoint>(0.01).start(State::new([0.5], [0.5])).paths(555).seed(4).steps(50)
-    );
+    });
     let coupled = Coupled { s: 0.4 };
     let start = || State::new([0.3, -0.2], [0.5, 0.1]);
-    every_split!(coupled.ensemble::<Midpoint>(0.05).start(start()).paths(530).seed(5).steps(25));
-    every_split!(coupled.ensemble::<Corrected<DeltaPlus>>(0.05).start(start()).paths(530).seed(5).steps(25));
+    every_split(|| coupled.ensemble::<Midpoint>(0.05).start(start()).paths(530).seed(5).steps(25));
+    every_split(|| {
+        coupled.ensemble::<Corrected<DeltaPlus>>(0.05).start(start()).paths(530).seed(5).steps(25)
+    });
 }
 
 /// Steps so long that some need the careful way, or have no solution: still the same bits.
 #[test]
 fn hard_steps_and_failures_are_the_same_in_every_split() {
     let well = DoubleWell { sigma: 1.5 };
-    let hard = every_split!(
+    let hard = every_split(|| {
         well.ensemble::<Midpoint>(0.5)
             .start(State::new([0.5], [2.0]))
             .paths(270)
@@ -75,10 +65,10 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
             .allow_losses(1.0)
             .steps(20)
             .record_every(10)
-    );
+    });
     assert!(hard.last().unwrap().count() + hard.failed() == 270 && hard.failed() > 0);
     let edge = Edge { a: 1.0, sigma: 1.0 };
-    let run = every_split!(
+    let run = every_split(|| {
         edge.ensemble::<DeltaPlus>(0.1)
             .start(State::new([1.0], [0.0]))
             .paths(600)
@@ -88,7 +78,7 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
             .record_every(3)
             .observe("observable0", |state| state.q[0])
             .observe("observable1", |state| state.p[0])
-    );
+    });
     assert!(run.failed() > 0 && run.failed() < 600, "{}", run.failed());
     assert_eq!(run.failures().len() as u64, run.failed());
     assert!(run.failures().windows(2).all(|pair| pair[0].path < pair[1].path));
@@ -106,8 +96,7 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
 /// weak error of the scheme, about `0.4 h`, is one of them.
 #[test]
 fn kubo_has_its_exact_moments() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    let run = kubo
+    let run = KUBO
         .ensemble::<Midpoint>(0.01)
         .start(State::new([0.0], [1.0]))
         .paths(20_000)
@@ -138,8 +127,7 @@ fn kubo_has_its_exact_moments() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    let base = || kubo.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2);
+    let base = || KUBO.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2);
     assert!(base().run().is_ok());
     let config = |outcome: Result<Statistics, Error>| matches!(outcome, Err(Error::Config(_)));
     assert!(
@@ -149,10 +137,10 @@ fn what_makes_no_sense_is_refused() {
     let short = base().noise(Increments::from([0.1])).run();
     assert!(matches!(short, Err(Error::Noise(_))), "{short:?}");
     let without_seed =
-        kubo.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).steps(2).run();
+        KUBO.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).steps(2).run();
     assert!(matches!(without_seed, Err(Error::Config(ConfigError::Missing(_)))));
     let zero_step =
-        kubo.ensemble::<Midpoint>(0.0).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2).run();
+        KUBO.ensemble::<Midpoint>(0.0).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2).run();
     assert_eq!(zero_step, Err(Error::Config(ConfigError::StepSize(0.0))));
     let edge = Edge { a: 1.0, sigma: 0.0 };
     let all_fail =
@@ -164,17 +152,15 @@ fn what_makes_no_sense_is_refused() {
 #[test]
 fn every_noise_drives_an_ensemble() {
     fn check<N: Noise + wzvi::noise::Paths + Clone + Send + Sync>(noise: &N) {
-        let kubo = Kubo { a: 1.5, sigma: 1.0 };
         let run = || {
-            let run = kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
+            let run = KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
             run.noise(noise.clone()).keep_paths(1 << 20)
         };
-        let one = run().threads(1).run_in::<1>().unwrap();
-        assert!(run().threads(3).run().unwrap() == one && run().run_in::<8>().unwrap() == one);
+        let one = every_split(run);
         for path in [0, 1, 36] {
             let mut noise = noise.clone();
             noise.set_path(path);
-            let alone = stepped::<Midpoint, _>(&kubo, 0.1, State::new([0.0], [1.0]), noise, 20);
+            let alone = stepped::<Midpoint, _>(&KUBO, 0.1, State::new([0.0], [1.0]), noise, 20);
             let end = one.paths().unwrap().at(path as usize, 1).unwrap();
             assert_eq!(end[..2], [alone.nodes[20].q[0], alone.nodes[20].p[0]]);
         }
@@ -183,8 +169,7 @@ fn every_noise_drives_an_ensemble() {
     check(&StepNormals::seed(7));
     check(&WongZakai::averaged(0.2).seed(7));
     check(&Increments::from([0.3, -0.1].repeat(10)));
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    let run = || kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
+    let run = || KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
     assert!(run().seed(7).run().unwrap() == run().noise(StepNormals::seed(7)).run().unwrap());
     let antithetic = run().noise(StepNormals::seed(7).antithetic()).paths(36).run().unwrap();
     assert!(antithetic == run().seed(7).antithetic().paths(36).run().unwrap());
@@ -231,7 +216,7 @@ fn failing_steps_are_halved() {
     let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(30).seed(4).steps(60);
     let whole = run().allow_losses(1.0).keep_paths(1 << 20).run().unwrap();
     assert!(whole.failed() > 1, "{}", whole.failed());
-    let halved = every_split!(run().retry(Retry::halving(12)).keep_paths(1 << 20));
+    let halved = every_split(|| run().retry(Retry::halving(12)).keep_paths(1 << 20));
     assert_eq!(halved.failed(), 0);
     for path in 0..30 {
         let kept = whole.paths().unwrap().at(path, 1).unwrap();
@@ -256,11 +241,11 @@ fn failing_steps_are_halved() {
 type Nodes = Vec<[f64; 2]>;
 
 /// All steps by a stepper, with the increments that it had.
-fn by_hand<N: Noise>(kubo: &Kubo, mut noise: N, steps: u64, is_plain: bool) -> (Nodes, Vec<f64>) {
+fn by_hand<N: Noise>(mut noise: N, steps: u64, is_plain: bool) -> (Nodes, Vec<f64>) {
     noise.prepare(&<Kubo as Discretized<Midpoint>>::PLAN, 0.1, 1, 0.0).unwrap();
     let (mut state, mut nodes, mut rows) = (State::new([0.0], [1.0]), vec![[0.0, 1.0]], Vec::new());
-    let mut plain = kubo.stepper::<Midpoint>(0.1).unwrap().plain();
-    let mut usual = kubo.stepper::<Midpoint>(0.1).unwrap();
+    let mut plain = KUBO.stepper::<Midpoint>(0.1).unwrap().plain();
+    let mut usual = KUBO.stepper::<Midpoint>(0.1).unwrap();
     for step in 0..steps {
         let mut dw = [0.0];
         noise.increments(&Interval { start: 0.0, h: 0.1, step }, &mut dw).unwrap();
@@ -281,13 +266,12 @@ fn every_runner_takes_the_same_steps() {
     where
         N: wzvi::noise::Divisible + wzvi::noise::Paths + Clone + Send + Sync,
     {
-        let kubo = Kubo { a: 1.5, sigma: 1.0 };
         let start = || State::new([0.0], [1.0]);
         let nodes = |states: &[State<nalgebra::SVector<f64, 1>>]| -> Nodes {
             states.iter().map(|state| [state.q[0], state.p[0]]).collect()
         };
         let ensemble = || {
-            let run = kubo.ensemble::<Midpoint>(0.1).start(start()).paths(37).steps(STEPS).record_every(1);
+            let run = KUBO.ensemble::<Midpoint>(0.1).start(start()).paths(37).steps(STEPS).record_every(1);
             run.noise(noise(0))
         };
         let kept = ensemble().keep_paths(1 << 20).run().unwrap();
@@ -300,8 +284,8 @@ fn every_runner_takes_the_same_steps() {
         assert!(ensemble().inspect(see).run().unwrap().nodes() == kept.nodes());
         let shown = shown.into_inner().unwrap();
         for path in [0, 1, 17, 36] {
-            let (expected, rows) = by_hand(&kubo, noise(path), STEPS, false);
-            let run = || kubo.simulate::<Midpoint>(0.1).start(start()).steps(STEPS);
+            let (expected, rows) = by_hand(noise(path), STEPS, false);
+            let run = || KUBO.simulate::<Midpoint>(0.1).start(start()).steps(STEPS);
             assert_eq!(nodes(run().noise(noise(path)).run().unwrap().states()), expected);
             assert_eq!(nodes(run().noise(Increments::from(rows)).run().unwrap().states()), expected);
             let halving = run().noise(noise(path)).retry(Retry::halving(4)).run().unwrap();
@@ -314,7 +298,7 @@ fn every_runner_takes_the_same_steps() {
             );
             assert_eq!(sparse.run().unwrap().len(), 2);
             assert_eq!(seen, expected);
-            let (expected, _) = by_hand(&kubo, noise(path), STEPS, true);
+            let (expected, _) = by_hand(noise(path), STEPS, true);
             assert_eq!(shown[path as usize], expected);
             let (replayed, error) = ensemble().replay(path).unwrap();
             assert!(error.is_none() && nodes(replayed.states()) == expected);
@@ -354,15 +338,14 @@ impl wzvi::noise::Paths for Fails {
 /// A noise that fails ends the run with the error of the first such path, whatever the threads: no path goes on with old increments.
 #[test]
 fn a_noise_that_fails_ends_the_run() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
     for threads in [1, 2, 5] {
-        let run = kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
+        let run = KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
         let outcome = run.noise(Fails { path: 0, from: 1300 }).threads(threads).run();
         let expected = NoiseError::Exhausted { step: 3, available: 1300 };
         // What is asked for before the first step is the last increment of path 0.
         assert_eq!(outcome.unwrap_err(), Error::Noise(expected));
     }
-    let run = kubo.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
+    let run = KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
     let (path, error) = run.noise(Fails { path: 0, from: 1300 }).replay(4000).unwrap();
     assert_eq!(path.steps(), 3);
     assert_eq!(error, Some(Error::Noise(NoiseError::Exhausted { step: 3, available: 4000 })));
@@ -371,8 +354,7 @@ fn a_noise_that_fails_ends_the_run() {
 /// A measurement has the errors of the paths of the ensemble with the same Wiener paths.
 #[test]
 fn a_measurement_is_of_the_same_paths() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    let report = kubo
+    let report = KUBO
         .work_precision()
         .start(State::new([0.0], [1.0]))
         .until(2.0)
@@ -387,7 +369,7 @@ fn a_measurement_is_of_the_same_paths() {
     let cell = &report.cells[0];
     assert_eq!(cell.path_numbers, (0..40).collect::<Vec<_>>());
     for (path, error) in (0..).zip(&cell.errors) {
-        let (nodes, _) = by_hand(&kubo, Wiener::seed(7).path(path), 20, true);
+        let (nodes, _) = by_hand(Wiener::seed(7).path(path), 20, true);
         let [q, p] = nodes[20];
         assert_eq!(*error, (q * q + p * p).sqrt(), "path {path}");
     }

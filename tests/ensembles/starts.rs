@@ -14,7 +14,7 @@ use wzvi::system::Discretized;
 
 use fixtures::Uniform;
 use fixtures::lanes::{steps_in_part, steps_together};
-use fixtures::stepped::{Stepped, failed, hard, paths_are_steppers};
+use fixtures::stepped::{Stepped, every_split, failed, hard, paths_are_steppers};
 
 /// Stiff enough that some steps in the middle of a path are hard.
 #[hamiltonian(drift = |q, p| 0.5 * p * p + k * (q * q - 1.0).powi(2), embedding = [Midpoint, Gauss<2>])]
@@ -88,7 +88,7 @@ where
     let paths = paths_are_steppers(cloud, &[HenonHeiles], (0.2, 20), (45, 11));
     assert_eq!(failed(&paths), 0);
     let run = || cloud().seed(11).paths(45).steps(20);
-    assert!(run().run_in::<1>().unwrap() == run().run().unwrap());
+    every_split(run);
 }
 
 #[test]
@@ -173,9 +173,8 @@ where
 fn a_path_that_fails_ends_alone() {
     let start = |draw: &mut Draw| State::new([if draw.path() == 3 { 0.01 } else { 50.0 }], [-0.5]);
     let run = || Edge.ensemble::<DeltaPlus>(0.1).starts(start).paths(9).allow_losses(1.0).steps(20);
-    let statistics = run().run().unwrap();
+    let statistics = every_split(run);
     assert_eq!(statistics.failures().iter().map(|failure| failure.path).collect::<Vec<_>>(), [3]);
-    assert!(run().run_in::<1>().unwrap() == statistics);
     let alone = Edge.simulate::<DeltaPlus>(0.1).start(State::new([50.0], [-0.5])).steps(20).run().unwrap();
     let end = statistics.last().unwrap();
     assert_eq!(end.count(), 8);
@@ -256,13 +255,9 @@ fn paths_have_the_systems_that_were_asked_for() {
     let first = grid(0);
     let run = || first.ensemble::<Midpoint>(0.1).starts(start).seed(9).steps(50);
     let listed = || run().systems_from((0..30).map(grid));
-    let reference = listed().keep_paths(1 << 20).run().unwrap();
+    let reference = every_split(|| listed().keep_paths(1 << 20));
     let drawn = run().systems(|draw| grid(draw.path())).paths(30).keep_paths(1 << 20);
     assert!(drawn.run().unwrap() == reference);
-    for width in [1, 2] {
-        let again = listed().keep_paths(1 << 20).threads(width);
-        assert!(if width == 1 { again.run_in::<1>() } else { again.run_in::<8>() }.unwrap() == reference);
-    }
     let paths = reference.paths().unwrap();
     for path in 0..30 {
         let system = grid(path);

@@ -1,8 +1,9 @@
 //! What an ensemble finds out: against the paths themselves, against exact laws, and in files.
 
 use fixtures::edge::{Cubes, EDGE, Edge};
-use wzvi::ensemble::{Column, Passage, Quantiles, Statistics, Table};
-use wzvi::error::{ConfigError, Error};
+use fixtures::stepped::every_split;
+use fixtures::{are_refused, folder};
+use wzvi::ensemble::{Column, Passage, Quantiles, Table};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -109,32 +110,17 @@ fn statistics_are_those_of_the_paths() {
     assert!(run.passages()[0].lost() > 0 || run.passages()[1].lost() > 0);
 }
 
-#[test]
-fn every_split_gives_the_same_bits() {
-    let run = || everything(1500).record_at([0.35, 1.0]).keep_paths(1 << 20);
-    let reference = run().threads(1).run_in::<1>().unwrap();
-    assert_eq!(reference.nodes().len(), 4);
-    for threads in [1, 2, 3] {
-        let other = run().threads(threads).run().unwrap();
-        // Kept paths have NaN, which equals nothing: compare text.
-        assert_eq!(format!("{other:?}"), format!("{reference:?}"), "{threads}");
-    }
-    let wide = run().run_in::<8>().unwrap();
-    assert_eq!(format!("{wide:?}"), format!("{reference:?}"));
-}
-
 /// Few paths are few chunks, which threads share; and a group of lanes that are not all needed is narrower.
 #[test]
-fn few_paths_on_many_threads_have_the_same_bits() {
-    for paths in [5, 40, 77, 512, 600] {
-        let run = |threads: usize| {
-            let run = everything(paths).record_at([0.35, 1.0]).keep_paths(1 << 20).threads(threads);
-            format!("{:?}", run.section(|state| state.p[0]).keep_crossings(2).run().unwrap())
+fn every_split_has_the_same_bits() {
+    for paths in [5, 40, 77, 512, 600, 1500] {
+        let run = || {
+            let run = everything(paths).record_at([0.35, 1.0]).keep_paths(1 << 20);
+            run.section(|state| state.p[0]).keep_crossings(2)
         };
-        let alone = run(1);
-        for threads in [2, 3, 8, 100] {
-            assert_eq!(run(threads), alone, "{paths} paths, {threads} threads");
-        }
+        let reference = every_split(run);
+        assert_eq!(reference.nodes().len(), 4);
+        assert_eq!(format!("{:?}", run().threads(100).run().unwrap()), format!("{reference:?}"), "{paths}");
     }
     let pairs = |threads| {
         let run =
@@ -328,23 +314,19 @@ fn times_are_chosen() {
     let run = everything(50).record_at([0.1, 1.0]).run().unwrap();
     let times: Vec<f64> = run.nodes().iter().map(|node| node.time()).collect();
     assert_eq!(times, [0.0, 2.0 * 0.05, 1.0, 2.0]);
-    let config = |outcome: Result<Statistics, Error>| match outcome {
-        Err(Error::Config(ConfigError::Setting(text))) => text,
-        other => panic!("{other:?}"),
-    };
-    assert!(config(everything(50).record_at([2.1]).run()).contains("t = 2.1"));
-    assert!(config(everything(50).record_at([f64::NAN]).run()).contains("NaN"));
-    assert!(config(everything(50).histogram("energy", 0.0, 1.0, 3).run()).contains("energy"));
-    assert!(config(everything(50).histogram("q", 1.0, 0.0, 3).run()).contains("width"));
-    assert!(config(everything(50).keep_paths(3199).run()).contains("3200"));
+    are_refused(everything(50).record_at([2.1]).run(), "t = 2.1");
+    are_refused(everything(50).record_at([f64::NAN]).run(), "NaN");
+    are_refused(everything(50).histogram("energy", 0.0, 1.0, 3).run(), "energy");
+    are_refused(everything(50).histogram("q", 1.0, 0.0, 3).run(), "width");
+    are_refused(everything(50).keep_paths(3199).run(), "3200");
     assert!(everything(50).keep_paths(3200).run().is_ok());
-    assert!(config(everything(50).observe("q", |_| 0.0).run()).contains("`q`"));
+    are_refused(everything(50).observe("q", |_| 0.0).run(), "`q`");
 }
 
 /// Text comes back as the numbers that it was made of.
 #[test]
 fn files_are_read_back() {
-    let folder = std::env::temp_dir().join(format!("wzvi-ensemble-{}", std::process::id()));
+    let folder = folder!("tables").join("new");
     let run = everything(64)
         .observe("a \"quoted\", name", |state| 1.0 / (state.t - 0.5))
         .record_at([0.5])
@@ -392,17 +374,15 @@ fn files_are_read_back() {
     let error = run.write_csv(&folder).unwrap_err();
     assert_eq!(error.path(), folder);
     assert!(error.to_string().contains("create the folder"), "{error}");
-    std::fs::remove_file(&folder).unwrap();
 }
 
 /// Where nothing is drawn, no table says that it was.
 #[test]
 fn a_run_without_noise_has_none() {
-    let folder = std::env::temp_dir().join(format!("wzvi-ensemble-quiet-{}", std::process::id()));
+    let folder = folder!("quiet");
     let run = Oscillator.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(2).steps(3);
     run.run().unwrap().write_csv(&folder).unwrap();
     let table = std::fs::read_to_string(folder.join("run.csv")).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
     let mut lines = table.lines().map(|line| line.split(','));
     let column = lines.next().unwrap().position(|name| name == "noise").unwrap();
     assert_eq!(lines.next().unwrap().nth(column), Some("none"));
@@ -411,7 +391,7 @@ fn a_run_without_noise_has_none() {
 /// What a folder had of another run goes, and the new set says what it is of.
 #[test]
 fn tables_of_two_runs_do_not_lie_beside_each_other() {
-    let folder = std::env::temp_dir().join(format!("wzvi-ensemble-set-{}", std::process::id()));
+    let folder = folder!("set");
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     everything(64).quantiles().keep_paths(1 << 20).run().unwrap().write_csv(&folder).unwrap();
     assert!(read("paths.csv").lines().count() > 64 && read("quantiles.csv").lines().count() > 1);

@@ -1,14 +1,13 @@
 //! Multilevel runs: exact means of the system and of each step size, the rates of the theory, the same bits however they are
 //! split.
 
+use fixtures::are_refused;
 use fixtures::edge::Edge;
-use fixtures::small::{DoubleWell, Kubo, TwoAdditive, WALKER};
-use wzvi::ensemble::{InstructionSet, LevelError, LevelFailure, MultilevelEstimate};
+use fixtures::small::{DoubleWell, KUBO, Kubo, TwoAdditive, WALKER};
+use wzvi::ensemble::{InstructionSet, LevelError, LevelFailure};
 use wzvi::error::Error;
 use wzvi::noise::{Truncation, clip_bound};
 use wzvi::prelude::*;
-
-const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
 
 fn kubo(
     h: f64,
@@ -250,30 +249,26 @@ fn limits_are_kept_and_said() {
 #[test]
 fn what_makes_no_sense_is_refused() {
     let base = || KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
-    let refused = |outcome: Result<MultilevelEstimate, Error>, word: &str| {
-        let Err(Error::Config(error)) = outcome else { panic!("{outcome:?}") };
-        assert!(error.to_string().contains(word), "{error}");
-    };
     let q = |state: &State<_>| -> f64 {
         let state: &State<wzvi::nalgebra::SVector<f64, 1>> = state;
         state.q[0]
     };
-    refused(base().observe("q", q).run(), "target");
-    refused(base().observe("q", q).target(0.0).run(), "target");
-    refused(base().observe("q", q).target(f64::NAN).run(), "target");
-    refused(base().observe("q", q).target(1e-2).weak_order(-1.0).run(), "weak order");
-    refused(base().observe("q", q).target(1e-2).finest(1).run(), "finest");
-    refused(base().observe("q", q).target(1e-2).paths(0).run(), "paths");
-    refused(base().observe("q", q).until(0.0).target(1e-2).run(), "step");
-    refused(base().observe("q", q).threads(0).target(1e-2).run(), "threads");
+    are_refused(base().observe("q", q).run(), "target");
+    are_refused(base().observe("q", q).target(0.0).run(), "target");
+    are_refused(base().observe("q", q).target(f64::NAN).run(), "target");
+    are_refused(base().observe("q", q).target(1e-2).weak_order(-1.0).run(), "weak order");
+    are_refused(base().observe("q", q).target(1e-2).finest(1).run(), "finest");
+    are_refused(base().observe("q", q).target(1e-2).paths(0).run(), "paths");
+    are_refused(base().observe("q", q).until(0.0).target(1e-2).run(), "step");
+    are_refused(base().observe("q", q).threads(0).target(1e-2).run(), "threads");
     let unseeded = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).until(1.0);
-    refused(unseeded.observe("q", q).target(1e-2).run(), "seed");
+    are_refused(unseeded.observe("q", q).target(1e-2).run(), "seed");
     // Another time than asked for.
     let ends = |h: f64, end: f64| {
         let run = KUBO.multilevel::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(1).until(end);
         run.observe("q", q).target(2e-2).run()
     };
-    refused(ends(0.3, 1.0), "1.2");
+    are_refused(ends(0.3, 1.0), "1.2");
     assert!(ends(0.1, 0.3).is_ok() && ends(1.0 / 3.0, 1.0).is_ok());
 }
 

@@ -1,6 +1,7 @@
 //! Settings and inputs that make no sense are typed errors, at the first call that can know.
 
-use fixtures::small::Kubo;
+use fixtures::are_refused;
+use fixtures::small::KUBO;
 use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
 use wzvi::increments::Interval;
 use wzvi::prelude::*;
@@ -98,9 +99,8 @@ fn a_multilevel_run_takes_what_was_said_or_refuses_it() {
         assert!(words.contains(what) && words.contains("multilevel"), "{what}: {words}");
     }
     // Levels of the paper's experiment would converge to the solution of another equation.
-    let other = Kubo { a: 1.5, sigma: 1.0 };
-    let run = other.multilevel::<Uncorrected<DeltaPlus>>(0.25).start(start()).seed(1).until(1.0);
-    assert!(words(run.observe("q", |state| state.q[0]).target(0.1).run()).contains("limit"));
+    let run = KUBO.multilevel::<Uncorrected<DeltaPlus>>(0.25).start(start()).seed(1).until(1.0);
+    are_refused(run.observe("q", |state| state.q[0]).target(0.1).run(), "limit");
 }
 
 #[test]

@@ -2,8 +2,9 @@
 
 use std::cell::Cell;
 
-use fixtures::extremes::{KUBO, PENDULUM};
-use fixtures::small::Kubo;
+use fixtures::are_refused;
+use fixtures::extremes::PENDULUM;
+use fixtures::small::{KUBO, Kubo};
 use wzvi::Error;
 use wzvi::calculus::Nodes;
 use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
@@ -408,11 +409,7 @@ fn chosen_nodes_and_named_observables() {
     }
     let whole = base().record_every(0).record_at([20.0]).run().unwrap();
     assert!(whole.len() == 2 && whole.time_scale().is_ok());
-    let refused = |run: Result<Trajectory<V1, Midpoint>, Error>, word: &str| {
-        let Err(Error::Config(error)) = run else { panic!("no error") };
-        assert!(error.to_string().contains(word), "{error}");
-    };
-    refused(base().record_at([20.1]).run(), "20.1");
-    refused(base().record_at([2.0, 0.08]).run(), "in the order of the run");
-    refused(observed().observe("q", |_| 0.0).run(), "`q`");
+    are_refused(base().record_at([20.1]).run(), "20.1");
+    are_refused(base().record_at([2.0, 0.08]).run(), "in the order of the run");
+    are_refused(observed().observe("q", |_| 0.0).run(), "`q`");
 }

@@ -1,6 +1,7 @@
 //! Promises of a step: it fails with a typed error and leaves the state alone, or its result is finite.
 
-use fixtures::extremes::{HenonHeiles, KUBO, PENDULUM, Pendulum, Ring, bits, state};
+use fixtures::extremes::{HenonHeiles, PENDULUM, Pendulum, Ring, bits, state};
+use fixtures::small::KUBO;
 use fixtures::small::Kubo;
 use fixtures::steps::refused;
 use wzvi::error::{ConfigError, StepFailure};

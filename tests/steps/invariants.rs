@@ -4,7 +4,7 @@
 //! moves are unbiased they add up like a random walk, `sqrt(n)` of them after `n` steps: 1e-13 after a million. If they
 //! are biased they add up to `n`: 1e-10. The bounds below lie between: they are some times the random walk.
 
-use fixtures::small::{Kubo, Pendulum};
+use fixtures::small::{KUBO, Pendulum};
 use fixtures::{Uniform, larger};
 use wzvi::prelude::*;
 use wzvi::system::Segment;
@@ -75,9 +75,8 @@ const MILLION: u64 = 1_000_000;
 
 #[test]
 fn midpoint_keeps_the_radius_of_kubo() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    let [radius] = drifts::<Midpoint, _, 1>(&kubo, State::new([0.0], [1.0]), 0.02, MILLION, |state| {
-        [kubo.invariant(0, state)]
+    let [radius] = drifts::<Midpoint, _, 1>(&KUBO, State::new([0.0], [1.0]), 0.02, MILLION, |state| {
+        [KUBO.invariant(0, state)]
     });
     println!("Kubo, q² + p² after 10⁶ steps: {:.1e}, last {:.1e}", radius[0], radius[1]);
     assert!(radius[0] <= random_walk(MILLION), "{radius:?}");
@@ -152,10 +151,9 @@ fn every_single_quadrature_point_keeps_bilinear_invariants() {
 #[test]
 fn other_points_do_not_keep_what_is_quadratic_in_q() {
     // The control: the bounds above would see it.
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
     let start = State::new([0.0], [1.0]);
     let [radius] =
-        drifts::<Uncorrected<DeltaPlus>, _, 1>(&kubo, start, 0.02, 1000, |state| [kubo.invariant(0, state)]);
+        drifts::<Uncorrected<DeltaPlus>, _, 1>(&KUBO, start, 0.02, 1000, |state| [KUBO.invariant(0, state)]);
     assert!(radius[0] > 1e-3, "{radius:?}");
 }
 
@@ -202,9 +200,8 @@ fn produced_paths_solve_the_discrete_euler_lagrange_equations() {
     check_residual::<DeltaPlus, _>(&Pendulum, State::new([1.0], [0.5]), "pendulum, DeltaPlus");
     check_residual::<DeltaMinus, _>(&Pendulum, State::new([1.0], [0.5]), "pendulum, DeltaMinus");
     check_residual::<Lambda<1, 4>, _>(&Pendulum, State::new([1.0], [0.5]), "pendulum, Lambda<1, 4>");
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    check_residual::<Midpoint, _>(&kubo, State::new([0.0], [1.0]), "Kubo, Midpoint");
-    check_residual::<Uncorrected<DeltaPlus>, _>(&kubo, State::new([0.0], [1.0]), "Kubo, DeltaPlus");
+    check_residual::<Midpoint, _>(&KUBO, State::new([0.0], [1.0]), "Kubo, Midpoint");
+    check_residual::<Uncorrected<DeltaPlus>, _>(&KUBO, State::new([0.0], [1.0]), "Kubo, DeltaPlus");
     check_residual::<Corrected<DeltaPlus>, _>(
         &Central,
         State::new([1.0, 0.2], [0.1, 0.9]),

@@ -1,7 +1,7 @@
 //! Quadratures of the program's own: their facts, their order, and the same steps in straight lines, in loops and in lanes. That they are symplectic, and what their
 //! equations say, is in `symplectic`.
 
-use fixtures::larger;
+use fixtures::{larger, wave};
 use wzvi::plan::{Plan, Solver};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -138,8 +138,7 @@ fn the_trapezoidal_rule_of_parts_is_verlet() {
     assert!((ends[0].q[0] - ends[1].q[0]).abs() < 1e-14 && (ends[0].p[0] - ends[1].p[0]).abs() < 1e-14);
     // Small and large: a system of 100 sites would go window by window if it had one point.
     for sites in [5, 100] {
-        let list = |phase: f64| (0..sites).map(|i| (1.3 * f64::from(i) + phase).sin()).collect::<Vec<_>>();
-        let start = State::new(list(0.2), list(1.1));
+        let start = State::new(wave(sites, 1.0, 0.2), wave(sites, 1.0, 1.1));
         let [own, verlet] =
             [end::<Trapezoidal, _>(&Chain, start.clone(), 30, 0.0), end::<Verlet, _>(&Chain, start, 30, 0.0)];
         assert!((own.q - verlet.q).amax() < 1e-13 && (own.p - verlet.p).amax() < 1e-13);

@@ -9,7 +9,7 @@ use wzvi::increments::Interval;
 use wzvi::nalgebra;
 use wzvi::prelude::*;
 
-use super::{DoubleWell, Kubo};
+use super::{DoubleWell, KUBO};
 
 /// Two degrees of freedom, three unknowns or more in one block.
 #[hamiltonian(
@@ -47,8 +47,7 @@ fn as_steppers<H: Discretized<E> + Sync, E>(
 /// Without elementary functions, whose last bits differ, a lane does what a stepper does; where the short way fails, too.
 #[test]
 fn a_lane_is_the_path_of_a_stepper() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    as_steppers::<_, Midpoint>(&kubo, 0.1, &State::new([0.0], [1.0]), 20, 50);
+    as_steppers::<_, Midpoint>(&KUBO, 0.1, &State::new([0.0], [1.0]), 20, 50);
     let well = DoubleWell { sigma: 0.3 };
     as_steppers::<_, Midpoint>(&well, 0.01, &State::new([0.5], [0.5]), 20, 50);
     let (hard, failed) =
@@ -95,8 +94,7 @@ pub(crate) struct Shaken<const N: usize> {
 /// The same of steps that are taken in loops, in lanes or not; where sites are hard to solve, too.
 #[test]
 fn a_lane_of_a_system_in_loops_is_the_path_of_a_stepper() {
-    let wave =
-        |n: usize, phase: f64| -> Vec<f64> { (0..n).map(|i| (1.3 * i as f64 + phase).sin()).collect() };
+    let wave = |n, phase| fixtures::wave(n, 1.0, phase);
     let start = State::new(wave(5, 0.2), wave(5, 1.1));
     let wells =
         |s, stiffness: f64| DoubleWells { s, stiffness: (0..5).map(|i| stiffness + i as f64).collect() };

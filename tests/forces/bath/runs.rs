@@ -80,11 +80,9 @@ fn steps_that_fail_are_halved_with_their_normals() {
 
 #[test]
 fn checkpoints_bring_back_the_path_and_its_heat() {
-    let folder = std::env::temp_dir().join(format!("wzvi-bath-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
+    let folder = fixtures::folder!("resumed");
     check_resumed::<Baoab>(&folder.join("baoab"));
     check_resumed::<Thermostat<Gauss<2>>>(&folder.join("gauss"));
-    std::fs::remove_dir_all(&folder).expect("the folder");
 }
 
 fn check_resumed<E>(file: &std::path::Path)

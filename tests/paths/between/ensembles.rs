@@ -1,11 +1,10 @@
 //! Ensembles between their nodes: the same as single paths, bit for bit.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::PathBuf;
 
 use wzvi::checkpoint::Checkpoint;
 use wzvi::dense::DenseOutput;
-use wzvi::ensemble::{Ensemble, Statistics};
+use wzvi::ensemble::Ensemble;
 use wzvi::prelude::*;
 use wzvi::section::Direction;
 
@@ -129,10 +128,7 @@ fn replayed_crossings_are_those_of_a_simulation() {
 
 #[test]
 fn every_split_gives_the_same_bits() {
-    let bits = |run: Statistics| format!("{run:?}");
-    let reference = bits(shaken::<Midpoint>(700).threads(1).run_in::<1>().unwrap());
-    assert_eq!(bits(shaken::<Midpoint>(700).threads(2).run().unwrap()), reference);
-    assert_eq!(bits(shaken::<Midpoint>(700).run_in::<4>().unwrap()), reference);
+    fixtures::stepped::every_split(|| shaken::<Midpoint>(700));
 }
 
 /// Without noise the first passage is on the dense output.
@@ -167,9 +163,7 @@ fn statistics_between_nodes_are_those_of_the_solution() {
 
 #[test]
 fn ensembles_with_sections_go_on() {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("between-ensembles");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = fixtures::folder!("resumed");
     let to = || Checkpoint::to(folder.join("run"));
     shaken::<Midpoint>(600).checkpoint(to()).run().unwrap();
     let resumed = shaken::<Midpoint>(1300).checkpoint(to()).run().unwrap();

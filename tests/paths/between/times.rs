@@ -6,14 +6,7 @@ use wzvi::increments::Interval;
 use wzvi::prelude::*;
 
 use super::systems::{Oscillator, Shaken, V1, start};
-
-fn refused<E>(run: Result<Trajectory<V1, E>, wzvi::Error>, words: &str) {
-    match run {
-        Err(wzvi::Error::Config(error)) => assert!(error.to_string().contains(words), "{error}"),
-        Err(error) => panic!("{error}"),
-        Ok(_) => panic!("no error with {words}"),
-    }
-}
+use fixtures::are_refused;
 
 /// `Gauss<8>` with h = 0.25: the collocation polynomial has the error `h^9 / (4^9 9!)`-like, below 1e-13.
 #[test]
@@ -48,16 +41,16 @@ fn times_that_make_no_sense_are_refused() {
         let run = Oscillator.simulate::<Verlet>(0.25).start(start()).until(1.1);
         run.record_at(times.to_vec()).run()
     };
-    refused(run(&[0.5, 0.3]), "t = 0.3 after t = 0.5");
-    refused(run(&[0.3, 0.3]), "each once");
-    refused(run(&[f64::NAN]), "NaN");
-    refused(run(&[-0.1]), "-0.1");
-    refused(run(&[f64::INFINITY]), "inf");
+    are_refused(run(&[0.5, 0.3]), "t = 0.3 after t = 0.5");
+    are_refused(run(&[0.3, 0.3]), "each once");
+    are_refused(run(&[f64::NAN]), "NaN");
+    are_refused(run(&[-0.1]), "-0.1");
+    are_refused(run(&[f64::INFINITY]), "inf");
     // The last node is the first one beyond the end.
     assert!(run(&[1.2]).is_ok());
-    refused(run(&[1.26]), "between 0 and 1.25");
+    are_refused(run(&[1.26]), "between 0 and 1.25");
     let exactly = Oscillator.simulate::<Verlet>(0.25).start(start()).until(1.1).exactly();
-    refused(exactly.record_at([1.2]).run(), "between 0 and 1.1");
+    are_refused(exactly.record_at([1.2]).run(), "between 0 and 1.1");
 }
 
 /// Increments are cut where the states are: each `W_k` is a straight line between nodes.
@@ -125,12 +118,12 @@ fn ends_are_exact_where_that_is_asked_for() {
     let path = run(2.0).exactly().record_at([1.85, 1.95, 2.0]).run().unwrap();
     assert_eq!(path.times().collect::<Vec<_>>(), [0.0, 1.85, 1.95, 2.0]);
     assert!(path.iter().all(|state| (state.q[0] - state.t.cos()).abs() < 1e-12));
-    refused(
+    are_refused(
         Oscillator.simulate::<Verlet>(0.3).start(start()).steps(3).exactly().run(),
         "`.until(time).exactly()`",
     );
-    refused(run(f64::NAN).exactly().run(), "NaN");
-    refused(run(-1.0).exactly().run(), "-1");
+    are_refused(run(f64::NAN).exactly().run(), "NaN");
+    are_refused(run(-1.0).exactly().run(), "-1");
 }
 
 /// The increments of the shorter step are those of its interval.

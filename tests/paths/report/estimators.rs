@@ -1,14 +1,13 @@
 //! What is measured, against closed forms.
 
-use fixtures::small::{Kubo, Pendulum};
+use fixtures::are_refused;
+use fixtures::small::{KUBO, Kubo, Pendulum};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use wzvi::error::{ConfigError, Error};
 use wzvi::prelude::*;
 use wzvi::report::Report;
 use wzvi::report::statistics::{Estimate, Spread, Trend};
-
-pub(crate) const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
 
 /// Falls to infinity in finite time.
 #[hamiltonian(drift = |q, p| 0.5 * p * p - q.powi(6), embedding = DeltaPlus)]
@@ -204,6 +203,9 @@ fn an_interruption_keeps_what_was_measured() {
     assert!(report.cells.iter().map(|cell| cell.paths).sum::<usize>() < 15 * 400);
     assert!(report.text().contains("interrupted"));
     assert!(!kubo().paths(20).stop_when(|| false).run().unwrap().interrupted);
+    let handle = Handle::new();
+    handle.stop();
+    assert!(kubo().handle(&handle).run().unwrap().interrupted);
 }
 
 /// Errors are those of the paths, whatever threads there are; a time that was not measured has its place in the CSV.
@@ -228,48 +230,9 @@ fn threads_do_not_show_in_the_numbers() {
 #[test]
 fn what_is_missing_is_named() {
     let bare = || KUBO.work_precision().start(State::new([0.0], [1.0])).until(1.0).step_sizes([0.25]);
-    let text = |result: Result<Report, Error>| result.unwrap_err().to_string();
-    assert!(text(bare().scheme::<Midpoint>().run()).contains("something to compare with"));
-    assert!(text(bare().value(State::new([0.0], [1.0])).run()).contains("a scheme"));
-    let uneven = kubo().step_sizes([0.3]).run();
-    assert!(matches!(&uneven, Err(Error::Config(ConfigError::Setting(_)))), "{uneven:?}");
-    assert!(text(uneven).contains("0.3"));
+    are_refused(bare().scheme::<Midpoint>().run(), "something to compare with");
+    are_refused(bare().value(State::new([0.0], [1.0])).run(), "a scheme");
+    are_refused(kubo().step_sizes([0.3]).run(), "0.3");
     assert!(matches!(kubo().step_sizes([f64::NAN]).run(), Err(Error::Config(ConfigError::End { .. }))));
-    assert!(matches!(kubo().paths(0).run(), Err(Error::Config(ConfigError::Setting(_)))));
-}
-
-/// Runs for a minute unless it is interrupted: the other half of the test below.
-#[test]
-#[ignore = "started by `ctrl_c_ends_the_measurement_not_the_program`"]
-fn long_measurement() {
-    println!("measuring");
-    let report = kubo().paths(200_000).handle(&Handle::new().on_interrupt()).run().unwrap();
-    println!("interrupted: {}, {} cells", report.interrupted, report.cells.len());
-}
-
-#[test]
-#[cfg(unix)]
-fn ctrl_c_ends_the_measurement_not_the_program() {
-    use std::io::{BufRead as _, BufReader};
-    use std::process::{Command, Stdio};
-
-    // Who starts the tests may ignore Ctrl-C, and children inherit that; GNU's `env` alone undoes it.
-    let default_signal: &[&str] = if cfg!(target_os = "linux") { &["--default-signal=INT"] } else { &[] };
-    let mut child = Command::new("env")
-        .args(default_signal)
-        .arg(std::env::current_exe().unwrap())
-        .args(["--exact", "report::estimators::long_measurement", "--ignored", "--nocapture"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
-    assert!(lines.any(|line| line.ends_with("measuring")));
-    // Long enough for all the references and some paths.
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
-    let last: Vec<String> = lines.collect();
-    assert!(last.iter().any(|line| line.starts_with("interrupted: true")), "{last:?}");
-    assert!(child.wait().unwrap().success());
+    are_refused(kubo().paths(0).run(), "paths");
 }

@@ -5,7 +5,7 @@ use wzvi::prelude::*;
 use fixtures::extremes::Random;
 
 use super::reference::{Case, Errors, Point, Terms, compare, percentile};
-use super::systems::{DoubleWell, Kepler, Kubo, Masses, Oscillator, Pendulum};
+use super::systems::{DoubleWell, KUBO, Kepler, Masses, Oscillator, Pendulum};
 
 /// Random steps of one system.
 const TRIES: usize = 100;
@@ -63,9 +63,8 @@ fn pendulum() {
 
 #[test]
 fn kubo() {
-    let kubo = Kubo { a: 1.5, sigma: 1.0 };
-    check::<Midpoint, _>("Kubo, mid-point", &kubo, |r| one(r, [-4.0, 0.0], Some(0.3)));
-    check::<Uncorrected<DeltaPlus>, _>("Kubo, Δ+", &kubo, |r| one(r, [-4.0, -1.0], Some(0.3)));
+    check::<Midpoint, _>("Kubo, mid-point", &KUBO, |r| one(r, [-4.0, 0.0], Some(0.3)));
+    check::<Uncorrected<DeltaPlus>, _>("Kubo, Δ+", &KUBO, |r| one(r, [-4.0, -1.0], Some(0.3)));
 }
 
 #[test]

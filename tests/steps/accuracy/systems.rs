@@ -1,6 +1,6 @@
 //! The systems, each with its gradients by hand.
 
-pub(crate) use fixtures::small::{DoubleWell, Kubo};
+pub(crate) use fixtures::small::{DoubleWell, KUBO, Kubo};
 use wzvi::prelude::*;
 
 use super::real::Real;

@@ -1,7 +1,8 @@
 //! Steps allocate nothing.
 
 use allocation_counter::measure;
-use fixtures::extremes::{HenonHeiles, KUBO, Metric, PENDULUM, Ring, state};
+use fixtures::extremes::{HenonHeiles, Metric, PENDULUM, Ring, state};
+use fixtures::small::KUBO;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
 

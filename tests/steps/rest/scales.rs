@@ -1,6 +1,7 @@
 //! Systems of elements: masses and places of very different size, and all units.
 
 use fixtures::steps::distance;
+use fixtures::wave;
 use wzvi::prelude::*;
 
 /// On-site springs, springs to the next, and a quartic coupling, with masses of their own; as loops and unrolled.
@@ -172,9 +173,7 @@ fn linear_systems_are_homogeneous() {
 fn a_stiff_lattice_is_homogeneous() {
     let lattice = Lattice { side: 64, k: 1e4 };
     let step = |scale: f64| {
-        let wave =
-            |phase: f64| (0..4096).map(|i| scale * (1.3 * f64::from(i) + phase).sin()).collect::<Vec<_>>();
-        let mut state = State::new(wave(0.0), wave(1.0));
+        let mut state = State::new(wave(4096, scale, 0.0), wave(4096, scale, 1.0));
         let mut stepper = lattice.stepper::<Midpoint>(0.01).unwrap();
         for n in 0..2 {
             stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{scale:e}, step {n}: {error}"));
