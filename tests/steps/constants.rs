@@ -1,9 +1,10 @@
 //! Derivatives of the end of a run by parameters and by the step size, through steps in loops, flows, friction and baths.
 
+use fixtures::are_refused;
 use fixtures::bath::{self, Coupled, Oscillator, Rough};
+use wzvi::Error;
 use wzvi::embedding::Own;
-use wzvi::error::{ConfigError, Error};
-use wzvi::nalgebra::{DMatrix, DVector, SVector};
+use wzvi::nalgebra::{DMatrix, DVector};
 use wzvi::prelude::*;
 use wzvi::simulate::Tangent;
 use wzvi::state::Vector;
@@ -149,13 +150,13 @@ struct Massive {
 }
 
 /// The end of a run with its derivatives by parameters and by the step size.
-pub(super) struct Ended {
+struct Ended {
     end: Vec<f64>,
     by_parameters: DMatrix<f64>,
     by_step_size: DVector<f64>,
 }
 
-pub(super) fn ended<V: Vector>(tangent: Result<Tangent<V>, Error>) -> Ended {
+fn ended<V: Vector>(tangent: Result<Tangent<V>, Error>) -> Ended {
     let Tangent { end, by_parameters, by_step_size, .. } = tangent.unwrap();
     let end = [end.q.components(), end.p.components()].concat();
     Ended { end, by_parameters, by_step_size: by_step_size.unwrap() }
@@ -170,12 +171,7 @@ fn slope(d: f64, size: f64, f: impl Fn(f64) -> Vec<f64>) -> (Vec<f64>, f64) {
 
 /// Compares all columns with differences of the ends of runs of some forty steps. With the same increments the step size has no differences of runs with noise:
 /// then `H` times a number stands for it.
-pub(super) fn check<const N: usize>(
-    what: &str,
-    at: [f64; N],
-    h: Option<f64>,
-    run: impl Fn([f64; N], f64) -> Ended,
-) {
+fn check<const N: usize>(what: &str, at: [f64; N], h: Option<f64>, run: impl Fn([f64; N], f64) -> Ended) {
     let (step, ours) = (h.unwrap_or(0.05), run(at, h.unwrap_or(0.05)));
     let agree = |column: &[f64], (differences, error): (Vec<f64>, f64), name: String| {
         for (ours, other) in column.iter().zip(differences) {
@@ -204,27 +200,42 @@ fn line(length: usize) -> State<DVector<f64>> {
     State { t: 0.3, ..State::new(q, p) }
 }
 
+/// Compares all columns of forty steps of a system that is made from its parameters, with the noise of a seed or without noise.
+pub(super) fn check_run<E, H: Discretized<E>, const N: usize>(
+    make: impl Fn([f64; N]) -> H,
+    names: [&str; N],
+    at: [f64; N],
+    start: &State<H::Vector>,
+    seed: Option<u64>,
+) {
+    check(std::any::type_name::<(E, H)>(), at, seed.is_none().then_some(0.05), |at, h| {
+        let system = make(at);
+        let run = system.simulate::<E>(h).start(start.clone()).steps(40);
+        match seed {
+            Some(seed) => ended(run.noise(Wiener::seed(seed)).tangent_by(&names)),
+            None => ended(run.tangent_by(&names)),
+        }
+    });
+}
+
+/// The same for several schemes.
+macro_rules! check_schemes {
+    ($make:expr, $names:expr, $at:expr, $start:expr, $seed:expr, [$($scheme:ty),*]) => {
+        $($crate::constants::check_run::<$scheme, _, _>($make, $names, $at, $start, $seed);)*
+    };
+}
+pub(super) use check_schemes;
+
 #[test]
 fn chains_of_any_size() {
-    fn of<E>()
-    where
-        Chain: Discretized<E, Vector = DVector<f64>>,
-    {
-        for k in [0.8, 0.3] {
-            check(std::any::type_name::<E>(), [0.5, k, 0.7, 1.1, 2.0], Some(0.05), |[m, k, b, f, w], h| {
-                let chain = Chain { m, k, b, f, w };
-                ended(chain.simulate::<E>(h).start(line(5)).steps(40).tangent_by(&["m", "k", "b", "f", "w"]))
-            });
-        }
+    for k in [0.8, 0.3] {
+        let (at, names) = ([0.5, k, 0.7, 1.1, 2.0], ["m", "k", "b", "f", "w"]);
+        let chain = |[m, k, b, f, w]: [f64; 5]| Chain { m, k, b, f, w };
+        check_schemes!(chain, names, at, &line(5), None, [
+            DeltaPlus, Midpoint, Verlet, Gauss<3>, Mixed<Midpoint, Midpoint>, Composed<Verlet, KahanLi8>,
+            Composed<Midpoint, Yoshida4>, Own<RungeKutta4>
+        ]);
     }
-    of::<DeltaPlus>();
-    of::<Midpoint>();
-    of::<Verlet>();
-    of::<Gauss<3>>();
-    of::<Mixed<Midpoint, Midpoint>>();
-    of::<Composed<Verlet, KahanLi8>>();
-    of::<Composed<Midpoint, Yoshida4>>();
-    of::<Own<RungeKutta4>>();
 }
 
 /// Steps so long that they are solved by Newton's method: with factors in a band, and with products with the Jacobian.
@@ -244,196 +255,81 @@ fn long_steps() {
 /// Kicks by the square of the force take second derivatives themselves.
 #[test]
 fn squares_of_the_force() {
-    fn of<W: 'static>()
-    where
-        Chain: Discretized<Composed<Verlet, W>, Vector = DVector<f64>>,
-        Two: Discretized<Composed<Verlet, W>, Vector = SVector<f64, 2>>,
-    {
-        let name = std::any::type_name::<W>();
-        check(name, [0.9, 0.8, 0.7, 1.1, 2.0], Some(0.05), |[m, k, b, f, w], h| {
-            let run = Chain { m, k, b, f, w };
-            let run = run.simulate::<Composed<Verlet, W>>(h).start(line(5)).steps(40);
-            ended(run.tangent_by(&["m", "k", "b", "f", "w"]))
-        });
-        check(name, [0.9, 0.8, 2.0, 0.4], None, |[m, k, w, s], h| {
-            let run = Two { m, k, w, s };
-            let start = State::new([0.4, -0.1], [0.2, 0.3]);
-            let run = run.simulate::<Composed<Verlet, W>>(h).start(start).noise(Wiener::seed(5)).steps(40);
-            ended(run.tangent_by(&["m", "k", "w", "s"]))
-        });
-    }
-    of::<Chin4>();
-    of::<TakahashiImada4>();
+    let (at, names) = ([0.9, 0.8, 0.7, 1.1, 2.0], ["m", "k", "b", "f", "w"]);
+    let chain = |[m, k, b, f, w]: [f64; 5]| Chain { m, k, b, f, w };
+    check_schemes!(chain, names, at, &line(5), None, [Composed<Verlet, Chin4>, Composed<Verlet, TakahashiImada4>]);
+    let (at, names, start) =
+        ([0.9, 0.8, 2.0, 0.4], ["m", "k", "w", "s"], State::new([0.4, -0.1], [0.2, 0.3]));
+    let two = |[m, k, w, s]: [f64; 4]| Two { m, k, w, s };
+    check_schemes!(two, names, at, &start, Some(5), [Composed<Verlet, Chin4>, Composed<Verlet, TakahashiImada4>]);
 }
 
 #[test]
 fn noises_are_taken_as_given() {
-    fn of<E>()
-    where
-        Noisy: Discretized<E, Vector = DVector<f64>>,
-    {
-        check(std::any::type_name::<E>(), [0.8, 0.6], None, |[k, s], h| {
-            let start = State { t: 0.0, ..line(4) };
-            let run = Noisy { k, s };
-            ended(run.simulate::<E>(h).start(start).noise(Wiener::seed(5)).steps(40).tangent_by(&["k", "s"]))
-        });
-    }
-    of::<Midpoint>();
-    of::<Corrected<DeltaPlus>>();
-    of::<Gauss<2>>();
-    of::<Own<RungeKutta4>>();
+    let (noisy, start) = (|[k, s]: [f64; 2]| Noisy { k, s }, State { t: 0.0, ..line(4) });
+    check_schemes!(noisy, ["k", "s"], [0.8, 0.6], &start, Some(5), [
+        Midpoint, Corrected<DeltaPlus>, Gauss<2>, Own<RungeKutta4>
+    ]);
 }
 
 #[test]
 fn pairs_and_gathered_placements() {
-    fn bodies<E>()
-    where
-        Bodies: Discretized<E, Vector = DVector<f64>>,
-    {
-        check(std::any::type_name::<E>(), [0.7, 2.0], Some(0.05), |[g, e], h| {
-            ended(Bodies { g, e }.simulate::<E>(h).start(line(24)).steps(40).tangent_by(&["g", "e"]))
-        });
-    }
-    bodies::<DeltaPlus>();
-    bodies::<Midpoint>();
-    fn network<E>()
-    where
-        Network: Discretized<E, Vector = DVector<f64>>,
-    {
-        let edges: Vec<[usize; 2]> = (0..9).map(|i| [i % 7, (3 * i + 1) % 7]).collect();
-        check(std::any::type_name::<E>(), [0.2, 1.3], Some(0.05), |[c, s], h| {
-            let network = Network { edges: edges.clone(), c, s };
-            ended(network.simulate::<E>(h).start(line(7)).steps(40).tangent_by(&["c", "s"]))
-        });
-    }
-    network::<DeltaPlus>();
-    network::<Midpoint>();
+    let bodies = |[g, e]: [f64; 2]| Bodies { g, e };
+    check_schemes!(bodies, ["g", "e"], [0.7, 2.0], &line(24), None, [DeltaPlus, Midpoint]);
+    let network =
+        |[c, s]: [f64; 2]| Network { edges: (0..9).map(|i| [i % 7, (3 * i + 1) % 7]).collect(), c, s };
+    check_schemes!(network, ["c", "s"], [0.2, 1.3], &line(7), None, [DeltaPlus, Midpoint]);
 }
 
 #[test]
 fn flows_of_parts() {
-    check("parts", [0.9, 1.3, 0.2, 0.7, 2.0, 0.3], Some(0.05), |[m, k, c, b, w, gamma], h| {
-        let start = State { t: 0.3, ..State::new([0.4, -0.1], [0.2, 0.3]) };
-        let parts = Parts { m, k, c, b, w, gamma };
-        ended(
-            parts
-                .simulate::<Composed<Verlet, Aba864>>(h)
-                .start(start)
-                .steps(40)
-                .tangent_by(&["m", "k", "c", "b", "w", "gamma"]),
-        )
-    });
+    let (at, names) = ([0.9, 1.3, 0.2, 0.7, 2.0, 0.3], ["m", "k", "c", "b", "w", "gamma"]);
+    let start = State { t: 0.3, ..State::new([0.4, -0.1], [0.2, 0.3]) };
+    let parts = |[m, k, c, b, w, gamma]: [f64; 6]| Parts { m, k, c, b, w, gamma };
+    check_schemes!(parts, names, at, &start, None, [Composed<Verlet, Aba864>]);
 }
 
 #[test]
 fn friction_of_one_rate() {
-    fn of<E>()
-    where
-        Damped: Discretized<E, Vector = SVector<f64, 1>>,
-    {
-        check(std::any::type_name::<E>(), [0.8, 0.6], Some(0.05), |[k, gamma], h| {
-            let start = State::new([0.4], [0.7]);
-            ended(Damped { k, gamma }.simulate::<E>(h).start(start).steps(40).tangent_by(&["k", "gamma"]))
-        });
-    }
-    of::<Midpoint>();
-    of::<DeltaPlus>();
-    of::<Gauss<2>>();
-    of::<Gauss<3>>();
-    fn chain<E>()
-    where
-        DampedChain: Discretized<E, Vector = DVector<f64>>,
-    {
-        check(std::any::type_name::<E>(), [0.8, 0.2], Some(0.05), |[k, gamma], h| {
-            let run = DampedChain { k, gamma };
-            ended(run.simulate::<E>(h).start(line(4)).steps(40).tangent_by(&["k", "gamma"]))
-        });
-    }
-    chain::<Midpoint>();
-    chain::<DeltaPlus>();
-    chain::<Gauss<2>>();
+    let (names, start) = (["k", "gamma"], State::new([0.4], [0.7]));
+    let damped = |[k, gamma]: [f64; 2]| Damped { k, gamma };
+    check_schemes!(damped, names, [0.8, 0.6], &start, None, [Midpoint, DeltaPlus, Gauss<2>, Gauss<3>]);
+    let chain = |[k, gamma]: [f64; 2]| DampedChain { k, gamma };
+    check_schemes!(chain, names, [0.8, 0.2], &line(4), None, [Midpoint, DeltaPlus, Gauss<2>]);
 }
 
 #[test]
 fn baths() {
-    fn one<E>()
-    where
-        Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
-    {
-        check(std::any::type_name::<E>(), [0.9, 0.8, 0.3, 0.6, 0.7], None, |[m, k, b, gamma, kt], h| {
-            let run = Oscillator { m, k, b, gamma, kt };
-            let run = run.simulate::<E>(h).start(State::new([0.4], [0.7])).noise(Wiener::seed(2)).steps(40);
-            ended(run.tangent_by(&["m", "k", "b", "gamma", "kt"]))
-        });
-    }
-    one::<Baoab>();
-    one::<Obabo>();
-    one::<Gjf>();
-    one::<GjI>();
-    one::<Thermostat<Verlet>>();
-    one::<Thermostat<Midpoint>>();
-    one::<Thermostat<Gauss<3>>>();
-    fn massive<E>()
-    where
-        Massive: Discretized<E, Vector = SVector<f64, 2>>,
-    {
-        check(std::any::type_name::<E>(), [0.9, 0.8, 0.6, 0.7], None, |[m, k, gamma, kt], h| {
-            let run = Massive { m, k, gamma, kt };
-            let start = State::new([0.4, 0.1], [0.7, -0.2]);
-            let run = run.simulate::<E>(h).start(start).noise(Wiener::seed(2)).steps(40);
-            ended(run.tangent_by(&["m", "k", "gamma", "kt"]))
-        });
-    }
-    massive::<Baoab>();
-    massive::<Thermostat<Midpoint>>();
-    check("matrix", [0.9, 1.2, 0.8, 0.7], None, |[m, n, k, kt], h| {
-        let run = Coupled { m, n, k, damping: [[0.6, 0.2], [0.2, 0.9]], kt };
-        let start = State::new([0.4, 0.1], [0.7, -0.2]);
-        let run = run.simulate::<Baoab>(h).start(start).noise(Wiener::seed(2)).steps(40);
-        ended(run.tangent_by(&["m", "n", "k", "kt"]))
-    });
-    fn long<E>()
-    where
-        bath::Chain: Discretized<E, Vector = DVector<f64>>,
-    {
-        check(std::any::type_name::<E>(), [0.3, 0.7], None, |[gamma, kt], h| {
-            let run = bath::Chain { gamma, kt };
-            let run = run.simulate::<E>(h).start(line(4)).noise(Wiener::seed(2)).steps(40);
-            ended(run.tangent_by(&["gamma", "kt"]))
-        });
-    }
-    long::<Baoab>();
-    long::<Thermostat<Midpoint>>();
-    check("by place", [0.9, 0.3, 0.7], None, |[m, gamma, kt], h| {
-        let run = Rough { m, gamma, edge: 50.0, kt };
-        let run = run.simulate::<Obabo>(h).start(State::new([0.4], [0.7])).noise(Wiener::seed(2)).steps(40);
-        ended(run.tangent_by(&["m", "gamma", "kt"]))
-    });
+    let (one, two) = (State::new([0.4], [0.7]), State::new([0.4, 0.1], [0.7, -0.2]));
+    let oscillator = |[m, k, b, gamma, kt]: [f64; 5]| Oscillator { m, k, b, gamma, kt };
+    let (at, names) = ([0.9, 0.8, 0.3, 0.6, 0.7], ["m", "k", "b", "gamma", "kt"]);
+    check_schemes!(oscillator, names, at, &one, Some(2), [
+        Baoab, Obabo, Gjf, GjI, Thermostat<Verlet>, Thermostat<Midpoint>, Thermostat<Gauss<3>>
+    ]);
+    let massive = |[m, k, gamma, kt]: [f64; 4]| Massive { m, k, gamma, kt };
+    let (at, names) = ([0.9, 0.8, 0.6, 0.7], ["m", "k", "gamma", "kt"]);
+    check_schemes!(massive, names, at, &two, Some(2), [Baoab, Thermostat<Midpoint>]);
+    let matrix = |[m, n, k, kt]: [f64; 4]| Coupled { m, n, k, damping: [[0.6, 0.2], [0.2, 0.9]], kt };
+    check_schemes!(matrix, ["m", "n", "k", "kt"], [0.9, 1.2, 0.8, 0.7], &two, Some(2), [Baoab]);
+    let chain = |[gamma, kt]: [f64; 2]| bath::Chain { gamma, kt };
+    check_schemes!(chain, ["gamma", "kt"], [0.3, 0.7], &line(4), Some(2), [Baoab, Thermostat<Midpoint>]);
+    let by_place = |[m, gamma, kt]: [f64; 3]| Rough { m, gamma, edge: 50.0, kt };
+    check_schemes!(by_place, ["m", "gamma", "kt"], [0.9, 0.3, 0.7], &one, Some(2), [Obabo]);
 }
 
 /// Without a temperature the step size has differences, too.
 #[test]
 fn friction_of_a_bath_by_the_step_size() {
-    check("Baoab", [0.9, 0.8, 0.3, 0.6], Some(0.05), |[m, k, b, gamma], h| {
-        let run = bath::Damped { m, k, b, gamma };
-        let run = run.simulate::<Baoab>(h).start(State::new([0.4], [0.7])).steps(40);
-        ended(run.tangent_by(&["m", "k", "b", "gamma"]))
-    });
+    let damped = |[m, k, b, gamma]: [f64; 4]| bath::Damped { m, k, b, gamma };
+    let (at, names) = ([0.9, 0.8, 0.3, 0.6], ["m", "k", "b", "gamma"]);
+    check_schemes!(damped, names, at, &State::new([0.4], [0.7]), None, [Baoab]);
 }
 
 #[test]
 fn integers_select_what_is_read() {
-    fn of<E>()
-    where
-        Selected: Discretized<E, Vector = SVector<f64, 3>>,
-    {
-        check(std::any::type_name::<E>(), [0.8], Some(0.05), |[k], h| {
-            let start = State::new([0.4, 0.1, -0.2], [0.7, 0.0, 0.3]);
-            ended(Selected { k, site: 2 }.simulate::<E>(h).start(start).steps(40).tangent_by(&["k"]))
-        });
-    }
-    of::<DeltaPlus>();
-    of::<Midpoint>();
+    let (selected, start) =
+        (|[k]: [f64; 1]| Selected { k, site: 2 }, State::new([0.4, 0.1, -0.2], [0.7, 0.0, 0.3]));
+    check_schemes!(selected, ["k"], [0.8], &start, None, [DeltaPlus, Midpoint]);
 }
 
 /// Steps in straight lines have derivatives by entries of lists; those of the program read entries as they are.
@@ -447,10 +343,5 @@ fn entries_of_lists() {
     let listed = Listed { m: 0.8, weights };
     let run = || listed.simulate::<Own<RungeKutta4>>(0.05).start(start).steps(40);
     assert!(run().tangent_by(&["m"]).is_ok());
-    match run().tangent_by(&["weights[2]"]) {
-        Err(Error::Config(ConfigError::Setting(message))) => {
-            assert!(message.contains("entries of lists"), "{message}")
-        }
-        other => panic!("{other:?}"),
-    }
+    are_refused(run().tangent_by(&["weights[2]"]), "entries of lists");
 }

@@ -1,12 +1,12 @@
 //! Derivatives of the end of a run by its start, by parameters and by the step size.
 
+use fixtures::are_refused;
 use fixtures::small::{DoubleWell, Kepler, Kubo};
 use fixtures::stiff::another_solution_is_named_or_there_is_none;
-use wzvi::error::{ConfigError, Error};
 use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
 
-use crate::constants::{check as check_columns, ended};
+use crate::constants::check_schemes;
 
 /// A linear chain of any size.
 #[hamiltonian(
@@ -136,42 +136,28 @@ fn noise_is_taken_as_given() {
 }
 
 /// By four parameters and the step size, of which the time of each step is a multiple.
-fn by_constants<E>()
-where
-    Driven: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
-{
-    check_columns(std::any::type_name::<E>(), [0.8, 0.5, 2.0, 1.3], Some(0.05), |[k, f, w, m], h| {
-        let start = State { t: 0.3, ..State::new([0.4], [0.7]) };
-        ended(Driven { m, k, f, w }.simulate::<E>(h).start(start).steps(40).tangent_by(&["k", "f", "w", "m"]))
-    });
-}
-
 #[test]
 fn parameters_and_the_step_size_have_columns() {
-    by_constants::<DeltaPlus>();
-    by_constants::<Midpoint>();
-    by_constants::<Verlet>();
-    by_constants::<Gauss<3>>();
-    by_constants::<Composed<Verlet, KahanLi8>>();
-    by_constants::<Composed<Midpoint, Yoshida4>>();
+    let driven = |[k, f, w, m]: [f64; 4]| Driven { m, k, f, w };
+    let start = State { t: 0.3, ..State::new([0.4], [0.7]) };
+    check_schemes!(driven, ["k", "f", "w", "m"], [0.8, 0.5, 2.0, 1.3], &start, None, [
+        DeltaPlus, Midpoint, Verlet, Gauss<3>, Composed<Verlet, KahanLi8>, Composed<Midpoint, Yoshida4>
+    ]);
 }
 
 /// Factored matrices have derivatives, too, and so have the effects of noise.
 #[test]
 fn matrices_and_noises_have_derivatives_by_parameters() {
-    fn check<E>()
-    where
-        Linear: Discretized<E, Vector = nalgebra::SVector<f64, 2>>,
-    {
-        check_columns(std::any::type_name::<E>(), [1.4, 0.9, 0.6, 0.5], None, |[a, b, c, s], h| {
-            let linear = Linear { a, b, c, s };
-            let start = State::new([0.4, -0.1], [0.2, 0.3]);
-            let run = linear.simulate::<E>(h).start(start).noise(Wiener::seed(11)).steps(40);
-            ended(run.tangent_by(&["a", "b", "c", "s"]))
-        });
-    }
-    check::<Midpoint>();
-    check::<DeltaMinus>();
+    let linear = |[a, b, c, s]: [f64; 4]| Linear { a, b, c, s };
+    let start = State::new([0.4, -0.1], [0.2, 0.3]);
+    check_schemes!(
+        linear,
+        ["a", "b", "c", "s"],
+        [1.4, 0.9, 0.6, 0.5],
+        &start,
+        Some(11),
+        [Midpoint, DeltaMinus]
+    );
 }
 
 /// A step of `λ H` over `h` is one of `H` over `λ h`: derivatives agree to rounding.
@@ -219,25 +205,16 @@ fn names_of_two_numbers_are_refused() {
     let twins = Twins { G: 0.4, v: [0.1, 0.2], n: 2 };
     for name in ["G", "v[0]", "v[n - 1]"] {
         let run = twins.simulate::<Midpoint>(0.1).start(State::new([0.4], [0.7])).steps(10);
-        match run.tangent_by(&[name]) {
-            Err(Error::Config(ConfigError::Setting(message))) => {
-                assert!(message.contains("may be the same"), "{message}")
-            }
-            other => panic!("{name}: {other:?}"),
-        }
+        are_refused(run.tangent_by(&[name]), "may be the same");
     }
 }
 
 #[test]
 fn constants_without_derivatives_are_refused() {
-    let setting = |error: Error| match error {
-        Error::Config(ConfigError::Setting(message)) => message,
-        error => panic!("{error}"),
-    };
     let driven = Driven { m: 1.0, k: 1.0, f: 1.0, w: 1.0 };
     let run = || driven.simulate::<Midpoint>(0.1).start(State::new([0.4], [0.7])).steps(10);
-    let message = setting(run().tangent_by(&["m", "count"]).unwrap_err());
-    assert!(message.contains("`count`") && message.contains("`m`, `k`, `f`, `w`"), "{message}");
+    are_refused(run().tangent_by(&["m", "count"]), "`count`");
+    are_refused(run().tangent_by(&["m", "count"]), "`m`, `k`, `f`, `w`");
     // Nothing named: the step size alone.
     let tangent = run().tangent_by(&[]).unwrap();
     assert!(tangent.by_parameters.ncols() == 0 && tangent.by_step_size.is_some());
