@@ -99,9 +99,7 @@ fn hard_steps_find_the_solution_of_unrolled_ones() {
 
 #[test]
 fn runs_of_any_size_go_on_from_a_checkpoint() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("elements");
-    drop(std::fs::remove_dir_all(&folder));
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = fixtures::folder!("elements");
     for (h, n) in [(0.05, 30), (1.5, 30)] {
         let long = Long { beta: 0.3 };
         let run = |steps: u64| {
@@ -117,29 +115,6 @@ fn runs_of_any_size_go_on_from_a_checkpoint() {
             assert_eq!(bits(&resumed.last().p), bits(&whole.last().p));
         }
     }
-}
-
-#[test]
-fn a_step_that_fails_leaves_state_and_stepper() {
-    let long = Long { beta: 0.3 };
-    let mut stepper = long.stepper::<Midpoint>(0.1).unwrap();
-    let mut twin = long.stepper::<Midpoint>(0.1).unwrap();
-    let mut state = State::new(wave(40, 0.5, 0.1), wave(40, 0.5, 0.2));
-    let mut other = state.clone();
-    for _ in 0..5 {
-        stepper.step(&mut state, &[]).unwrap();
-        twin.step(&mut other, &[]).unwrap();
-    }
-    let mut bad = state.clone();
-    bad.q[7] = f64::INFINITY;
-    for dw in [&[][..], &[0.1]] {
-        fixtures::steps::refused(&bad, |bad| stepper.step(bad, dw));
-    }
-    for _ in 0..5 {
-        stepper.step(&mut state, &[]).unwrap();
-        twin.step(&mut other, &[]).unwrap();
-    }
-    assert_eq!(state, other);
 }
 
 #[hamiltonian(

@@ -23,6 +23,14 @@ struct Chain {
     k: f64,
 }
 
+/// Sites that are not coupled, each with a memory.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i] + 0.25 * q[i].powi(4)).sum::<f64>(),
+    embedding = Midpoint,
+)]
+#[derive(Debug)]
+struct Sites;
+
 /// The watch that refused the step refuses it again, whatever fails in between.
 #[test]
 fn a_failed_call_does_not_reset_the_watch() {
@@ -102,4 +110,12 @@ fn a_failed_step_leaves_the_stepper() {
         };
         (State { q: DVector::from(q), p: DVector::from(p), t }, dw)
     });
+    // One site of many.
+    let infinite = |random: &mut Uniform, state: &State<DVector<f64>>| {
+        let mut bad = state.clone();
+        bad.q[random.below(state.q.len())] = f64::INFINITY;
+        (bad, vec![])
+    };
+    exercise(&Sites, 0.1, &State::new(vec![0.5, -0.8, 0.1, 0.9, 0.3, -0.2], vec![0.1; 6]), infinite);
+    exercise(&Chain { k: 2.0 }, 0.1, &State::new(vec![-0.9; 40], vec![0.1; 40]), infinite);
 }
