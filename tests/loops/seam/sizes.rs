@@ -1,5 +1,6 @@
 //! The same closures where the size is a literal, a const generic or that of a slice, from one site to many.
 
+use fixtures::wave;
 use wzvi::plan::Knowledge;
 use wzvi::prelude::*;
 use wzvi::scalar::Rounded;
@@ -76,7 +77,7 @@ macro_rules! spellings {
     )*};
 }
 
-spellings!(kubo, chain, pairs, pushed);
+spellings!(kubo, chain, pairs, pushed, torus, curved);
 
 /// A system with a scheme that ensembles run.
 trait Driven<E>: Discretized<E> + Sync {}
@@ -165,19 +166,12 @@ impl<E, H: Driven<E>> Ensemble<E, H> {
     }
 }
 
-fn wave(n: usize, phase: f64) -> impl Iterator<Item = f64> {
-    (0..n).map(move |i| (1.3 * i as f64 + phase).sin())
-}
-
 fn start<V: Vector>(n: usize) -> State<V> {
-    let mut state = State { q: V::zeros(n), p: V::zeros(n), t: 0.0 };
-    state.q.components_mut().iter_mut().zip(wave(n, 0.2)).for_each(|(to, from)| *to = from);
-    state.p.components_mut().iter_mut().zip(wave(n, 1.1)).for_each(|(to, from)| *to = from);
-    state
+    fixtures::extremes::state(&wave(n, 1.0, 0.2), &wave(n, 1.0, 1.1))
 }
 
 fn increments(processes: usize, step: usize) -> Vec<f64> {
-    wave(processes, step as f64).map(|dw| H.sqrt() * dw).collect()
+    wave(processes, H.sqrt(), step as f64)
 }
 
 /// The end of a path with given increments.
@@ -258,6 +252,15 @@ fn all_pairs() {
         facts(Solver::Newton, Unknowns::OneForEach, NoiseClass::None, Knowledge::Proven),
         true,
     );
+}
+
+#[test]
+fn masses_by_place_and_a_torus() {
+    torus::check::<DeltaPlus>(None, false);
+    torus::check::<Midpoint>(None, false);
+    // Coordinates and momenta are unknown together.
+    curved::check::<DeltaPlus>(None, false);
+    curved::check::<Midpoint>(None, false);
 }
 
 #[test]
