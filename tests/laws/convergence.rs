@@ -5,7 +5,10 @@
 //! them and [`SYSTEMATIC`], the terms of higher order at these step sizes (`O(h)` or `O(√h)` of the error at the
 //! coarsest step, spread over the fit) and the error of the reference (at most `h_ref/h = 1/16` of the finest).
 
-use fixtures::small::{DoubleWell, Kubo, TwoAdditive};
+use std::any::type_name;
+use std::ops::RangeInclusive;
+
+use fixtures::small::{DoubleWell, KUBO, Kubo, TwoAdditive};
 use wzvi::prelude::*;
 use wzvi::state::Vector;
 
@@ -38,7 +41,7 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
 
 /// Mean squares per batch and level.
 struct Errors {
-    name: String,
+    name: &'static str,
     levels: Vec<u32>,
     batches: Vec<Vec<f64>>,
 }
@@ -46,7 +49,7 @@ struct Errors {
 impl Errors {
     /// `square_error(path, level)` over `paths` paths.
     fn new(
-        name: &str,
+        name: &'static str,
         levels: impl Iterator<Item = u32>,
         paths: usize,
         mut square_errors: impl FnMut(u64, &[u32]) -> Vec<f64>,
@@ -59,7 +62,7 @@ impl Errors {
                 *sum += square * BATCHES as f64 / paths as f64;
             }
         }
-        Self { name: name.to_owned(), levels, batches }
+        Self { name, levels, batches }
     }
 
     /// Root mean squares per level without batch `omitted`.
@@ -97,21 +100,14 @@ impl Errors {
     }
 }
 
-/// Errors against `reference` of the scheme `R` at `2^fine` steps on the same path.
-fn strong<E, R, H>(
-    name: &str,
-    system: &H,
-    start: State<H::Vector>,
-    levels: [u32; 2],
-    fine: u32,
-    paths: usize,
-) -> Errors
+/// Errors against the mid-point rule at `2^fine` steps on the same path.
+fn strong<E, H>(system: &H, start: State<H::Vector>, levels: RangeInclusive<u32>, fine: u32) -> Errors
 where
-    H: Discretized<E> + Discretized<R>,
+    H: Discretized<E> + Discretized<Midpoint>,
 {
-    Errors::new(name, levels[0]..=levels[1], paths, |path, levels| {
+    Errors::new(type_name::<(E, H)>(), levels, 300, |path, levels| {
         let mut noise = Wiener::seed(SEED).path(path);
-        let exact = end::<R, H>(system, &start, fine, &mut noise);
+        let exact = end::<Midpoint, H>(system, &start, fine, &mut noise);
         levels
             .iter()
             .map(|&level| square_distance(&end::<E, H>(system, &start, level, &mut noise), &exact))
@@ -119,14 +115,12 @@ where
     })
 }
 
-const KUBO: Kubo = Kubo { a: 1.5, sigma: 1.0 };
-
 /// Errors of a scheme on Kubo's oscillator from (0, 1) against the rotation by `a + sigma W(1)`.
-fn kubo<E>(name: &str, levels: impl Iterator<Item = u32>, paths: usize) -> Errors
+fn kubo<E>(levels: impl Iterator<Item = u32>, paths: usize) -> Errors
 where
     Kubo: Discretized<E>,
 {
-    Errors::new(name, levels, paths, |path, levels| {
+    Errors::new(type_name::<(E, Kubo)>(), levels, paths, |path, levels| {
         // As they are: the constant of the error is that of Gaussian increments.
         let mut noise = Wiener::seed(SEED).path(path).untruncated();
         let (sin, cos) = (KUBO.a + KUBO.sigma * noise.value(0, 1.0).unwrap()).sin_cos();
@@ -140,10 +134,10 @@ where
 
 #[test]
 fn kubo_by_the_midpoint_has_order_one_and_the_predicted_constant() {
-    kubo::<Midpoint>("Kubo, Midpoint", 4..=8, 500).check_order(1.0);
-    kubo::<Corrected<DeltaPlus>>("Kubo, Corrected<DeltaPlus>", 5..=9, 500).check_order(1.0);
+    kubo::<Midpoint>(4..=8, 500).check_order(1.0);
+    kubo::<Corrected<DeltaPlus>>(5..=9, 500).check_order(1.0);
 
-    let errors = kubo::<Midpoint>("Kubo, Midpoint", 8..=8, 6000);
+    let errors = kubo::<Midpoint>(8..=8, 6000);
     let Kubo { a, sigma } = KUBO;
     let expected = (15.0 * sigma.powi(6) / 144.0 + (a * sigma * sigma / 4.0).powi(2)).sqrt();
     let (constant, error) = errors.jackknife(|errors| 256.0 * errors[0]);
@@ -221,43 +215,17 @@ fn kubo_by_delta_plus_converges_to_the_predicted_wrong_limit() {
     assert!((mean - second_moment(level)).abs() <= 4.0 * error, "{mean} ± {error}");
     assert!(mean - 1.0 >= 10.0 * error);
 
-    kubo::<Uncorrected<DeltaPlus>>("Kubo, Uncorrected<DeltaPlus>", 6..=10, 500).check_order(0.0);
+    kubo::<Uncorrected<DeltaPlus>>(6..=10, 500).check_order(0.0);
 }
 
 #[test]
 fn one_nonlinear_noise() {
     let (system, start) = (DoubleWell { sigma: 0.3 }, State::new([0.5], [0.5]));
-    let (levels, fine, paths) = ([4, 8], 12, 300);
-    strong::<Midpoint, Midpoint, _>("double well, Midpoint", &system, start, levels, fine, paths)
-        .check_order(1.0);
-    strong::<Corrected<DeltaPlus>, Midpoint, _>(
-        "double well, Corrected<DeltaPlus>",
-        &system,
-        start,
-        levels,
-        fine,
-        paths,
-    )
-    .check_order(1.0);
-    strong::<Corrected<Lambda<1, 4>>, Midpoint, _>(
-        "double well, Corrected<Lambda<1, 4>>",
-        &system,
-        start,
-        levels,
-        fine,
-        paths,
-    )
-    .check_order(1.0);
+    strong::<Midpoint, _>(&system, start, 4..=8, 12).check_order(1.0);
+    strong::<Corrected<DeltaPlus>, _>(&system, start, 4..=8, 12).check_order(1.0);
+    strong::<Corrected<Lambda<1, 4>>, _>(&system, start, 4..=8, 12).check_order(1.0);
     // The wrong limit does not depend on h: H0 - sigma² q p / 2.
-    strong::<Uncorrected<DeltaPlus>, Midpoint, _>(
-        "double well, Uncorrected<DeltaPlus>",
-        &system,
-        start,
-        [8, 10],
-        fine,
-        paths,
-    )
-    .check_order(0.0);
+    strong::<Uncorrected<DeltaPlus>, _>(&system, start, 8..=10, 12).check_order(0.0);
 }
 
 #[hamiltonian(
@@ -270,16 +238,8 @@ struct Pendulum;
 #[test]
 fn one_noise_in_both_directions() {
     let start = State::new([1.0], [0.5]);
-    strong::<Midpoint, Midpoint, _>("pendulum, Midpoint", &Pendulum, start, [4, 8], 12, 300).check_order(1.0);
-    strong::<Corrected<DeltaPlus>, Midpoint, _>(
-        "pendulum, Corrected<DeltaPlus>",
-        &Pendulum,
-        start,
-        [4, 8],
-        12,
-        300,
-    )
-    .check_order(1.0);
+    strong::<Midpoint, _>(&Pendulum, start, 4..=8, 12).check_order(1.0);
+    strong::<Corrected<DeltaPlus>, _>(&Pendulum, start, 4..=8, 12).check_order(1.0);
 }
 
 #[hamiltonian(
@@ -294,10 +254,8 @@ struct NonCommuting {
 #[test]
 fn noises_that_do_not_commute_halve_the_order() {
     let (system, start) = (NonCommuting { sigma: 1.0 }, State::new([0.3], [1.0]));
-    strong::<Midpoint, Midpoint, _>("not commuting, Midpoint", &system, start, [4, 8], 13, 300)
-        .check_order(0.5);
-    strong::<DeltaPlus, Midpoint, _>("not commuting, DeltaPlus", &system, start, [4, 8], 13, 300)
-        .check_order(0.5);
+    strong::<Midpoint, _>(&system, start, 4..=8, 13).check_order(0.5);
+    strong::<DeltaPlus, _>(&system, start, 4..=8, 13).check_order(0.5);
 }
 
 /// Two commuting noises with `D = 0`, whose mixed product `∂H_1/∂q · ∂H_2/∂p = w a` is not constant: the algebra of
@@ -356,8 +314,8 @@ fn corrected_has_order_one_where_noises_commute() {
 #[test]
 fn additive_noise() {
     let (system, start) = (TwoAdditive { sigma: 0.75, gamma: 1.0 }, State::new([0.3], [1.0]));
-    strong::<Midpoint, Midpoint, _>("additive, Midpoint", &system, start, [4, 8], 12, 300).check_order(1.0);
-    strong::<DeltaPlus, Midpoint, _>("additive, DeltaPlus", &system, start, [4, 8], 12, 300).check_order(1.0);
+    strong::<Midpoint, _>(&system, start, 4..=8, 12).check_order(1.0);
+    strong::<DeltaPlus, _>(&system, start, 4..=8, 12).check_order(1.0);
 }
 
 #[hamiltonian(
@@ -366,11 +324,11 @@ fn additive_noise() {
 )]
 struct Deterministic;
 
-fn check_deterministic<E>(name: &str, expected: f64)
+fn check_deterministic<E>(expected: f64)
 where
     Deterministic: Discretized<E>,
 {
-    let start = State::new([1.0], [0.5]);
+    let (name, start) = (type_name::<E>(), State::new([1.0], [0.5]));
     let end = |level: u32| {
         let steps = 1_u64 << level;
         let h = 1.0 / steps as f64;
@@ -390,8 +348,8 @@ where
 
 #[test]
 fn deterministic_orders() {
-    check_deterministic::<DeltaPlus>("DeltaPlus", 1.0);
-    check_deterministic::<DeltaMinus>("DeltaMinus", 1.0);
-    check_deterministic::<Midpoint>("Midpoint", 2.0);
-    check_deterministic::<Lambda<1, 4>>("Lambda<1, 4>", 1.0);
+    check_deterministic::<DeltaPlus>(1.0);
+    check_deterministic::<DeltaMinus>(1.0);
+    check_deterministic::<Midpoint>(2.0);
+    check_deterministic::<Lambda<1, 4>>(1.0);
 }
