@@ -2,9 +2,9 @@
 //!
 //! A deterministic run of constant step watches its energy (docs/guide/stability.md); what is right is never refused.
 
-use fixtures::larger;
 use fixtures::rest::ScaledWell;
-use fixtures::small::Kepler;
+use fixtures::small::{Kepler, Rotation};
+use fixtures::{Uniform, larger};
 use wzvi::error::{StepError, StepFailure};
 use wzvi::prelude::*;
 
@@ -38,12 +38,10 @@ fn alarm<V, E>(outcome: Result<Trajectory<V, E>, wzvi::Error>) -> Option<StepErr
     }
 }
 
+/// Uniform numbers below one.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
+    let mut uniform = Uniform(seed);
+    move || 0.5 * (uniform.draw() + 1.0)
 }
 
 /// Divided where it has to be, a step is divided until its halves agree: the mid-point at e = 0.99 takes the pericentre in parts of a
@@ -211,19 +209,13 @@ fn rounding_is_no_alarm() {
     assert_eq!(path.unwrap().iterations().suspected, 0);
 }
 
-/// A mid-point of a linear motion.
-#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [Midpoint, Gauss<8>])]
-struct Oscillator {
-    omega: f64,
-}
-
 /// What rounding does to the energy is no alarm, be it as large as the motion: nearly at rest, and where a step turns by nearly half a turn, its stages are next to nothing.
 #[test]
 fn rounding_as_large_as_the_motion_is_no_alarm() {
     let start = State::new([1.0], [0.0]);
     for exponent in [4, 6, 8] {
         let (omega, steps) = (10.0_f64.powi(exponent), 10_000);
-        let oscillator = Oscillator { omega };
+        let oscillator = Rotation { omega };
         let runs = [
             oscillator.simulate::<Midpoint>(1.0).start(start).steps(steps).run().map(|path| *path.last()),
             oscillator.simulate::<Gauss<8>>(1.0).start(start).steps(steps).run().map(|path| *path.last()),

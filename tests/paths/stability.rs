@@ -1,16 +1,13 @@
 //! Steps that are hard, have no solution, or do not resolve the motion: what the run says, and what helps.
 
+use fixtures::small::Cubic;
 use fixtures::stiff::{SpringPendulum, hanging, length_error, spring_errors, subdivision_cures};
 use wzvi::__private::Plain;
 use wzvi::error::{StepError, StepFailure};
 use wzvi::prelude::*;
 use wzvi::system::{At, Scheme, SchemeOf};
 
-/// `H = p²/2 - q³/3`: the mid-point of a step solves a quadratic equation.
-#[hamiltonian(drift = |q, p| 0.5 * p * p - q * q * q / 3.0, embedding = Midpoint)]
-struct Cubic;
-
-/// The same, kicked.
+/// [`Cubic`], kicked.
 #[hamiltonian(
     drift = |q, p| 0.5 * p * p - q * q * q / 3.0,
     noise = [|q, p| 0.1 * q],

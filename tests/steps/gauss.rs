@@ -1,7 +1,7 @@
 //! Gauss methods: against steps to 36 digits, their orders, and what a step promises.
 
 use fixtures::reference;
-use fixtures::small::{Driven, Pendulum};
+use fixtures::small::{Driven, Pendulum, Rotation};
 use fixtures::steps::{apart, asymmetry, distance, end, lanes_apart, order_of_step, refused, way_back};
 use wzvi::error::StepFailure;
 use wzvi::memory::Iteration;
@@ -232,17 +232,12 @@ fn stiff_linear_forces_cost_few_sweeps() {
     }
 }
 
-#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = Gauss<8>)]
-struct Oscillator {
-    omega: f64,
-}
-
 /// A linear oscillator keeps its radius at any `h ω` but for the rounding of its forces, which are as large as `h ω`: less than one of
 /// them in a step. The tangent map is symplectic to the same.
 #[test]
 fn stiff_linear_forces_keep_the_radius() {
     for omega in [1.0, 5.0, 50.0, 1e4] {
-        let oscillator = Oscillator { omega };
+        let oscillator = Rotation { omega };
         let mut stepper = oscillator.stepper::<Gauss<8>>(1.0).unwrap();
         let mut state = State::new([1.0], [0.0]);
         (0..10_000).for_each(|_| assert!(stepper.step(&mut state, &[]).is_ok()));

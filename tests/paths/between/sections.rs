@@ -1,6 +1,6 @@
 //! Crossings of sections on single paths.
 
-use fixtures::small::Pendulum;
+use fixtures::small::{Kepler, Pendulum};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use wzvi::prelude::*;
@@ -110,12 +110,7 @@ fn noisy_paths_cross_where_they_are_interpolated() {
 /// Steps that are halved are looked into part by part.
 #[test]
 fn halved_steps_are_looked_into() {
-    /// A centre that steps of this size run into.
-    #[hamiltonian(
-        drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) - 1.0 / (x * x + y * y).sqrt(),
-        embedding = Midpoint,
-    )]
-    struct Kepler;
+    // The centre is one that steps of this size run into.
     let start = State::new([1.9, 0.0], [0.0, (0.1_f64 / 1.9).sqrt()]);
     let run = |h: f64| {
         let path = Kepler.simulate::<Midpoint>(h).start(start).retry(Retry::halving(12)).until(6.0);

@@ -1,19 +1,14 @@
 //! What the monitor of the energy allows for rounding follows from the stages that a step solves at once, not from its order.
 
+use fixtures::small::Rotation;
 use wzvi::prelude::*;
 use wzvi::system::Discretized;
 
-/// The mid-point of a linear motion.
-#[hamiltonian(drift = |q, p| 0.5 * omega * (q * q + p * p), embedding = [Midpoint, Gauss<2>, Gauss<3>, Verlet])]
-struct Oscillator {
-    omega: f64,
-}
-
 fn stages<E>() -> u32
 where
-    Oscillator: Discretized<E>,
+    Rotation: Discretized<E>,
 {
-    <Oscillator as Discretized<E>>::PROPERTIES.stages
+    <Rotation as Discretized<E>>::PROPERTIES.stages
 }
 
 #[test]
@@ -29,10 +24,10 @@ fn compositions_have_the_stages_of_their_parts() {
 /// Where a step turns by nearly half a turn the motion is next to nothing, and rounding larger.
 fn check_rounding<E>()
 where
-    Oscillator: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    Rotation: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>,
 {
     for exponent in [2, 4, 6] {
-        let oscillator = Oscillator { omega: 10.0_f64.powi(exponent) };
+        let oscillator = Rotation { omega: 10.0_f64.powi(exponent) };
         let run = oscillator.simulate::<E>(1.0).start(State::new([1.0], [0.0])).steps(5000).run();
         assert!(run.is_ok(), "ωh = 1e{exponent}, {}: {:?}", std::any::type_name::<E>(), run.err());
     }

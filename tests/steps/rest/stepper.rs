@@ -1,14 +1,10 @@
 //! A failed step leaves the stepper, all of it, bit for bit as it was.
 
 use fixtures::Uniform;
+use fixtures::small::Cubic;
 use fixtures::stiff::SpringPendulum;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
-
-/// `H = p²/2 - q³/3`: far out a step has no solution.
-#[hamiltonian(drift = |q, p| 0.5 * p * p - q * q * q / 3.0, embedding = Midpoint)]
-#[derive(Debug)]
-struct Cubic;
 
 #[hamiltonian(
     drift = |q: &[f64], p: &[f64]| {
