@@ -1,7 +1,7 @@
 //! A path of an ensemble without noise is that of a single run: its first step, its energy and its errors.
 
 use fixtures::Uniform;
-use fixtures::small::{Kepler, Pendulum};
+use fixtures::small::{Kepler, Pendulum, Sites};
 use fixtures::stepped::{every_split, failed, paths_are_steppers};
 use std::slice::from_ref;
 use wzvi::error::StepFailure;
@@ -19,14 +19,6 @@ struct Well {
     b: f64,
     c: f64,
     e: f64,
-}
-
-#[hamiltonian(
-    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 2.0 * x.powi(4) - 3.0 * x * x + 2.0 * y.powi(4) - 3.0 * y * y + g * x * y * y,
-    embedding = [Midpoint, Gauss<2>],
-)]
-struct Sites {
-    g: f64,
 }
 
 /// Steps from random states that are long for the force, in ensembles of one and of eight paths; how many paths there were, and how many had an error.
