@@ -6,7 +6,9 @@
 
 use std::array::from_fn;
 
+use fixtures::schemes::Scheme;
 use fixtures::{Uniform as Random, larger};
+use wzvi::nalgebra::{DMatrix, DVector};
 use wzvi::prelude::*;
 use wzvi::scalar::Dual;
 
@@ -17,43 +19,15 @@ const SYMPLECTIC: f64 = 1e-12;
 const GRADIENT: f64 = 1e-12;
 const STEP: f64 = 1e-11;
 
-/// What defines a scheme: points `l` with their weights, of the drift and of the noise, and whether the counter-term is there.
-trait Scheme {
-    const POINTS: [&'static [(f64, f64)]; 2];
-    const IS_CORRECTED: bool = false;
-}
-
 /// Quadratures of this program.
 struct Trapezoidal;
 struct Third;
 
-impl Scheme for DeltaPlus {
-    const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.0, 1.0)]; 2];
-}
-impl Scheme for Midpoint {
-    const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.5, 1.0)]; 2];
-}
-impl Scheme for DeltaMinus {
-    const POINTS: [&'static [(f64, f64)]; 2] = [&[(1.0, 1.0)]; 2];
-}
 impl Scheme for Trapezoidal {
     const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.0, 0.5), (1.0, 0.5)]; 2];
 }
 impl Scheme for Third {
     const POINTS: [&'static [(f64, f64)]; 2] = [&[(0.0, 0.25), (1.0 / 3.0, 0.75)]; 2];
-}
-impl<const N: u32, const D: u32> Scheme for Lambda<N, D> {
-    const POINTS: [&'static [(f64, f64)]; 2] = [&[(N as f64 / D as f64, 1.0)]; 2];
-}
-impl<A: Scheme, B: Scheme> Scheme for Mixed<A, B> {
-    const POINTS: [&'static [(f64, f64)]; 2] = [A::POINTS[0], B::POINTS[1]];
-}
-impl<E: Scheme> Scheme for Uncorrected<E> {
-    const POINTS: [&'static [(f64, f64)]; 2] = E::POINTS;
-}
-impl<E: Scheme> Scheme for Corrected<E> {
-    const POINTS: [&'static [(f64, f64)]; 2] = E::POINTS;
-    const IS_CORRECTED: bool = true;
 }
 
 fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
@@ -126,26 +100,6 @@ fn check_gradient<const N: usize, H: Hamiltonian>(system: &H, random: &mut Rando
             }
         }
     }
-}
-
-/// `A x = b` by Gaussian elimination with partial pivoting.
-fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
-    for k in 0..N {
-        let pivot = (k..N).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap();
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        for i in k + 1..N {
-            let factor = a[i][k] / a[k][k];
-            let row = a[k];
-            a[i].iter_mut().zip(row).for_each(|(x, y)| *x -= factor * y);
-            b[i] -= factor * b[k];
-        }
-    }
-    for i in (0..N).rev() {
-        let sum: f64 = (i + 1..N).map(|j| a[i][j] * b[j]).sum();
-        b[i] = (b[i] - sum) / a[i][i];
-    }
-    b
 }
 
 /// Gradient and Hessian of `H_term` at `((q, p), t)`: what the oracle knows of a system. One copy of it serves all.
@@ -244,7 +198,8 @@ impl<const N: usize> Equations<'_, N> {
                     }
                 }
             }
-            let correction = solve(jacobian, residual);
+            let jacobian = DMatrix::from_fn(N, N, |i, j| jacobian[i][j]);
+            let correction = jacobian.lu().solve(&DVector::from_row_slice(&residual))?;
             x = from_fn(|i| x[i] - correction[i]);
             // To rounding: corrections that have stopped shrinking are its size.
             let size = largest(&correction);

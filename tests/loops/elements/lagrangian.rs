@@ -2,6 +2,7 @@
 //! and that the step is symplectic; with one and two quadrature points, explicit and implicit, with the counter-term, with
 //! one noise and with a family.
 
+use fixtures::schemes::Scheme;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 use wzvi::scalar::{Dual, Scalar};
@@ -62,17 +63,9 @@ struct Bonds {
     sigma: [f64; N],
 }
 
-/// The quadrature points of drift and noise, and whether the counter-term is added: docs/guide/theory.md, section 2, by hand.
-struct Quadrature {
-    drift: f64,
-    noise: f64,
-    is_corrected: bool,
-}
-
-/// `L_d` of the definition, from Hamiltonians and slopes in any numbers.
-fn definition<S: Scalar>(
+/// `L_d` of docs/guide/theory.md, section 2, from Hamiltonians and slopes in any numbers.
+fn definition<E: Scheme, S: Scalar>(
     system: &impl Hamiltonian,
-    quadrature: &Quadrature,
     [q0, q1, p]: [&[S]; 3],
     t: f64,
     dw: &[f64],
@@ -82,7 +75,7 @@ fn definition<S: Scalar>(
     for i in 0..q0.len() {
         value = value + p[i] * (q1[i] - q0[i]);
     }
-    let Quadrature { drift, noise, is_corrected } = *quadrature;
+    let [drift, noise] = E::L;
     value = value - system.evaluate(0, &at(drift), p, t + drift * H) * H;
     let (q, t) = (at(noise), t + noise * H);
     let zeros = vec![S::from_f64(0.0); q.len()];
@@ -95,7 +88,7 @@ fn definition<S: Scalar>(
             (force[i], velocity[i]) = (force[i] + by_q[i] * dw, velocity[i] + by_p[i] * dw);
         }
     }
-    if is_corrected {
+    if E::IS_CORRECTED {
         for i in 0..q.len() {
             value = value - force[i] * velocity[i] * (0.5 - noise);
         }
@@ -108,7 +101,7 @@ fn wave(phase: f64) -> [f64; N] {
 }
 
 /// The gradient against the derivative of the definition in dual numbers, away from any solution.
-fn gradient_is_that_of_the_definition<E, M>(system: &M, quadrature: &Quadrature, dw: &[f64])
+fn gradient_is_that_of_the_definition<E: Scheme, M>(system: &M, dw: &[f64])
 where
     M: Discretized<E, Vector = DVector<f64>>,
 {
@@ -116,7 +109,7 @@ where
     let [q0, q1, p] = [wave(0.2), wave(0.5), wave(1.1)];
     let all: [f64; 3 * N] = std::array::from_fn(|k| [q0, q1, p][k / N][k % N]);
     let dual: [Dual<{ 3 * N }>; 3 * N] = Dual::variables(all);
-    let expected = definition(system, quadrature, [&dual[..N], &dual[N..2 * N], &dual[2 * N..]], t, dw);
+    let expected = definition::<E, _>(system, [&dual[..N], &dual[N..2 * N], &dual[2 * N..]], t, dw);
     let [q0, q1, p] = [q0, q1, p].map(|part| DVector::from_row_slice(&part));
     let segment = Segment { q0, q1, p, t, h: H };
     let value = system.discrete_lagrangian(&segment, dw);
@@ -154,9 +147,8 @@ where
 }
 
 macro_rules! check {
-    ($system:expr, $dw:expr, $($scheme:ty: ($drift:expr, $noise:expr, $is_corrected:expr)),* $(,)?) => {$(
-        let quadrature = Quadrature { drift: $drift, noise: $noise, is_corrected: $is_corrected };
-        gradient_is_that_of_the_definition::<$scheme, _>($system, &quadrature, $dw);
+    ($system:expr, $dw:expr, [$($scheme:ty),*]) => {$(
+        gradient_is_that_of_the_definition::<$scheme, _>($system, $dw);
         step_solves_its_equations::<$scheme, _>($system, $dw);
         let start: [&[f64]; 2] = [&wave(0.2), &wave(1.1)];
         // Ten products of slopes of order one, each solved to a few roundings.
@@ -167,34 +159,16 @@ macro_rules! check {
 #[test]
 fn sweeps_are_derived_from_the_discrete_lagrangian() {
     let family = Family { a: 0.4, sigma: SIGMA };
-    check!(
-        &family,
-        &[0.1, -0.07, 0.02, 0.05, -0.11],
-        Uncorrected<Mixed<Midpoint, DeltaPlus>>: (0.5, 0.0, false),
-        Mixed<DeltaPlus, Midpoint>: (0.0, 0.5, false),
-        Corrected<DeltaMinus>: (1.0, 1.0, true),
-        Corrected<Lambda<1, 4>>: (0.25, 0.25, true),
-        Corrected<Mixed<Midpoint, DeltaPlus>>: (0.5, 0.0, true),
-        Corrected<Mixed<Lambda<1, 3>, DeltaMinus>>: (1.0 / 3.0, 1.0, true),
-    );
-    check!(
-        &Bonds { sigma: SIGMA },
-        &[0.08, -0.05],
-        Corrected<DeltaPlus>: (0.0, 0.0, true),
-        Corrected<DeltaMinus>: (1.0, 1.0, true),
-        Corrected<Lambda<1, 4>>: (0.25, 0.25, true),
-        Corrected<Mixed<Midpoint, DeltaPlus>>: (0.5, 0.0, true),
-    );
-    check!(
-        &Chain { beta: 0.7 },
-        &[0.1],
-        Mixed<DeltaPlus, DeltaMinus>: (0.0, 1.0, false),
-        Mixed<Midpoint, DeltaPlus>: (0.5, 0.0, false),
-        Mixed<DeltaMinus, Midpoint>: (1.0, 0.5, false),
-        DeltaPlus: (0.0, 0.0, false),
-        DeltaMinus: (1.0, 1.0, false),
-        Midpoint: (0.5, 0.5, false),
-    );
+    check!(&family, &[0.1, -0.07, 0.02, 0.05, -0.11], [
+        Uncorrected<Mixed<Midpoint, DeltaPlus>>, Mixed<DeltaPlus, Midpoint>, Corrected<DeltaMinus>, Corrected<Lambda<1, 4>>,
+        Corrected<Mixed<Midpoint, DeltaPlus>>, Corrected<Mixed<Lambda<1, 3>, DeltaMinus>>
+    ]);
+    check!(&Bonds { sigma: SIGMA }, &[0.08, -0.05], [
+        Corrected<DeltaPlus>, Corrected<DeltaMinus>, Corrected<Lambda<1, 4>>, Corrected<Mixed<Midpoint, DeltaPlus>>
+    ]);
+    check!(&Chain { beta: 0.7 }, &[0.1], [
+        Mixed<DeltaPlus, DeltaMinus>, Mixed<Midpoint, DeltaPlus>, Mixed<DeltaMinus, Midpoint>, DeltaPlus, DeltaMinus, Midpoint
+    ]);
 }
 
 /// The slopes of all noises at once are those of each, weighted.

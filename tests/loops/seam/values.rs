@@ -12,6 +12,7 @@ use wzvi::state::Vector;
 use wzvi::system::Segment;
 
 use fixtures::Uniform as Random;
+use fixtures::schemes::Scheme;
 
 use crate::random::{every_random_array, every_random_system, inline, sweep};
 
@@ -91,35 +92,6 @@ where
             to.close("energy rate", a.energy_rate(k, &of_a), b.energy_rate(k, &of_b), rate.error);
         }
     }
-}
-
-/// Quadrature points of the drift and the noise, and whether the counter-term is there.
-trait Scheme {
-    const L: [f64; 2];
-    const IS_CORRECTED: bool = false;
-}
-
-impl Scheme for DeltaPlus {
-    const L: [f64; 2] = [0.0; 2];
-}
-impl Scheme for Midpoint {
-    const L: [f64; 2] = [0.5; 2];
-}
-impl Scheme for DeltaMinus {
-    const L: [f64; 2] = [1.0; 2];
-}
-impl<const N: u32, const D: u32> Scheme for Lambda<N, D> {
-    const L: [f64; 2] = [N as f64 / D as f64; 2];
-}
-impl<A: Scheme, B: Scheme> Scheme for Mixed<A, B> {
-    const L: [f64; 2] = [A::L[0], B::L[1]];
-}
-impl<E: Scheme> Scheme for Uncorrected<E> {
-    const L: [f64; 2] = E::L;
-}
-impl<E: Scheme> Scheme for Corrected<E> {
-    const L: [f64; 2] = E::L;
-    const IS_CORRECTED: bool = true;
 }
 
 /// `L_d` and its gradient by `(q_i, q_{i+1}, P)` with their bounds, from gradients of the Hamiltonians.
