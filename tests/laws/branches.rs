@@ -5,9 +5,12 @@
 //! code that shares nothing with the library; a part in which the determinant changes its sign, or that is not solved, is halved up to sixteen times before the
 //! branch is said to end. [`Reference`] is that; random states of wells and fields, with steps from 0.05 to 2, are its input.
 
-use fixtures::steps::distance;
+use fixtures::extremes::state;
+use fixtures::small::Sites;
+use fixtures::steps::{distance, numbers};
 use fixtures::{Uniform, larger};
 use wzvi::error::StepFailure;
+use wzvi::nalgebra::{DMatrix, DVector};
 use wzvi::prelude::*;
 
 /// Wells of one degree of freedom: Gauss methods eliminate the momenta.
@@ -57,15 +60,6 @@ impl Derivatives for Driven {
         let Self { a, b, c, d, k } = *self;
         Well { a, b, c, d, k }.derivatives(q, p, gradient, hessian);
     }
-}
-
-/// Two sites in double wells.
-#[hamiltonian(
-    drift = |[x, y], [px, py]| 0.5 * (px * px + py * py) + 2.0 * x.powi(4) - 3.0 * x * x + 2.0 * y.powi(4) - 3.0 * y * y + g * x * y * y,
-    embedding = [Midpoint, Gauss<2>, Gauss<4>],
-)]
-struct Sites {
-    g: f64,
 }
 
 /// First and second derivatives by `q` and `p`, in that order.
@@ -164,13 +158,8 @@ impl Reference {
         let unknowns = s * n;
         let mut last = f64::INFINITY;
         for _ in 0..30 {
-            let (mut residual, mut matrix) = (vec![0.0; unknowns], vec![vec![0.0; unknowns]; unknowns]);
-            for i in 0..s {
-                for k in 0..n {
-                    residual[i * n + k] = y[i * n + k] - start[k];
-                    matrix[i * n + k][i * n + k] += 1.0;
-                }
-            }
+            let mut residual = DVector::from_fn(unknowns, |row, _| y[row] - start[row % n]);
+            let mut matrix = DMatrix::<f64>::identity(unknowns, unknowns);
             for j in 0..s {
                 let (mut gradient, mut hessian) = (vec![0.0; n], vec![0.0; n * n]);
                 let (q, p) = y[j * n..(j + 1) * n].split_at(n / 2);
@@ -181,17 +170,18 @@ impl Reference {
                         let (row, sign) = if k < n / 2 { (k + n / 2, 1.0) } else { (k - n / 2, -1.0) };
                         residual[i * n + k] -= sign * h * self.a[i][j] * gradient[row];
                         for l in 0..n {
-                            matrix[i * n + k][j * n + l] -= sign * h * self.a[i][j] * hessian[row * n + l];
+                            matrix[(i * n + k, j * n + l)] -= sign * h * self.a[i][j] * hessian[row * n + l];
                         }
                     }
                 }
             }
-            let is_reversed = eliminate(&mut matrix, &mut residual)?;
+            let factors = matrix.lu();
+            let corrections = factors.solve(&residual)?;
             let size = |v: &[f64]| v.iter().fold(0.0, |most, x| larger(most, x.abs()));
-            let correction = size(&residual);
-            y.iter_mut().zip(&residual).for_each(|(y, c)| *y -= c);
+            let correction = size(corrections.as_slice());
+            y.iter_mut().zip(&corrections).for_each(|(y, c)| *y -= c);
             if correction <= 1e-13 * (1.0 + size(&y)) {
-                return Some((y, is_reversed));
+                return Some((y, factors.determinant() < 0.0));
             }
             if correction.is_nan() || correction > 0.5 * last {
                 return None;
@@ -243,37 +233,6 @@ impl Reference {
     }
 }
 
-/// `b` becomes `A⁻¹ b`; whether the determinant is negative, or nothing where it vanishes.
-fn eliminate(matrix: &mut [Vec<f64>], b: &mut [f64]) -> Option<bool> {
-    let (n, mut is_reversed) = (b.len(), false);
-    for k in 0..n {
-        let best = (k..n).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs()))?;
-        if best != k {
-            matrix.swap(k, best);
-            b.swap(k, best);
-            is_reversed = !is_reversed;
-        }
-        let pivot = matrix[k][k];
-        if pivot == 0.0 || !pivot.is_finite() {
-            return None;
-        }
-        is_reversed ^= pivot < 0.0;
-        let (above, below) = matrix.split_at_mut(k + 1);
-        for (i, row) in below.iter_mut().enumerate() {
-            let factor = row[k] / pivot;
-            if factor != 0.0 {
-                row[k..].iter_mut().zip(&above[k][k..]).for_each(|(x, y)| *x -= factor * y);
-                b[k + 1 + i] -= factor * b[k];
-            }
-        }
-    }
-    for k in (0..n).rev() {
-        let sum: f64 = (k + 1..n).map(|j| matrix[k][j] * b[j]).sum();
-        b[k] = (b[k] - sum) / matrix[k][k];
-    }
-    Some(is_reversed)
-}
-
 const WELLS: [Well; 6] = [
     Well { a: -6.0, b: 0.0, c: 2.0, d: 0.0, k: 1.0 },
     Well { a: 0.0, b: 0.0, c: 0.0, d: -1.0, k: 1.0 },
@@ -291,51 +250,26 @@ const FIELDS: [Field; 4] = [
 ];
 
 /// What became of steps from random states.
-#[derive(Debug, Default, Clone, Copy)]
+#[derive(Debug, Default)]
 struct Counts {
-    steps: u32,
-    right: u32,
-    hard: u32,
+    steps: u64,
+    right: u64,
+    hard: u64,
     /// Another branch as `Ok`, or one where there is none.
-    wrong: u32,
+    wrong: u64,
     /// The same, reported as doubtful.
-    doubtful: u32,
+    doubtful: u64,
     /// Refused, though the reference goes on.
-    lost: u32,
+    lost: u64,
     /// Refused, and rightly so.
-    refused: u32,
+    refused: u64,
 }
 
-impl Counts {
-    fn add(&mut self, other: Self) {
-        let Self { steps, right, hard, wrong, doubtful, lost, refused } = other;
-        let pairs = [
-            (&mut self.steps, steps),
-            (&mut self.right, right),
-            (&mut self.hard, hard),
-            (&mut self.wrong, wrong),
-            (&mut self.doubtful, doubtful),
-            (&mut self.lost, lost),
-            (&mut self.refused, refused),
-        ];
-        pairs.into_iter().for_each(|(sum, one)| *sum += one);
-    }
-}
-
-/// One step from a state.
-fn step<H, E, const D: usize>(
-    system: &H,
-    h: f64,
-    q: [f64; D],
-    p: [f64; D],
-) -> Result<(Vec<f64>, wzvi::step::StepInfo), StepFailure>
-where
-    H: Discretized<E> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
-{
-    let mut state: State<wzvi::nalgebra::SVector<f64, D>> = State::new(q, p);
-    let info = wzvi::step::Stepper::<H, E>::new(system, h).unwrap().step(&mut state, &[]);
-    let info = info.map_err(|error| error.cause)?;
-    Ok((components(&state), info))
+/// The end of one step from a state.
+fn step<H: Discretized<E>, E>(system: &H, h: f64, [q, p]: [&[f64]; 2]) -> Result<Vec<f64>, StepFailure> {
+    let mut state = state(q, p);
+    system.stepper::<E>(h).unwrap().step(&mut state, &[]).map_err(|error| error.cause)?;
+    Ok(numbers(&state))
 }
 
 /// The largest distance of two ends, in units of what they are. Both are solved to rounding, which conditions of 1e5 leave below 1e-8; another branch
@@ -345,33 +279,35 @@ fn apart(end: &[f64], other: &[f64]) -> f64 {
 }
 
 /// Steps of one scheme: runs of a few from random states, of which the first has nothing to extrapolate from.
-fn compare<H, E, const D: usize>(system: &H, stages: usize, steps: u32, seed: u64) -> Counts
-where
-    H: Derivatives + Discretized<E> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
-{
+fn compare<H: Derivatives + Discretized<E>, E>(
+    system: &H,
+    stages: usize,
+    [steps, seed]: [u64; 2],
+    counts: &mut Counts,
+) {
     const RUN: u32 = 4;
-    let (reference, mut random) = (Reference::new(stages), Uniform(seed));
-    let (mut counts, dw) = (Counts::default(), vec![0.0; system.increments(D)]);
-    while counts.steps < steps {
+    let (reference, mut random, degrees) = (Reference::new(stages), Uniform(seed), system.degrees());
+    let (before, dw) = (counts.steps, vec![0.0; system.increments(degrees)]);
+    while counts.steps - before < steps {
         let h = 1.025 + 0.975 * random.draw();
-        let q: [f64; D] = std::array::from_fn(|_| 2.0 * random.draw());
-        let p: [f64; D] = std::array::from_fn(|_| 3.0 * random.draw());
-        let mut state: State<wzvi::nalgebra::SVector<f64, D>> = State::new(q, p);
-        let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap();
+        let q: Vec<f64> = (0..degrees).map(|_| 2.0 * random.draw()).collect();
+        let p: Vec<f64> = (0..degrees).map(|_| 3.0 * random.draw()).collect();
+        let mut state = state(&q, &p);
+        let mut stepper = system.stepper::<E>(h).unwrap();
         for n in 0..RUN {
-            let start = components(&state);
+            let start = numbers(&state);
             let taken = stepper.step(&mut state, &dw);
-            let (end, followed) = (components(&state), reference.follow(system, h, &start));
+            let (end, followed) = (numbers(&state), reference.follow(system, h, &start));
             let what = format!("{stages} stages, h = {h:?}, q = {q:?}, p = {p:?}, step {n}");
             counts.steps += 1;
             match (&taken, &followed) {
                 (Ok(info), Ok(other)) if apart(&end, other) < 1e-8 => {
                     counts.right += 1;
-                    counts.hard += u32::from(info.is_hard);
+                    counts.hard += u64::from(info.is_hard);
                 }
                 (Ok(info), other) => {
-                    counts.wrong += u32::from(!info.is_doubtful);
-                    counts.doubtful += u32::from(info.is_doubtful);
+                    counts.wrong += u64::from(!info.is_doubtful);
+                    counts.doubtful += u64::from(info.is_doubtful);
                     println!("another: {what}: {end:?}, {info:?} for {other:?}");
                 }
                 (Err(error), Ok(end)) => {
@@ -385,12 +321,6 @@ where
             }
         }
     }
-    counts
-}
-
-/// `q`, then `p`.
-fn components<const D: usize>(state: &State<wzvi::nalgebra::SVector<f64, D>>) -> Vec<f64> {
-    state.q.iter().chain(state.p.iter()).copied().collect()
 }
 
 /// Steps of each scheme and system, and the seed of their random states, as the environment says.
@@ -405,9 +335,8 @@ fn random_steps_continue_their_state() {
     let ([steps, seed], mut all) = (settings(), Counts::default());
     macro_rules! of {
         ($system:expr, $name:expr, $($scheme:ty, $stages:expr);+) => {$(
-            let counts = compare::<_, $scheme, _>($system, $stages, steps as u32, seed + $stages);
-            println!("{} {}: {counts:?}", $name, stringify!($scheme));
-            all.add(counts);
+            compare::<_, $scheme>($system, $stages, [steps, seed + $stages], &mut all);
+            println!("up to {}, {}: {all:?}", $name, stringify!($scheme));
         )+};
     }
     for (i, well) in WELLS.iter().enumerate() {
@@ -417,7 +346,6 @@ fn random_steps_continue_their_state() {
         of!(field, format!("field {i}"), Midpoint, 1; Gauss<2>, 2; Gauss<3>, 3; Gauss<4>, 4; Gauss<6>, 6; Gauss<8>, 8);
     }
     of!(&Sites { g: 0.1 }, "sites", Midpoint, 1; Gauss<2>, 2; Gauss<4>, 4);
-    println!("all: {all:?}");
     assert_eq!(all.wrong, 0, "{all:?}");
     assert!(100 * (all.lost + all.doubtful) <= all.steps, "{all:?}");
 }
@@ -425,9 +353,9 @@ fn random_steps_continue_their_state() {
 /// With noise, a step that is far too long may be on another branch, one in a thousand of these (docs/guide/solver.md).
 #[test]
 fn noisy_steps_mostly_continue_their_state() {
-    let ([steps, seed], mut all) = (settings(), Counts::default());
+    let mut all = Counts::default();
     for Well { a, b, c, d, k } in WELLS {
-        all.add(compare::<_, Midpoint, _>(&Driven { a, b, c, d, k }, 1, steps as u32, seed));
+        compare::<_, Midpoint>(&Driven { a, b, c, d, k }, 1, settings(), &mut all);
     }
     println!("with noise: {all:?}");
     assert!(100 * (all.wrong + all.lost + all.doubtful) <= all.steps, "{all:?}");
@@ -440,7 +368,7 @@ fn steps_that_took_another_branch_take_theirs() {
         (1.2110799095785991, 1.59361314169284, -2.913978209711982, [-0.49215, -0.53049]),
         (1.5623668714255263, 0.36399835055286367, -0.3744768562063454, [1.1389, 1.3664]),
     ] {
-        let (found, _) = step::<_, Midpoint, 1>(&WELLS[0], h, [q], [p]).unwrap();
+        let found = step::<_, Midpoint>(&WELLS[0], h, [&[q], &[p]]).unwrap();
         assert!(apart(&found, &end) < 1e-4, "h = {h}: {found:?}");
     }
 }
@@ -449,7 +377,7 @@ fn steps_that_took_another_branch_take_theirs() {
 #[test]
 fn a_step_without_solution_is_refused() {
     let (q, p) = ([0.28970507888540187, 0.023464527220164122], [-0.6653666178918991, 2.2717320121626834]);
-    let refused = step::<_, Midpoint, 2>(&Sites { g: 0.1 }, 1.2400922435667148, q, p);
+    let refused = step::<_, Midpoint>(&Sites { g: 0.1 }, 1.2400922435667148, [&q, &p]);
     let Err(StepFailure::NoSolution { reached }) = refused else { panic!("{refused:?}") };
     assert!((reached - 0.685).abs() < 1e-3, "{reached}");
 }
@@ -457,13 +385,11 @@ fn a_step_without_solution_is_refused() {
 /// They were said to end at 100 and at 83 % of the step.
 #[test]
 fn branches_that_go_on_are_followed() {
-    let (found, _) =
-        step::<_, Gauss<2>, 1>(&FIELDS[1], 0.216771236646276, [2.4226158039943133], [2.154383125221064])
-            .unwrap();
+    let start: [&[f64]; 2] = [&[2.4226158039943133], &[2.154383125221064]];
+    let found = step::<_, Gauss<2>>(&FIELDS[1], 0.216771236646276, start).unwrap();
     assert!(apart(&found, &[10.52593522, 0.38384452]) < 1e-8, "{found:?}");
-    let (found, _) =
-        step::<_, Gauss<2>, 1>(&WELLS[0], 1.8614907200976254, [1.0408675305068087], [-0.6035365078746842])
-            .unwrap();
+    let start: [&[f64]; 2] = [&[1.0408675305068087], &[-0.6035365078746842]];
+    let found = step::<_, Gauss<2>>(&WELLS[0], 1.8614907200976254, start).unwrap();
     assert!(apart(&found, &[0.96902141, 0.73301663]) < 1e-8, "{found:?}");
 }
 
@@ -473,19 +399,9 @@ fn branches_that_go_on_are_followed() {
 fn runs_leave_hard_steps_on_their_branch() {
     let (q, p) = ([-0.49514271753632677, -1.757832284204897], [-2.8248624702579495, -1.5356239539409942]);
     let taken = [
-        follow_run::<_, Midpoint, 1>(
-            &WELLS[0],
-            1.1788991315147956,
-            [-0.7713954891219279],
-            [1.2232998105796071],
-        ),
-        follow_run::<_, Midpoint, 1>(
-            &WELLS[2],
-            1.331842010251052,
-            [0.8573843314845702],
-            [-2.8205404035121844],
-        ),
-        follow_run::<_, Midpoint, 2>(&Sites { g: 0.1 }, 1.8443364871566015, q, p),
+        follow_run(&WELLS[0], 1.1788991315147956, [&[-0.7713954891219279], &[1.2232998105796071]]),
+        follow_run(&WELLS[2], 1.331842010251052, [&[0.8573843314845702], &[-2.8205404035121844]]),
+        follow_run(&Sites { g: 0.1 }, 1.8443364871566015, [&q, &p]),
     ];
     assert!(taken.iter().all(|&steps| steps >= 2), "{taken:?}: too few to leave a hard step behind");
 }
@@ -494,23 +410,20 @@ fn runs_leave_hard_steps_on_their_branch() {
 #[test]
 fn a_run_stays_on_its_branch() {
     for h in [0.2, 0.5, 0.8, 1.1] {
-        follow_run::<_, Midpoint, 1>(&WELLS[0], h, [0.9], [0.4]);
+        follow_run(&WELLS[0], h, [&[0.9], &[0.4]]);
     }
 }
 
 /// Steps of a run, each compared with the reference, until both refuse one; their number, at most sixty.
-fn follow_run<H, E, const D: usize>(system: &H, h: f64, q: [f64; D], p: [f64; D]) -> u32
-where
-    H: Derivatives + Discretized<E> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
-{
-    let (reference, mut state) = (Reference::new(1), State::new(q, p));
-    let mut stepper = wzvi::step::Stepper::<H, E>::new(system, h).unwrap();
+fn follow_run<H: Derivatives + Discretized<Midpoint>>(system: &H, h: f64, [q, p]: [&[f64]; 2]) -> u32 {
+    let (reference, mut state) = (Reference::new(1), state(q, p));
+    let mut stepper = system.stepper::<Midpoint>(h).unwrap();
     for n in 0..60 {
-        let followed = reference.follow(system, h, &components(&state));
+        let followed = reference.follow(system, h, &numbers(&state));
         let taken = stepper.step(&mut state, &[]);
         match (taken, followed) {
             (Ok(_), Ok(end)) => {
-                assert!(apart(&components(&state), &end) < 1e-8, "h = {h}, {n}: {state:?} for {end:?}");
+                assert!(apart(&numbers(&state), &end) < 1e-8, "h = {h}, {n}: {state:?} for {end:?}");
             }
             (Err(_), Err(_)) => return n,
             (taken, followed) => panic!("h = {h}, {n}: {taken:?} for {followed:?}"),
