@@ -130,14 +130,14 @@ fn lagrangian<E: Scheme, const N: usize>(
         }
     }
     if E::IS_CORRECTED {
-        counter_bounds::<E, N>(system, &point(E::L[1]), t + E::L[1] * h, dw, &mut value, &mut slopes);
+        counter_bounds::<N>(system, &point(E::L[1]), t + E::L[1] * h, dw, &mut value, &mut slopes);
     }
     (value, slopes)
 }
 
 /// Adds the bounds of the counter-term `(1/2 - l) Σ_jk ΔW_j ΔW_k ∂H_j/∂q · ∂H_k/∂p`: its products are as exact as its
 /// factors, second derivatives as first ones relative to their size, which takes as many operations.
-fn counter_bounds<E: Scheme, const N: usize>(
+fn counter_bounds<const N: usize>(
     system: &impl Hamiltonian,
     z: &[Rounded; N],
     t: f64,
