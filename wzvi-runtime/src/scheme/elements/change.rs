@@ -14,13 +14,11 @@
 //! by the same analysis, and no pass has to follow the rounding of every term. Each number is compared with its own rounding, so that the
 //! result does not depend on units or on other sites.
 
-use std::ops::Range;
-
 use super::memory::Lists;
-use super::passes::{Block, in_blocks, load, poisoned, widened};
+use super::passes::{Block, load, poisoned, widened};
 use super::step::Step;
-use super::{Elements, Quadrature, Stage, Unknowns};
-use crate::algebra::scalar::Scalar;
+use super::{Elements, Stage, Unknowns};
+use crate::algebra::scalar::{Mask, Scalar};
 
 /// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by [`CONTRACTS`](super::CONTRACTS), so
 /// that a twentieth is left.
@@ -81,75 +79,59 @@ impl<const L: usize> Seen<L> {
 }
 
 impl<H: Elements, S: Scalar> Step<'_, H, S> {
-    /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]; `false` for numbers
-    /// of several parts.
+    /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]: of each path side by side.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> bool {
-        let is_unseen = |change| change == Change::Unseen;
-        // The first one mostly decides.
-        size_of::<S>() == size_of::<f64>()
-            && is_unseen(change::<S, 1>(self.scheme, self.q, lists, 0..self.degrees().min(1)))
-            && is_unseen(change::<S, 4>(self.scheme, self.q, lists, 0..self.degrees()))
-    }
-}
-
-/// The change by the last correction at some places.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn change<S: Scalar, const L: usize>(
-    scheme: &Quadrature,
-    q: &[S],
-    lists: &Lists<'_, S>,
-    places: Range<usize>,
-) -> Change {
-    let mut seen = Seen::<L>::new();
-    if scheme.unknowns == Unknowns::Both {
-        change_of_both(scheme, q, lists, places, &mut seen);
-        return seen.finish();
-    }
-    let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
-    for &Stage { point, .. } in scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-        let (q, u, before) = (&q[places.clone()], &u[places.clone()], &before[places.clone()]);
-        in_blocks::<L>(places.len(), &mut Moved { q, u, before, point, seen: &mut seen });
-    }
-    if scheme.stages.iter().any(|stage| stage.point == 0.0) {
-        // Elements at the node may depend on momenta.
-        let (x, correction) = (&x[places.clone()], &correction[places.clone()]);
-        let momentum = &momentum[places.clone()];
-        in_blocks::<L>(places.len(), &mut Kicked { x, correction, momentum, seen: &mut seen });
-    }
-    seen.finish()
-}
-
-/// The same where both halves are unknown.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn change_of_both<S: Scalar, const L: usize>(
-    scheme: &Quadrature,
-    q: &[S],
-    lists: &Lists<'_, S>,
-    places: Range<usize>,
-    seen: &mut Seen<L>,
-) {
-    let Lists { x, correction, momentum, .. } = lists;
-    let (x, correction) =
-        (&x.as_chunks::<2>().0[places.clone()], &correction.as_chunks::<2>().0[places.clone()]);
-    let state = q[places.clone()].iter().zip(&momentum[places]);
-    for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in x.iter().zip(correction).zip(state) {
-        for &Stage { point, .. } in scheme.stages.iter().filter(|stage| stage.point != 0.0) {
-            seen.take([(change_u * point).magnitude()], [moved(q, u, point, S::magnitude)]);
+    pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> S::Mask {
+        let mut all = S::Mask::from_bool(true);
+        for place in 0..self.degrees() {
+            all = all & self.changes_nothing_at(lists, place);
+            // The first one mostly decides.
+            if !all.any() {
+                break;
+            }
         }
-        seen.take([change_v.magnitude()], [momentum.magnitude() + v.magnitude()]);
+        all
     }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn changes_nothing_at(&self, lists: &Lists<'_, S>, place: usize) -> S::Mask {
+        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
+        let is_both = self.scheme.unknowns == Unknowns::Both;
+        let mut is_unseen = S::Mask::from_bool(true);
+        for &Stage { point, .. } in self.scheme.stages {
+            let (u, change) = match is_both {
+                true => (x[2 * place], correction[2 * place] * point),
+                false => (u[place], (u[place] - before[place]) * point),
+            };
+            if point != 0.0 {
+                is_unseen = is_unseen & unseen(change, moved(self.q[place], u, point, S::abs));
+            }
+        }
+        // Elements at the node may depend on momenta.
+        if is_both || self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
+            let number = if is_both { 2 * place + 1 } else { place };
+            let rounded = momentum[place].abs() + x[number].abs();
+            is_unseen = is_unseen & unseen(correction[number], rounded);
+        }
+        is_unseen
+    }
+}
+
+/// Whether a change of numbers whose rounding is `ε rounded` is finite and negligible.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn unseen<S: Scalar>(change: S, rounded: S) -> S::Mask {
+    !S::from_f64(0.0).less(beyond(change.abs(), rounded)) & change.is_finite()
 }
 
 /// A change above [`UNSEEN`] of the rounding `ε rounded`: rounding does not change the sign of a difference.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn beyond<R: Scalar>(change: R, rounded: R) -> R {
+fn beyond<R: Scalar>(change: R, rounded: R) -> R {
     change - rounded * (UNSEEN * f64::EPSILON)
 }
 
 /// `|q + c u| + 2 |c u|`, with the sizes of numbers by `size`.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn moved<S: Scalar, R: Scalar>(q: S, u: S, point: f64, size: impl Fn(S) -> R) -> R {
+fn moved<S: Scalar, R: Scalar>(q: S, u: S, point: f64, size: impl Fn(S) -> R) -> R {
     let way = u * point;
     size(q + way) + size(way) * 2.0
 }
@@ -174,28 +156,6 @@ impl<S: Scalar, const L: usize> Block for Moved<'_, S, L> {
         }
         for i in 0..N {
             rounded[i] = moved(q[i], u[i], self.point, S::magnitude);
-        }
-        self.seen.take(change, rounded);
-    }
-}
-
-/// Unknowns, their corrections, and momenta.
-struct Kicked<'a, S, const L: usize> {
-    x: &'a [S],
-    correction: &'a [S],
-    momentum: &'a [S],
-    seen: &'a mut Seen<L>,
-}
-
-impl<S: Scalar, const L: usize> Block for Kicked<'_, S, L> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<const N: usize>(&mut self, first: usize) {
-        let (x, momentum) = (load::<_, N>(self.x, first), load::<_, N>(self.momentum, first));
-        let correction = load::<_, N>(self.correction, first);
-        let (mut change, mut rounded) = ([0.0; N], [0.0; N]);
-        for i in 0..N {
-            change[i] = correction[i].magnitude();
-            rounded[i] = momentum[i].magnitude() + x[i].magnitude();
         }
         self.seen.take(change, rounded);
     }

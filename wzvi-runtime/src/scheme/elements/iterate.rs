@@ -3,7 +3,7 @@
 use super::change::Change;
 use super::linear::Linear;
 use super::memory::{Lists, Scratch, Solver};
-use super::passes::{Corrected, largest, subtract};
+use super::passes::{largest, subtract};
 use super::preference::Solution;
 use super::rounding::variation;
 use super::side_by_side::{Pace, is_side_by_side};
@@ -470,13 +470,17 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         is_newton: bool,
         pace: Pace<f64>,
     ) -> bool {
+        let is_plain = size_of::<S>() == size_of::<f64>();
         taken.change == Some(Change::Unseen)
             || (pace.is_enough() && self.resolves(&scratch.lists, pace.expected(), S::magnitude))
-            || (!is_newton && taken.change.is_none() && self.changes_nothing(&scratch.lists))
+            || (!is_newton
+                && taken.change.is_none()
+                && is_plain
+                && self.changes_nothing(&scratch.lists).all())
     }
 
-    /// Whether the remainder of each correction, by the overall contraction and by that of its own unknown, is below the
-    /// rounding of the state that it changes. Sizes of numbers are those by `size`.
+    /// Whether the remainder of each correction is below the rounding of the state that it changes, if the next correction is smaller by the
+    /// factor `ratio` or by that of its own unknown, whichever is larger. Sizes of numbers are those by `size`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn resolves<R: Scalar>(
         self,
@@ -484,19 +488,22 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         ratio: R,
         size: impl Fn(S) -> R + Copy,
     ) -> R::Mask {
+        let (zero, one, mut all) = (R::from_f64(0.0), R::from_f64(1.0), R::Mask::from_bool(true));
         let Lists { x, correction, previous, .. } = lists;
-        if self.scheme.unknowns == Unknowns::Both {
-            let state = self.q.iter().zip(self.p).map(|(&q, &p)| [q, p]);
-            return Corrected::<S, 2>::of(x, correction, previous).0.are_small(state, ratio, size);
+        for (k, ((&x, &correction), &previous)) in x.iter().zip(&**correction).zip(&**previous).enumerate() {
+            let state = match self.scheme.unknowns {
+                Unknowns::Both if k % 2 == 0 => self.q[k / 2],
+                Unknowns::Both => self.p[k / 2],
+                _ => self.p[k],
+            };
+            let change = size(correction);
+            let own = change / size(previous);
+            let factor = R::select(ratio.less(own), own, ratio);
+            let factor = R::select(factor.less(one), factor, one);
+            let bound = (size(x) + size(state)) * f64::EPSILON;
+            all = all & !zero.less(change * factor - bound);
         }
-        let (groups, [x, correction, previous]) = Corrected::<S, 4>::of(x, correction, previous);
-        let (state, rest) = self.p.as_chunks::<4>();
-        let are_small = groups.are_small(state.iter().copied(), ratio, size);
-        if !are_small.any() {
-            return are_small;
-        }
-        let (others, state) = (Corrected::<S, 1>::of(x, correction, previous).0, rest.iter().map(|&p| [p]));
-        are_small & others.are_small(state, ratio, size)
+        all
     }
 }
 

@@ -3,12 +3,11 @@
 //! Each path takes the decisions that it takes alone, by the same comparisons. Its unknowns stay as they are once its equations are solved, while
 //! those of others go on. Where a path needs more than a fixed point that contracts, all go alone in this step.
 
-use super::change::{beyond, moved};
 use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING};
 use super::memory::Lists;
 use super::pairs::LEAST_IN_COLUMNS;
 use super::step::Step;
-use super::{CONTRACTS, Elements, Quadrature, Stage, Unknowns};
+use super::{CONTRACTS, Elements, Quadrature, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::astray;
 use crate::error::StepFailure;
@@ -99,7 +98,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             solved = solved | (is_enough & self.resolves(lists, pace.expected(), S::abs));
         }
         if !solved.all() {
-            solved = solved | self.changed_nothing(lists);
+            solved = solved | self.changes_nothing(lists);
         }
         (iteration.solved, iteration.last) = (solved, relative);
         if (pace.needs_more() & !solved).any() {
@@ -107,46 +106,6 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
         Ok(solved.all())
     }
-
-    /// [`Step::changes_nothing`] by path.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn changed_nothing(&self, lists: &Lists<'_, S>) -> S::Mask {
-        // The first one mostly decides.
-        let first = self.changed_nothing_at(lists, 0);
-        if !first.any() {
-            return first;
-        }
-        (1..self.degrees()).fold(first, |all, place| all & self.changed_nothing_at(lists, place))
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn changed_nothing_at(&self, lists: &Lists<'_, S>, place: usize) -> S::Mask {
-        let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
-        let is_both = self.scheme.unknowns == Unknowns::Both;
-        let mut is_unseen = S::Mask::from_bool(true);
-        for &Stage { point, .. } in self.scheme.stages {
-            let (u, change) = match is_both {
-                true => (x[2 * place], correction[2 * place] * point),
-                false => (u[place], (u[place] - before[place]) * point),
-            };
-            if point != 0.0 {
-                is_unseen = is_unseen & unseen(change, moved(self.q[place], u, point, S::abs));
-            }
-        }
-        // Elements at the node may depend on momenta.
-        if is_both || self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
-            let number = if is_both { 2 * place + 1 } else { place };
-            let rounded = momentum[place].abs() + x[number].abs();
-            is_unseen = is_unseen & unseen(correction[number], rounded);
-        }
-        is_unseen
-    }
-}
-
-/// Whether a change of numbers whose rounding is `ε rounded` is finite and negligible.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn unseen<S: Scalar>(change: S, rounded: S) -> S::Mask {
-    !S::from_f64(0.0).less(beyond(change.abs(), rounded)) & change.is_finite()
 }
 
 /// Corrections of zero where equations are solved.
