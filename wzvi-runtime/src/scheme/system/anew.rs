@@ -2,7 +2,6 @@
 
 use super::{At, Hamiltonian, Scheme};
 use crate::algebra::carry::Plain;
-use crate::algebra::few::Few;
 use crate::algebra::scalar::{Constant, Over};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
@@ -33,60 +32,27 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Ove
                 p.copy_from_slice(&start_p);
                 *memory = known;
             }
-            with_care::<H, T, K, S>(system, prepared, At { t, h, q, p, dw }, memory)
+            // Copies: state and increments stay in registers only where no function is given their address.
+            let (mut end_q, mut end_p, dw) = (q.to_vec(), p.to_vec(), dw.to_vec());
+            let at = At { t, h, q: &mut end_q, p: &mut end_p, dw: &dw };
+            let (effort, fresh) = careful::<H, T, K, S>(system, prepared.clone(), at)?;
+            q.copy_from_slice(&end_q);
+            p.copy_from_slice(&end_p);
+            *memory = fresh;
+            Ok(effort)
         }
     }
 }
 
 /// Starts from an empty memory: rare, and out of line.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn with_care<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
-    system: &H,
-    prepared: &T::Prepared<K>,
-    at: At<'_, S, K>,
-    memory: &mut T::Memory<S>,
-) -> Result<Effort, StepFailure> {
-    let At { t, h, q, p, dw } = at;
-    let (effort, fresh) = match (Few::of(q), Few::of(p), Few::of(dw)) {
-        (Some(few_q), Some(few_p), Some(dw)) => {
-            let (effort, fresh, few_q, few_p) =
-                of_few::<H, T, K, S>(system, prepared.clone(), [t, h], few_q, few_p, dw)?;
-            q.copy_from_slice(&few_q);
-            p.copy_from_slice(&few_p);
-            (effort, fresh)
-        }
-        _ => careful::<H, T, K, S>(system, prepared, At { t, h, q, p, dw })?,
-    };
-    *memory = fresh;
-    Ok(effort)
-}
-
-type Taken<S, M> = (Effort, M, Few<S>, Few<S>);
-
-/// Takes the state by value.
-#[cold]
-#[inline(never)]
-fn of_few<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
-    system: &H,
-    prepared: T::Prepared<K>,
-    [t, h]: [K; 2],
-    mut q: Few<S>,
-    mut p: Few<S>,
-    dw: Few<S>,
-) -> Result<Taken<S, T::Memory<S>>, StepFailure> {
-    let at = At { t, h, q: &mut q, p: &mut p, dw: &dw };
-    let (effort, fresh) = careful::<H, T, K, S>(system, &prepared, at)?;
-    Ok((effort, fresh, q, p))
-}
-
 #[cold]
 #[inline(never)]
 fn careful<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Over<K>>(
     system: &H,
-    prepared: &T::Prepared<K>,
+    prepared: T::Prepared<K>,
     at: At<'_, S, K>,
 ) -> Result<(Effort, T::Memory<S>), StepFailure> {
     let mut fresh = Default::default();
-    let effort = T::advance::<K, S, Plain, true>(system, prepared, at, &mut fresh, &mut Plain)?;
+    let effort = T::advance::<K, S, Plain, true>(system, &prepared, at, &mut fresh, &mut Plain)?;
     Ok((effort, fresh))
 }
