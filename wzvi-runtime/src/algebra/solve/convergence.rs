@@ -17,7 +17,7 @@ pub(super) const CURVATURE: f64 = 0.25;
 pub(super) const FIRST: f64 = 0.5 * CURVATURE;
 /// The bound on the second correction from an extrapolated start, whatever the first was. Such a start may be anywhere; the bound ensures that the Jacobian
 /// is constant to `ω = 2^-9` between start and solution. It is for a stiff unknown that alternates.
-pub(super) const ASTRAY: f64 = CURVATURE * GUIDED * GUIDED;
+const ASTRAY: f64 = CURVATURE * GUIDED * GUIDED;
 /// A first correction below this part of the step is followed by smaller ones in any case.
 pub(super) const GUIDED: f64 = 1.0 / 16.0;
 /// Corrections below twice this fraction of an unknown cannot lead to another solution, and need only halve.
@@ -28,7 +28,7 @@ pub(super) const WHOLE: f64 = 1.0;
 
 /// The square of a correction, as far as it predicts the next one.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn predicting(relative: f64) -> f64 {
+fn predicting(relative: f64) -> f64 {
     f64::min(relative * relative, WHOLE)
 }
 
@@ -66,6 +66,12 @@ impl Convergence {
         let enough = ROUNDING * ROUNDING * ROUNDING;
         let (unseen, iterations, is_patient, is_beyond_rounding) = (UNSEEN, 0, false, false);
         Self { curved, enough, unseen, iterations, second, is_patient, is_beyond_rounding }
+    }
+
+    /// Where an iteration is after corrections that were good at a glance.
+    pub(super) fn resumed(iterations: u32, curved: f64, enough: f64, is_guess: bool) -> Self {
+        let new = Self::new(is_guess);
+        if iterations == 0 { new } else { Self { iterations, curved, enough, ..new } }
     }
 
     /// An extrapolated start that turned out to be zero claims nothing: there was no solution to extrapolate.
@@ -163,7 +169,7 @@ impl Convergence {
 
 /// The bound on the next correction: `CURVATURE` times the square of the last one, and at most half of it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn allowed(curved: f64) -> f64 {
+fn allowed(curved: f64) -> f64 {
     let half = curved.sqrt();
     half.min(curved.max(NEAR))
 }

@@ -5,7 +5,7 @@
 //! finds, gets NaN, which marks it at the end of the step; the caller then takes its step alone.
 #![expect(clippy::needless_range_loop, reason = "indices as in the formulas of the factorisations")]
 
-use super::convergence::{ASTRAY, CURVATURE, FIRST, GUIDED, ROUNDING, UNSEEN, WHOLE, allowed, predicting};
+use super::convergence::{CURVATURE, Convergence, FIRST, GUIDED, ROUNDING, UNSEEN, Verdict, WHOLE};
 use super::dense::{
     LARGEST_PIVOT, PIVOT_ULPS, STABLE_PIVOT, eliminate, eliminate_symmetric, substitute, substitute_symmetric,
 };
@@ -28,19 +28,17 @@ fn exceeds<const L: usize>(a: Lanes<L>, b: Lanes<L>) -> LaneMask<L> {
     b.less(a)
 }
 
-/// The verdicts of `convergence::Convergence`, by lane.
+/// `Convergence::glance`, by lane.
 #[derive(Clone, Copy)]
-struct LaneConvergence<const L: usize> {
+struct Glances<const L: usize> {
     curved: Lanes<L>,
     /// Infinite where a lane is done: numbers stay in vector registers from iteration to iteration where truths do not.
     enough: Lanes<L>,
     iterations: u32,
     is_guess: bool,
-    second: Lanes<L>,
-    is_beyond_rounding: LaneMask<L>,
 }
 
-impl<const L: usize> LaneConvergence<L> {
+impl<const L: usize> Glances<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(is_guess: bool) -> Self {
         Self {
@@ -48,22 +46,12 @@ impl<const L: usize> LaneConvergence<L> {
             enough: Lanes::from_f64(ROUNDING * ROUNDING * ROUNDING),
             iterations: 0,
             is_guess,
-            second: Lanes::from_f64(if is_guess { ASTRAY } else { FIRST }),
-            is_beyond_rounding: LaneMask::from_bool(false),
         }
     }
 
-    /// `convergence::Convergence::claim_nothing` of the lanes that start from zero.
-    fn claim_nothing<const N: usize>(&mut self, x: &[Lanes<L>; N]) {
-        let zero = Lanes::from_f64(0.0);
-        let are_zero = |mask: LaneMask<L>, x: &Lanes<L>| mask & x.equal(zero);
-        let from_zero = x.iter().fold(LaneMask::from_bool(self.iterations == 0), are_zero);
-        self.second = Lanes::select(from_zero, Lanes::from_f64(FIRST), self.second);
-    }
-
-    /// The verdict where it takes no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
+    /// Notes the verdicts where they take no more than the corrections; `false`, and nothing is noted, where a lane's depends on its residuals.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn glance(&mut self, relative: Lanes<L>) -> bool {
+    fn take(&mut self, relative: Lanes<L>) -> bool {
         let square = relative * relative;
         // Of a lane that is done, too, unless what follows is not a number.
         let done = (square * relative).less_equal(self.enough);
@@ -72,7 +60,7 @@ impl<const L: usize> LaneConvergence<L> {
             self.iterations += 1;
             self.expect(done, square);
             if !self.is_guess && self.iterations == 1 {
-                self.curved = self.second;
+                self.curved = Lanes::from_f64(FIRST);
             }
         }
         is_enough
@@ -96,48 +84,14 @@ impl<const L: usize> LaneConvergence<L> {
         self.enough.equal(Lanes::from_f64(f64::INFINITY))
     }
 
-    /// The lanes that go astray here. `beyond_rounding` of a lane as for `convergence::Convergence`.
-    fn judge(
-        &mut self,
-        mut relative: Lanes<L>,
-        mut beyond_rounding: impl FnMut(usize) -> f64,
-    ) -> LaneMask<L> {
-        if self.glance(relative) {
-            return LaneMask::from_bool(false);
+    /// The iteration of a lane, to be judged by itself from `x` on.
+    fn of_lane<const N: usize>(&self, lane: usize, x: &[Lanes<L>; N]) -> Convergence {
+        let Self { curved, enough, iterations, is_guess } = *self;
+        let mut own = Convergence::resumed(iterations, curved[lane], enough[lane], is_guess);
+        if iterations == 0 && x.iter().all(|x| x[lane] == 0.0) {
+            own.claim_nothing();
         }
-        self.iterations += 1;
-        let mut done = self.done() | (relative * relative * relative).less_equal(self.enough);
-        let (mut good, mut first) = (done, LaneMask::from_bool(false));
-        for lane in 0..L {
-            if good.lane(lane) || !relative[lane].is_finite() {
-                continue;
-            }
-            let is_quadratic = relative[lane] < self.curved[lane];
-            if is_quadratic || self.iterations == 1 {
-                good.set(lane, true);
-                first.set(lane, self.iterations == 1 && !(self.is_guess && is_quadratic));
-                continue;
-            }
-            let known = allowed(self.curved[lane]);
-            if relative[lane] < known {
-                good.set(lane, true);
-                continue;
-            }
-            let beyond = beyond_rounding(lane);
-            let own = allowed(CURVATURE * predicting(relative[lane]));
-            let allowed = if self.is_beyond_rounding.lane(lane) { known } else { known.max(own) };
-            if beyond == 0.0 {
-                done.set(lane, true);
-                good.set(lane, true);
-            } else if beyond < allowed {
-                self.is_beyond_rounding.set(lane, true);
-                relative.set(lane, beyond);
-                good.set(lane, true);
-            }
-        }
-        self.expect(done | !good, relative * relative);
-        self.curved = Lanes::select(first, self.second, self.curved);
-        !good
+        own
     }
 }
 
@@ -159,13 +113,13 @@ pub(super) fn iterate<const L: usize, const N: usize>(
     is_symmetric: bool,
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], Effort) {
-    let (mut x, mut convergence) = (start, LaneConvergence::new(is_guess));
+    let (mut x, mut convergence) = (start, Glances::new(is_guess));
     let mut level = Lanes::from_f64(0.0);
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let Some(correction) = safe_correction(&jacobian, &residual, is_symmetric) else { break };
         let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
-        if !convergence.glance(largest) {
+        if !convergence.take(largest) {
             break;
         }
         for i in 0..N {
@@ -187,27 +141,31 @@ pub(super) fn iterate<const L: usize, const N: usize>(
 fn resumed<const L: usize, const N: usize>(
     mut x: [Lanes<L>; N],
     mut level: Lanes<L>,
-    mut convergence: LaneConvergence<L>,
+    convergence: Glances<L>,
     is_symmetric: bool,
     equations: impl Equations<Lanes<L>, N>,
 ) -> ([Lanes<L>; N], u32) {
-    convergence.claim_nothing(&x);
-    let mut lost = LaneMask::from_bool(false);
+    let mut each: [Convergence; L] = std::array::from_fn(|lane| convergence.of_lane(lane, &x));
+    let (mut done, mut lost) = (convergence.done(), LaneMask::from_bool(false));
     loop {
         let (residual, jacobian) = equations.evaluate(&x);
         let correction = correction(&jacobian, &residual, is_symmetric);
-        let (done, (moved, largest)) = (convergence.done(), corrected_end(&x, &correction));
-        let astray = convergence.judge(largest, |lane| {
-            let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
-            beyond(equations.rounded(&x, lane), sizes)
-        });
-        for i in 0..N {
-            x[i] = Lanes::select(done | astray, x[i], moved[i]);
+        let (before, (moved, largest)) = (done, corrected_end(&x, &correction));
+        for lane in (0..L).filter(|&lane| !before.lane(lane)) {
+            let verdict = each[lane].judge(largest[lane], || {
+                let sizes = std::array::from_fn(|i| correction[i][lane].relative_to(moved[i][lane]));
+                beyond(equations.rounded(&x, lane), sizes)
+            });
+            done.set(lane, !matches!(verdict, Verdict::Contracting));
+            lost.set(lane, matches!(verdict, Verdict::Straying));
         }
-        level = Lanes::select(done | astray, level, uprightness(&jacobian, is_symmetric));
-        lost = lost | astray;
-        if convergence.done().all() {
-            let (x, effort) = accepted(x, level, convergence.iterations);
+        for i in 0..N {
+            x[i] = Lanes::select(before | lost, x[i], moved[i]);
+        }
+        level = Lanes::select(before | lost, level, uprightness(&jacobian, is_symmetric));
+        if done.all() {
+            let iterations = each.iter().map(|own| own.iterations).max().unwrap_or(0);
+            let (x, effort) = accepted(x, level, iterations);
             return (x.map(|x| Lanes::select(lost, poison(), x)), effort.iterations);
         }
     }
