@@ -236,7 +236,7 @@ pub mod __private {
     pub use core::default::Default;
     pub use core::marker::{PhantomData, Sized};
     pub use core::mem::drop;
-    pub use core::ops::Range;
+    pub use core::ops::{FnMut, Range};
     pub use core::option::Option::{self, None, Some};
     pub use core::primitive::{bool, f64, i128, isize, str, u32, usize};
     pub use core::result::Result::{self, Err, Ok};

@@ -46,11 +46,11 @@ pub struct Chain {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, Conservative, DVector, Discretized, Facts, Number, Option, Scalar,
-        Scheme, Sized, Some, f64, isize, str, usize, compose::General,
+        self as wzvi, Conservative, DVector, Discretized, Facts, FnMut, Number, Option,
+        Scalar, Scheme, Sized, Some, bool, f64, isize, str, usize, compose::General,
         elements::{
-            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point,
-            Quadrature, Run, Slopes, Stage, Sums,
+            By, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Quadrature, Run,
+            Slopes, Stage, Sums,
         },
         elements::places::{Index, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -196,7 +196,7 @@ const _: () = {
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            into: &mut impl Curvature<S>,
+            into: &mut impl FnMut(By, [usize; 2], bool, S),
         ) {
             let beta = at.parameter(0, self.beta);
             let size = at.degrees() as isize;
@@ -207,7 +207,7 @@ const _: () = {
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
-                                into.add_pp(i0 as usize, i0 as usize, true, factor);
+                                into(By::PP, [i0 as usize, i0 as usize], true, factor);
                             }
                         }
                     }
@@ -226,19 +226,19 @@ const _: () = {
                                 let difference = q_i_plus_1 - q_i;
                                 let product = factor
                                     * (three_beta * (difference * difference) + 1.0);
-                                into.add_qq(
-                                    (i1 + 1) as usize,
-                                    (i1 + 1) as usize,
+                                into(
+                                    By::QQ,
+                                    [(i1 + 1) as usize, (i1 + 1) as usize],
                                     true,
                                     product,
                                 );
-                                into.add_qq(
-                                    (i1 + 1) as usize,
-                                    i1 as usize,
+                                into(
+                                    By::QQ,
+                                    [(i1 + 1) as usize, i1 as usize],
                                     false,
                                     -product,
                                 );
-                                into.add_qq(i1 as usize, i1 as usize, true, product);
+                                into(By::QQ, [i1 as usize, i1 as usize], true, product);
                             }
                         }
                     }
@@ -246,7 +246,12 @@ const _: () = {
                         let three_beta = S::of_constant(beta * 3.0);
                         let factor = S::of_constant(at.h);
                         let q0 = at.q[0];
-                        into.add_qq(0, 0, true, factor * (three_beta * (q0 * q0) + 1.0));
+                        into(
+                            By::QQ,
+                            [0, 0],
+                            true,
+                            factor * (three_beta * (q0 * q0) + 1.0),
+                        );
                     }
                 }
                 _ => {}

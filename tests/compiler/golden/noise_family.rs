@@ -50,12 +50,12 @@ pub struct Bath {
 #[allow(warnings, clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
 const _: () = {
     use ::wzvi::__private::{
-        self as wzvi, DVector, Discretized, Facts, Knowledge, NoiseClass, Number, Option,
-        Ord, Range, Scalar, Scheme, Sized, Some, f64, i128, isize, str, usize,
-        compose::General,
+        self as wzvi, DVector, Discretized, Facts, FnMut, Knowledge, NoiseClass, Number,
+        Option, Ord, Range, Scalar, Scheme, Sized, Some, bool, f64, i128, isize, str,
+        usize, compose::General,
         elements::{
-            Curvature, Elements, Given, InLoops, Loops, MomentumUpdate, Point,
-            Quadrature, Run, Slopes, Stage, Sums,
+            By, Elements, Given, InLoops, Loops, MomentumUpdate, Point, Quadrature, Run,
+            Slopes, Stage, Sums,
         },
         elements::places::{Atom, Entries, Index, Loop, Name, Nest, Places, Slot},
         embedding::Midpoint, gauss::Dynamic,
@@ -219,7 +219,7 @@ const _: () = {
             weight: f64,
             at: &Point<'_, S>,
             wanted: Slopes,
-            into: &mut impl Curvature<S>,
+            into: &mut impl FnMut(By, [usize; 2], bool, S),
         ) {
             let size = at.degrees() as isize;
             match part {
@@ -229,7 +229,7 @@ const _: () = {
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
-                                into.add_qq(i0 as usize, i0 as usize, true, factor);
+                                into(By::QQ, [i0 as usize, i0 as usize], true, factor);
                             }
                         }
                     }
@@ -238,7 +238,7 @@ const _: () = {
                         if let (i0, len @ 1..) = wzvi::elements::stretch(0, size) {
                             for place in 0..len {
                                 let i0 = i0 + place as isize;
-                                into.add_pp(i0 as usize, i0 as usize, true, factor);
+                                into(By::PP, [i0 as usize, i0 as usize], true, factor);
                             }
                         }
                     }

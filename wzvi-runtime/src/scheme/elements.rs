@@ -141,18 +141,15 @@ impl<S: Scalar, V: Given<S> + ?Sized> Point<'_, S, V> {
     }
 }
 
-/// Second derivatives of a sum of elements, entry by entry. Each pair of different variables comes once.
-pub trait Curvature<S> {
-    /// `∂²/∂q_i ∂q_j`
-    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
-    /// `∂²/∂q_i ∂p_j`
-    fn add_qp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
+/// The variables of a second derivative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// `∂²/∂q_i ∂q_j`, or `-∂f_i/∂q_j` of a force.
+    QQ,
+    /// `∂²/∂q_i ∂p_j`, or `-∂f_i/∂p_j` of a force.
+    QP,
     /// `∂²/∂p_i ∂p_j`
-    fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S);
-    /// `-∂f_i/∂q_j` of a force
-    fn add_force_by_q(&mut self, i: usize, j: usize, value: S);
-    /// `-∂f_i/∂p_j` of a force
-    fn add_force_by_p(&mut self, i: usize, j: usize, value: S);
+    PP,
 }
 
 /// The generated code of a system whose Hamiltonians are sums of elements. Such a system is a [`Hamiltonian`](crate::scheme::system::Hamiltonian).
@@ -246,14 +243,16 @@ pub trait Elements: Sized {
         by_p: &mut (impl Sums<S> + ?Sized),
     );
 
-    /// Adds the weighted second derivatives of a part. Only those that steps need are generated. All noises act.
+    /// Gives the weighted second derivatives of a part to `into`, entry by entry, with their variables. Each pair of different variables comes
+    /// once, and its derivative is alone unless its mirror image is another entry: on the diagonal and in a force. Only those that steps need
+    /// are generated. All noises act.
     fn curvature<S: Scalar>(
         &self,
         part: usize,
         weight: f64,
         at: &Point<'_, S>,
         wanted: Slopes,
-        into: &mut impl Curvature<S>,
+        into: &mut impl FnMut(By, [usize; 2], bool, S),
     ) {
         let _ = (part, weight, at, wanted, into);
     }

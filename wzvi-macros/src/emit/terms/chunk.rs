@@ -355,10 +355,9 @@ impl Chunk<'_> {
                 let position = indices.position(index);
                 quote!(#vector.add(#position, #value);)
             }
-            Target::Curvature { method, row, column, is_diagonal } => {
+            Target::Curvature { by, row, column, is_alone } => {
                 let (row, column) = (indices.position(row), indices.position(column));
-                let is_diagonal = is_diagonal.map(|is_diagonal| quote!(#is_diagonal,));
-                quote!(__into.#method(#row, #column, #is_diagonal #value);)
+                quote!(__into(__wzvi::elements::By::#by, [#row, #column], #is_alone, #value);)
             }
         }
     }

@@ -24,9 +24,8 @@ pub(super) enum Target {
     Total,
     /// `vector[index] += value`
     Slope { vector: Ident, index: Index },
-    /// `into.method(row, column, is_diagonal, value)`, where both variables of a pair may
-    /// coincide
-    Curvature { method: Ident, row: Index, column: Index, is_diagonal: Option<bool> },
+    /// `into(by, [row, column], is_alone, value)`, where both variables of a pair may coincide.
+    Curvature { by: Ident, row: Index, column: Index, is_alone: bool },
 }
 
 impl Target {

@@ -251,7 +251,7 @@ fn curvatures_of(model: &mut System, parts: &[PartElements], has_curvature: bool
                 __weight: #f64,
                 __at: &__wzvi::elements::Point<'_, __S>,
                 __wanted: __wzvi::elements::Slopes,
-                __into: &mut impl __wzvi::elements::Curvature<__S>,
+                __into: &mut impl __wzvi::FnMut(__wzvi::elements::By, [#usize; 2], __wzvi::bool, __S),
             ) {
                 #opened
                 match __part {

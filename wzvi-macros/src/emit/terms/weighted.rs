@@ -133,13 +133,13 @@ impl Nests<'_> {
         let found = found.unwrap_or_else(|| curvatures(graph, value, &symbols));
         let pairs = all.iter().enumerate().flat_map(|(a, first)| all[a..].iter().map(move |b| (first, b)));
         let targets = pairs.map(|(first @ (half, row), second @ (other, column))| {
-            let method = match (half, other) {
-                (Half::Coordinates, Half::Coordinates) => format_ident!("add_qq"),
-                (Half::Momenta, Half::Momenta) => format_ident!("add_pp"),
-                _ => format_ident!("add_qp"),
+            let by = match (half, other) {
+                (Half::Coordinates, Half::Coordinates) => format_ident!("QQ"),
+                (Half::Momenta, Half::Momenta) => format_ident!("PP"),
+                _ => format_ident!("QP"),
             };
             let (row, column) = (row.clone(), column.clone());
-            Target::Curvature { method, row, column, is_diagonal: Some(first == second) }
+            Target::Curvature { by, row, column, is_alone: first == second }
         });
         let outputs = found.into_iter().zip(targets).collect();
         (outputs, combined.map(|combined| combined.definitions).unwrap_or_default())
@@ -157,9 +157,9 @@ impl Nests<'_> {
                 continue;
             }
             for (symbol, (half, column)) in element.state().into_iter().zip(places(element)) {
-                let by = if half == Half::Momenta { "p" } else { "q" };
-                let (method, row) = (format_ident!("add_force_by_{by}"), row.clone());
-                let target = Target::Curvature { method, row, column, is_diagonal: None };
+                let by = if half == Half::Momenta { "QP" } else { "QQ" };
+                let (by, row) = (format_ident!("{by}"), row.clone());
+                let target = Target::Curvature { by, row, column, is_alone: true };
                 outputs.push((graph.derivative(slope, symbol), target));
             }
         }

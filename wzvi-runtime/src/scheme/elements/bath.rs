@@ -1,6 +1,6 @@
 //! Friction of any sum of elements, for thermostats.
 
-use super::{Curvature, Elements, Point, Slopes, slopes};
+use super::{By, Elements, Point, Slopes, slopes};
 use crate::algebra::scalar::Scalar;
 
 /// The friction rates, from the slopes of part number `part`, a covector.
@@ -35,22 +35,11 @@ pub(crate) fn damping<H: Elements, S: Scalar>(
     into.fill(S::from_f64(0.0));
     // The momenta do not matter.
     let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
-    system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut Rows { degrees, into });
-}
-
-/// The matrix of a covector `f` that is linear in the momenta; its second derivatives are those of `-f`.
-struct Rows<'a, S> {
-    degrees: usize,
-    into: &'a mut [S],
-}
-
-impl<S: Scalar> Curvature<S> for Rows<'_, S> {
-    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
-    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
-        let entry = &mut self.into[i * self.degrees + j];
-        *entry = *entry - value;
-    }
+    let mut add = |by, [i, j]: [usize; 2], _: bool, value| {
+        // A covector `f` has the derivatives of `-f`.
+        if by == By::QP {
+            into[i * degrees + j] = into[i * degrees + j] - value;
+        }
+    };
+    system.curvature(part, 1.0, &at, Slopes::BY_COORDINATES, &mut add);
 }

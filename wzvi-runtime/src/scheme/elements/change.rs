@@ -167,7 +167,7 @@ mod tests {
     use nalgebra::DVector;
 
     use super::super::memory::Memory;
-    use super::super::{Alone, Curvature, Given, MomentumUpdate, Point, Quadrature, Slopes, Sums};
+    use super::super::{Alone, By, Given, MomentumUpdate, Point, Quadrature, Slopes, Sums};
     use super::*;
     use crate::algebra::scalar::Number;
     use crate::scheme::compose::General;
@@ -218,10 +218,10 @@ mod tests {
             _: f64,
             _: &Point<'_, S>,
             _: Slopes,
-            into: &mut impl Curvature<S>,
+            into: &mut impl FnMut(By, [usize; 2], bool, S),
         ) {
             for i in 1..self.mass.len() {
-                into.add_qq(i, i - 1, false, S::from_f64(f64::NAN));
+                into(By::QQ, [i, i - 1], false, S::from_f64(f64::NAN));
             }
         }
     }

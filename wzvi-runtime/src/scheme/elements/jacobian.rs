@@ -5,7 +5,7 @@ use super::linear::{Linear, Wide};
 use super::memory::{Lists, Work};
 use super::passes::largest;
 use super::step::Step;
-use super::{Curvature, Elements, Quadrature, Slopes, Stage, Unknowns};
+use super::{By, Elements, Quadrature, Slopes, Unknowns};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::{Banded, Krylov, Operator, power_of_two};
 use crate::error::StepFailure;
@@ -54,9 +54,14 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         if self.scheme.unknowns == Unknowns::Momenta {
             diagonal.fill(S::from_f64(0.0));
             let free = if self.increment.is_some() { &[] } else { self.scheme.stages };
+            // It is diagonal where it is needed, by the choice of unknowns.
+            let mut add = |by, [i, _]: [usize; 2], is_alone: bool, value| {
+                if by == By::PP && is_alone {
+                    diagonal[i] = diagonal[i] + value;
+                }
+            };
             for stage in free {
-                let into = &mut Velocities(diagonal);
-                self.curvature(stage, self.q, lists.momentum, Slopes::BY_MOMENTA, into);
+                self.curvature(stage, self.q, lists.momentum, Slopes::BY_MOMENTA, &mut add);
             }
         }
     }
@@ -182,19 +187,38 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         self.entries(lists, diagonal, &mut into);
     }
 
-    /// `-φ'` at the current stages.
+    /// `-φ'` at the current stages: the Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`; or `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`,
+    /// which is `I + Σ start (c F_qq D + F_qp)`.
     fn entries(&self, lists: &Lists<'_, S>, diagonal: &[S], add: &mut impl FnMut(usize, usize, S)) {
         let Lists { stages, momentum, .. } = lists;
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, _) = stages.at(s);
-            match self.scheme.unknowns {
-                Unknowns::Both => {
-                    self.curvature(stage, q, momentum, Slopes::ALL, &mut Coupled { add, stage });
-                }
-                _ => {
-                    let reduced = &mut Reduced { add, diagonal, stage };
-                    self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, reduced);
-                }
+            let (point, start, both) = (stage.point, stage.start, stage.start * stage.point);
+            if self.scheme.unknowns == Unknowns::Both {
+                let mut coupled = |by, [i, j]: [usize; 2], is_alone: bool, value: S| {
+                    let (at, entry, mirrored, other) = match by {
+                        By::QQ => ([2 * i + 1, 2 * j], value * both, [2 * j + 1, 2 * i], value * both),
+                        By::QP => ([2 * i + 1, 2 * j + 1], value * start, [2 * j, 2 * i], -(value * point)),
+                        By::PP => ([2 * i, 2 * j + 1], -value, [2 * j, 2 * i + 1], -value),
+                    };
+                    add(at[0], at[1], entry);
+                    if !is_alone {
+                        add(mirrored[0], mirrored[1], other);
+                    }
+                };
+                self.curvature(stage, q, momentum, Slopes::ALL, &mut coupled);
+            } else {
+                let mut reduced = |by, [i, j]: [usize; 2], is_alone: bool, value: S| match by {
+                    By::QQ => {
+                        add(i, j, value * both * diagonal[j]);
+                        if !is_alone {
+                            add(j, i, value * both * diagonal[i]);
+                        }
+                    }
+                    By::QP => add(i, j, value * start),
+                    By::PP => {}
+                };
+                self.curvature(stage, q, momentum, Slopes::BY_COORDINATES, &mut reduced);
             }
         }
     }
@@ -214,93 +238,4 @@ pub(super) fn pattern<H: Elements>(system: &H, scheme: &Quadrature, degrees: usi
             visit(row, column);
         }
     });
-}
-
-/// `∂u/∂v`, which is diagonal where it is needed, by the choice of unknowns.
-struct Velocities<'a, S>(&'a mut [S]);
-
-impl<S: Scalar> Curvature<S> for Velocities<'_, S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_qq(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_qp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_pp(&mut self, i: usize, _: usize, is_diagonal: bool, value: S) {
-        if is_diagonal {
-            self.0[i] = self.0[i] + value;
-        }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force_by_q(&mut self, _: usize, _: usize, _: S) {}
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force_by_p(&mut self, _: usize, _: usize, _: S) {}
-}
-
-/// `∂(-D_1 L_d)/∂v` with `∂u/∂v = D`: `I + Σ start (c F_qq D + F_qp)`.
-struct Reduced<'a, S, M> {
-    add: &'a mut M,
-    diagonal: &'a [S],
-    stage: &'a Stage,
-}
-
-impl<S: Scalar, M: FnMut(usize, usize, S)> Curvature<S> for Reduced<'_, S, M> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        let weighted = value * (self.stage.start * self.stage.point);
-        (self.add)(i, j, weighted * self.diagonal[j]);
-        if !is_diagonal {
-            (self.add)(j, i, weighted * self.diagonal[i]);
-        }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        (self.add)(i, j, value * self.stage.start);
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_pp(&mut self, _: usize, _: usize, _: bool, _: S) {}
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
-        (self.add)(i, j, value * (self.stage.start * self.stage.point) * self.diagonal[j]);
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
-        (self.add)(i, j, value * self.stage.start);
-    }
-}
-
-/// The Jacobian of `(∂L_d/∂P, -D_1 L_d)`, unknowns `u_0, v_0, u_1, v_1, ...`
-struct Coupled<'a, M> {
-    add: &'a mut M,
-    stage: &'a Stage,
-}
-
-impl<S: Scalar, M: FnMut(usize, usize, S)> Curvature<S> for Coupled<'_, M> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_qq(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        let weighted = value * (self.stage.start * self.stage.point);
-        (self.add)(2 * i + 1, 2 * j, weighted);
-        if !is_diagonal {
-            (self.add)(2 * j + 1, 2 * i, weighted);
-        }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_qp(&mut self, i: usize, j: usize, _: bool, value: S) {
-        (self.add)(2 * i + 1, 2 * j + 1, value * self.stage.start);
-        (self.add)(2 * j, 2 * i, -(value * self.stage.point));
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_pp(&mut self, i: usize, j: usize, is_diagonal: bool, value: S) {
-        (self.add)(2 * i, 2 * j + 1, -value);
-        if !is_diagonal {
-            (self.add)(2 * j, 2 * i + 1, -value);
-        }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force_by_q(&mut self, i: usize, j: usize, value: S) {
-        (self.add)(2 * i + 1, 2 * j, value * (self.stage.start * self.stage.point));
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force_by_p(&mut self, i: usize, j: usize, value: S) {
-        (self.add)(2 * i + 1, 2 * j + 1, value * self.stage.start);
-    }
 }

@@ -7,9 +7,7 @@
 use super::memory::Lists;
 use super::passes::{add, are_finite};
 use super::side_by_side::is_side_by_side;
-use super::{
-    Curvature, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums, Unknowns, slopes,
-};
+use super::{By, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums, Unknowns, slopes};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Number, Scalar};
 use crate::error::StepFailure;
@@ -179,7 +177,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         q: &[S],
         p: &[S],
         wanted: Slopes,
-        into: &mut impl Curvature<S>,
+        into: &mut impl FnMut(By, [usize; 2], bool, S),
     ) {
         let at = self.at(stage, q, p);
         for &(part, weight) in stage.parts {
