@@ -241,11 +241,11 @@ impl Plan {
         let (step, shares, rest, mut lists) = self.parts(state, reuses);
         let of_threads = on_threads(shares, lend(&mut lists), |share, part| {
             let job = Job::<_, _, H::Usual, false>::new(step, system, word, share, part);
-            Found::finite(job.run_in(instructions))
+            Found::finite(instructions.run(job))
         });
         let all = Part { first: 0, lists };
         of_threads.is_finite
-            && Job::<_, _, H::Usual, true>::new(step, system, word, rest, all).run_in(instructions)
+            && instructions.run(Job::<_, _, H::Usual, true>::new(step, system, word, rest, all))
     }
 
     /// The same on one thread in exact numbers, for arguments that vectorised functions do not cover. Fails if the state is not finite.

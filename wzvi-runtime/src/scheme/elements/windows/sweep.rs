@@ -158,7 +158,8 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let Some(mut lists) = scratch.lists.plain() else { return false };
         let (Sweeps { windows, portions, instructions, .. }, past) = (&mut **sweeps, [a, b, c]);
         on_threads(portions, lists.parted().0, |portion, part| {
-            Start { step, windows, portion, part, past, known }.run_in(*instructions)
+            instructions.run(Start { step, windows, portion, part, past, known });
+            Found::NOTHING
         });
         (sweeps.is_ready, sweeps.is_finite) = (true, false);
         true
@@ -178,7 +179,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let Sweeps { windows, portions, instructions, .. } = &mut *sweeps;
         let (part, now, before) = lists.parted();
         let found = on_threads(portions, part, |portion, part| {
-            Sweep { step, windows, portion, part, now, before }.run_in(*instructions)
+            instructions.run(Sweep { step, windows, portion, part, now, before })
         });
         (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
         let relative = match found.change {
@@ -300,14 +301,6 @@ struct Start<'a, 's, H> {
     known: u8,
 }
 
-impl<H: Elements + Sync> Start<'_, '_, H> {
-    #[inline(never)]
-    fn run_in(self, instructions: InstructionSet) -> Found {
-        instructions.run(self);
-        Found::NOTHING
-    }
-}
-
 impl<H: Elements + Sync> Kernel for Start<'_, '_, H> {
     type Output = ();
 
@@ -342,13 +335,6 @@ struct Sweep<'a, 's, H> {
     now: &'a [f64],
     /// `u` of the previous iteration.
     before: &'a [f64],
-}
-
-impl<H: Elements + Sync> Sweep<'_, '_, H> {
-    #[inline(never)]
-    fn run_in(self, instructions: InstructionSet) -> Found {
-        instructions.run(self)
-    }
 }
 
 impl<H: Elements + Sync> Kernel for Sweep<'_, '_, H> {

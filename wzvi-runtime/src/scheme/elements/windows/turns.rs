@@ -13,7 +13,7 @@ use super::order::Turn;
 use super::portions::{Part, Portion};
 use super::sums::{Moved, Stretch, Window};
 use super::{Elements, Kick, LINE, Move, Slopes, Word};
-use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::lanes::instructions::Kernel;
 use crate::algebra::scalar::Number;
 
 /// The data of a step that all threads share.
@@ -55,12 +55,6 @@ impl<'a, H: Elements + Sync, W: Word, T: Number<f64>, const WHOLE: bool> Job<'a,
         let Portion { work: turns, sums, .. } = share;
         let first = sums[step.windows.margin()..].as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
         Self { step, system, word, turns, sums: &mut sums[first..], part, numbers: PhantomData }
-    }
-
-    /// Takes the turns; returns whether all new numbers are finite. Compiled once for all callers.
-    #[inline(never)]
-    pub(super) fn run_in(self, instructions: InstructionSet) -> bool {
-        instructions.run(self)
     }
 }
 

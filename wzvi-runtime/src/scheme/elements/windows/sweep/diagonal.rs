@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use super::blocks::add_zeros;
 use super::{Found, Part, Portion, Stretch, Sweeps, Windows, on_threads};
-use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
+use crate::algebra::lanes::instructions::Kernel;
 use crate::algebra::scalar::Scalar;
 use crate::scheme::elements::linear::Linear;
 use crate::scheme::elements::memory::{Lists, Scratch, Solver};
@@ -57,7 +57,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         let Lists { x, u, .. } = lists.plain()?;
         let Sweeps { windows, portions, instructions, .. } = &mut **sweeps;
         let found = on_threads(portions, [x, u], |portion, part| {
-            Diagonal { step, windows, portion, part, inverses }.run_in(*instructions)
+            instructions.run(Diagonal { step, windows, portion, part, inverses })
         });
         (sweeps.is_ready, sweeps.is_finite) = (true, found.is_finite);
         Some(found.is_finite)
@@ -72,13 +72,6 @@ struct Diagonal<'a, 's, H> {
     part: Part<'a, 2>,
     /// The inverse of the Jacobian, for all places.
     inverses: &'a [f64],
-}
-
-impl<H: Elements + Sync> Diagonal<'_, '_, H> {
-    #[inline(never)]
-    fn run_in(self, instructions: InstructionSet) -> Found {
-        instructions.run(self)
-    }
 }
 
 impl<H: Elements + Sync> Kernel for Diagonal<'_, '_, H> {
