@@ -179,7 +179,7 @@ const _: () = {
             let ([q], [p], [dw]) = (coordinates, momenta, increments);
             let [sigma, half_sigma] = *prepared;
             let product = dw * (dw * half_sigma + 1.0) * sigma;
-            let inverse_pivot = S::reciprocal(product + 1.0)?;
+            let inverse_pivot = S::usable(product + 1.0)?.recip();
             let product2 = inverse_pivot * (p * product + q * h);
             *next = Solution::new(
                 carry,

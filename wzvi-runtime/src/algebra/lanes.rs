@@ -270,12 +270,8 @@ impl<const L: usize> Scalar for Lanes<L> {
         if L == 1 { together::linear(matrix, b) } else { Ok(lanes::general::<L, N, false>(&matrix, &b)) }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reciprocal(pivot: Self) -> Result<Self, StepFailure> {
-        if L == 1 { together::reciprocal(pivot) } else { Ok(lanes::usable(pivot).recip()) }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn quotient(rhs: Self, pivot: Self) -> Result<Self, StepFailure> {
-        if L == 1 { together::quotient(rhs, pivot) } else { Ok(rhs / lanes::usable(pivot)) }
+    fn usable(pivot: Self) -> Result<Self, StepFailure> {
+        if L == 1 { together::usable(pivot) } else { Ok(lanes::usable(pivot)) }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn from_f64(value: f64) -> Self {

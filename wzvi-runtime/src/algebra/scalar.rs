@@ -145,24 +145,15 @@ pub trait Scalar:
     fn linear<const N: usize>(matrix: [[Self; N]; N], b: [Self; N]) -> Result<[Self; N], StepFailure> {
         together::linear(matrix, b)
     }
-    /// `1 / pivot`, for the matrix `1 - c` of one unknown.
+    /// The pivot, which is the matrix `1 - c` of one unknown, to divide by.
     ///
     /// # Errors
     /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does. Lanes have NaN
     /// instead.
     #[doc(hidden)]
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reciprocal(pivot: Self) -> Result<Self, StepFailure> {
-        together::reciprocal(pivot)
-    }
-    /// `rhs / pivot`, for the equation `(1 - c) x = rhs` of one unknown.
-    ///
-    /// # Errors
-    /// [`StepFailure::Singular`] as [`Scalar::reciprocal`].
-    #[doc(hidden)]
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn quotient(rhs: Self, pivot: Self) -> Result<Self, StepFailure> {
-        together::quotient(rhs, pivot)
+    fn usable(pivot: Self) -> Result<Self, StepFailure> {
+        together::usable(pivot)
     }
     /// Where every part of the number is zero.
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -36,6 +36,6 @@ pub use sparse::Sparse;
 
 /// How numbers of any type are solved for that have one verdict.
 pub(crate) mod together {
-    pub(crate) use super::dense::{linear, quotient, reciprocal};
+    pub(crate) use super::dense::{linear, usable};
     pub(crate) use super::newton::newton;
 }

@@ -93,9 +93,9 @@ impl SolveBody<'_> {
                 self.linear(solve, |pivot, _| quote!(__wzvi::reciprocal_above_one::<__S>(#(#pivot)*)))
             }
             Method::Reciprocal { is_safe: false } => {
-                self.linear(solve, |pivot, _| quote!(__S::reciprocal(#(#pivot)*)?))
+                self.linear(solve, |pivot, _| quote!(__S::usable(#(#pivot)*)?.recip()))
             }
-            Method::Divided => self.linear(solve, |pivot, rhs| quote!(__S::quotient(#(#rhs)*, #(#pivot)*)?)),
+            Method::Divided => self.linear(solve, |pivot, rhs| quote!((#(#rhs)*) / __S::usable(#(#pivot)*)?)),
             Method::Factored => {
                 let (factor, over) = (self.factors.next(), quote!(<__S as __wzvi::Over<__K>>));
                 self.linear(solve, |_, rhs| quote!(#over::solve_factored(#factor, [#(#rhs),*])))

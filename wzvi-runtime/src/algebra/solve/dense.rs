@@ -13,17 +13,17 @@ pub(super) const PIVOT_ULPS: f64 = 4.0 * f64::EPSILON;
 /// Above this size `c` drowns the 1 of `1 - c`: the increments that follow have lost all digits of the state.
 pub(super) const LARGEST_PIVOT: f64 = 1.0 / f64::EPSILON;
 
-/// `1 / pivot`, for the matrix `1 - c` of one unknown.
+/// The pivot, which is the matrix `1 - c` of one unknown, to divide by.
 ///
 /// # Errors
 /// [`StepFailure::Singular`] where `1 - c` cancels to rounding, or `c` is so large that the 1 does; [`StepFailure::NonFinite`] where it is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn reciprocal<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
+pub(crate) fn usable<S: Scalar>(pivot: S) -> Result<S, StepFailure> {
     let size = pivot.magnitude();
-    if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot.recip()) } else { Err(unusable(size)) }
+    if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(pivot) } else { Err(unusable(size)) }
 }
 
-/// [`Scalar::reciprocal`] of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
+/// The reciprocal of a pivot that is at least one by its form; NaN, which no step returns, where `c` is so large that the
 /// 1 drowns in it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
@@ -34,16 +34,6 @@ pub fn reciprocal_above_one<S: Scalar>(pivot: S) -> S {
 #[cold]
 fn unusable(pivot: f64) -> StepFailure {
     if pivot > 1.0 { singular(1.0, pivot) } else { singular(pivot, 1.0) }
-}
-
-/// `rhs / pivot`, for the equation `(1 - c) x = rhs` of one unknown.
-///
-/// # Errors
-/// [`StepFailure::Singular`] as [`reciprocal`].
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn quotient<S: Scalar>(rhs: S, pivot: S) -> Result<S, StepFailure> {
-    let size = pivot.magnitude();
-    if size > PIVOT_ULPS && size < LARGEST_PIVOT { Ok(rhs / pivot) } else { Err(unusable(size)) }
 }
 
 /// See [`Scalar::linear`].
@@ -370,9 +360,9 @@ mod tests {
         assert!(matches!(Factor::new([[1.0, 2.0], [2.0, 4.0]]), Err(StepFailure::Singular { .. })));
         assert!(matches!(SymmetricFactor::new([[0.0, 0.0], [0.0, 1.0]]), Err(StepFailure::Singular { .. })));
         assert!(matches!(Factor::new([[f64::NAN, 2.0], [2.0, 4.0]]), Err(StepFailure::NonFinite)));
-        assert!(matches!(reciprocal(1e-17), Err(StepFailure::Singular { .. })));
-        assert!(matches!(reciprocal(1e17), Err(StepFailure::Singular { .. })));
-        assert_eq!(quotient(1.0, f64::INFINITY), Err(StepFailure::NonFinite));
+        assert!(matches!(usable(1e-17), Err(StepFailure::Singular { .. })));
+        assert!(matches!(usable(1e17), Err(StepFailure::Singular { .. })));
+        assert_eq!(usable(f64::INFINITY), Err(StepFailure::NonFinite));
         // A slope that overflows is no pole of the scheme.
         let infinite = [[f64::INFINITY, 1.0], [1.0, 1.0]];
         assert!(matches!(Factor::new(infinite), Err(StepFailure::NonFinite)));
