@@ -8,7 +8,7 @@ use wzvi_runtime::algebra::scalar::{Constant, Over, Scalar};
 use wzvi_runtime::algebra::solve::Effort;
 use wzvi_runtime::error::{ConfigError, StepFailure};
 use wzvi_runtime::scheme::plan::{Knowledge, NoiseClass, Plan, Solver};
-use wzvi_runtime::scheme::system::{At, Hamiltonian, Lift, Scheme};
+use wzvi_runtime::scheme::system::{At, Hamiltonian, Lift, Movable, Scheme};
 
 /// A scheme as it was written is the type that it was read as.
 pub fn is_same<E>(_: PhantomData<E>) {}
@@ -64,7 +64,7 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         _: &H,
         _: &(),
-        _: At<'_, S, K>,
+        _: At<'_, S, K, impl Movable<S> + ?Sized>,
         _: &mut (),
         _: &mut C,
     ) -> Result<Effort, StepFailure> {

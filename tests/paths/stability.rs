@@ -187,7 +187,7 @@ fn isolated_unknowns_count_in_the_orientation() {
     let prepared = Discretized::<Midpoint>::prepare(&DilatedWell, h).unwrap();
     for w in [-1.5, -0.5, 0.5, 1.5] {
         let (mut q, mut p) = ([0.5], [0.5]);
-        let at = At { t: 0.0, h, q: &mut q, p: &mut p, dw: &[2.0 * w] };
+        let at = At { t: 0.0, h, q: &mut q[..], p: &mut p[..], dw: &[2.0 * w] };
         let memory = &mut Default::default();
         let effort = SchemeOf::<DilatedWell, Midpoint>::advance::<f64, f64, Plain, true>(
             &DilatedWell,

@@ -83,7 +83,7 @@ pub(crate) fn compare<E: Point, H: Discretized<E> + Terms>(
     let (mut q, mut p) = (case.q.clone(), case.p.clone());
     let mut carry = <SchemeOf<H, E> as Scheme<H>>::Compensated::<f64>::default();
     let mut memory = Default::default();
-    let at = At { t: 0.0, h: case.h, q: &mut q, p: &mut p, dw: &case.dw };
+    let at = At { t: 0.0, h: case.h, q: &mut q[..], p: &mut p[..], dw: &case.dw };
     SchemeOf::<H, E>::advance::<f64, f64, _, true>(system, &prepared, at, &mut memory, &mut carry)?;
     Ok(with_precision(BITS, || {
         let d = q.len();

@@ -316,7 +316,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             return self.one_by_one(None, step, t);
         }
         let gathered = self.gathered.as_ref();
-        let at = At { t, h: job.h, q: &mut self.q, p: &mut self.p, dw: self.increments.of(step) };
+        let at = At { t, h: job.h, q: &mut self.q[..], p: &mut self.p[..], dw: self.increments.of(step) };
         let outcome = advance::<H, E, P, L>(job.system, &job.prepared, gathered, at, &mut self.memory);
         match outcome {
             Ok(_) => Ok(()),

@@ -15,7 +15,8 @@ use crate::scheme::continuation::Hard;
 use crate::scheme::dense::{DenseOutput, copy, copy_state};
 use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{
-    CarryOf, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are, mistaken_parameter,
+    At, CarryOf, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
+    mistaken_parameter,
 };
 use account::Ledger;
 use rare::{Arrived, Cause, Rare, Refused};
@@ -253,9 +254,9 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         if state.t != self.clock.now || self.jumped(state) {
             return self.step_anew(state, dw);
         }
-        let (time, ends) = ([state.t, self.h], [&mut state.q, &mut state.p]);
+        let at = At { t: state.t, h: self.h, q: &mut state.q, p: &mut state.p, dw };
         let Self { system, prepared, memory, carry, .. } = self;
-        match SchemeOf::<H, E>::advance_vectors::<C, false>(system, prepared, time, ends, dw, memory, carry) {
+        match SchemeOf::<H, E>::advance::<f64, f64, C, false>(system, prepared, at, memory, carry) {
             Ok(effort) => {
                 self.arrive(state, self.clock.next(self.h), dw);
                 Ok(StepInfo { iterations: effort.iterations, ..StepInfo::default() })
@@ -370,10 +371,10 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
             }
             return taken;
         }
-        let (time, ends, mut carry) = ([state.t, self.h], [&mut state.q, &mut state.p], C::default());
-        let Self { system, prepared, .. } = self;
+        let at = At { t: state.t, h: self.h, q: &mut state.q, p: &mut state.p, dw };
+        let (Self { system, prepared, .. }, mut carry) = (&mut *self, C::default());
         let (room, lost) = (&mut memory, &mut carry);
-        match SchemeOf::<H, E>::advance_vectors::<C, false>(system, prepared, time, ends, dw, room, lost) {
+        match SchemeOf::<H, E>::advance::<f64, f64, C, false>(system, prepared, at, room, lost) {
             Ok(effort) => {
                 self.before += self.clock.ticks;
                 (self.memory, self.carry) = (memory, carry);

@@ -37,7 +37,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::Slopes;
 use crate::scheme::elements::{self, Elements, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
-use crate::scheme::system::{At, Lift, Properties, Scheme, Segment, as_they_are};
+use crate::scheme::system::{At, Lift, Movable, Properties, Scheme, Segment, as_they_are};
 
 pub use crate::algebra::shape::{Dynamic, Fixed, Shape};
 pub use advance::Prepared;
@@ -164,12 +164,12 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let prepared = (&prepared.parameters, &prepared.friction, &prepared.common);
-        advance::advance::<F, K, S, C, N, CAREFUL>(system, prepared, at, memory, carry)
+        advance::advance::<F, K, S, C, N, CAREFUL>(system, prepared, at.lists(), memory, carry)
     }
 
     fn slopes_between(

@@ -112,7 +112,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         }
         let (system, prepared) = self.system_of(lane);
         let gathered = if const { P::ARE_OWN } { SchemeOf::<H, E>::gather([&prepared]) } else { None };
-        let at = At { t, h: job.h, q: &mut q, p: &mut p, dw: &dw };
+        let at = At { t, h: job.h, q: &mut q[..], p: &mut p[..], dw: &dw };
         let outcome = advance::<H, E, P, 1>(system, &prepared, gathered.as_ref(), at, memory);
         if outcome.is_ok() {
             for (to, from) in self.q.iter_mut().chain(&mut self.p).zip(q.iter().chain(&p)) {

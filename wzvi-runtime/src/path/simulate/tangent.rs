@@ -160,7 +160,7 @@ where
         }
         // So many step sizes from the start.
         let t = (*h - h.lane(0)) * step as f64 + before.t;
-        let at = At { t, h: *h, q: &mut *q, p: &mut *p, dw };
+        let at = At { t, h: *h, q: &mut q[..], p: &mut p[..], dw };
         anew::advance::<H, SchemeOf<H, E>, K, Dual<N>>(system, prepared, at, memory)?;
         ends_at([q, p], [before, after], end)
     }

@@ -7,7 +7,7 @@ use crate::algebra::carry::Carry;
 use crate::algebra::memory::StepMemory;
 use crate::error::StepFailure;
 use crate::scheme::continuation::{Continued, Hard, Taken, solve_by_continuation};
-use crate::scheme::system::{Discretized, MemoryOf, Scheme, SchemeOf};
+use crate::scheme::system::{At, Discretized, MemoryOf, Scheme, SchemeOf};
 
 type Outcome<H, E, C> = Result<Arrived<H, E, C>, Refused<MemoryOf<H, E, f64>>>;
 
@@ -53,13 +53,11 @@ impl<H: Discretized<E>, E, C: Carry<f64>> Rare<'_, H, E, C> {
             Cause::Unguided(mut memory) => {
                 let (mut q, mut p, mut carry) = (hard.q.clone(), hard.p.clone(), hard.carry.clone());
                 let Hard { system, prepared, t, h, dw, .. } = &hard;
-                let (time, ends) = ([*t, *h], [&mut q, &mut p]);
-                let short = SchemeOf::<H, E>::advance_vectors::<C, false>(
+                let at = At { t: *t, h: *h, q: &mut q, p: &mut p, dw };
+                let short = SchemeOf::<H, E>::advance::<f64, f64, C, false>(
                     system,
                     prepared,
-                    time,
-                    ends,
-                    dw,
+                    at,
                     &mut memory,
                     &mut carry,
                 );

@@ -16,7 +16,6 @@ use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
-use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
@@ -26,7 +25,7 @@ use crate::scheme::elements::{Elements, Taken, check_new};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{NoiseClass, Plan, Solver};
 use crate::scheme::system::{
-    At, Exchange, Hamiltonian as _, Lift, Properties, Scheme, fits, varied_without_lists,
+    At, Exchange, Hamiltonian as _, Lift, Movable, Properties, Scheme, fits, varied_without_lists,
 };
 
 /// A word of kicks, drifts and O parts, and how they are applied: a letter, a tuple of letters, or a scheme with a name.
@@ -151,26 +150,27 @@ where
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         prepared: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K>,
+        At { t, h, q, p, dw }: At<'_, S, K, impl Movable<S> + ?Sized>,
         (bath, memory): &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let (degrees, noises) = (q.len(), system.noises());
+        let (degrees, noises) = (q.list().len(), system.noises());
         if !fits(system, degrees) {
             system.check(degrees)?;
         }
         if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES }
             && takes_windows::<F>(degrees)
-            && let (Some(q), Some(p), Some(own)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+            && let (Some(own_q), Some(own_p), Some(own)) =
+                (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
         {
             let (t, h) = (t.lane(0), h.lane(0));
             let (stretch, of_noises) = (prepared.stretch.lane(0), &own[..noises.min(own.len())]);
-            let givens = Givens { t, h, stretch, q, p, dw: of_noises };
+            let givens = Givens { t, h, stretch, q: own_q, p: own_p, dw: of_noises };
             if let Some(taken) =
                 in_windows::<F, K, S, W>(system, prepared, givens, dw, &mut memory.windows, bath)
             {
                 let (taken, heat) = taken?;
-                taken.copy(q, p);
+                taken.store(q, p);
                 bath.heat = S::from_f64(heat);
                 return Ok(Effort::fast(0));
             }
@@ -185,37 +185,9 @@ where
         let flows = FlowsOf { system, parameters, along: &None, t, h, stretch: *stretch };
         let mut word = WithParts { flows, parts, heat: S::from_f64(0.0) };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| word.take::<C>(stage, rooms, memory);
-        let effort = stages::advance(system, take, list, [q, p], &dw[..noises], memory, carry)?;
+        let effort = stages::advance(system, take, list, [q.list(), p.list()], &dw[..noises], memory, carry)?;
         bath.heat = word.heat;
         Ok(effort)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-        system: &F,
-        prepared: &Self::Prepared<f64>,
-        [t, h]: [f64; 2],
-        [q, p]: [&mut F::Vector; 2],
-        dw: &[f64],
-        memory: &mut Self::Memory<f64>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure> {
-        if const { F::FACTS.has_windows && !C::CARRIES } && takes_windows::<F>(q.components().len()) {
-            let noises = system.noises().min(dw.len());
-            let (stretch, of_noises) = (prepared.stretch, &dw[..noises]);
-            let givens = Givens { t, h, stretch, q: q.components(), p: p.components(), dw: of_noises };
-            let (bath, flows) = &mut *memory;
-            if let Some(taken) =
-                in_windows::<F, f64, f64, W>(system, prepared, givens, dw, &mut flows.windows, bath)
-            {
-                let (taken, heat) = taken?;
-                taken.exchange(q, p);
-                bath.heat = heat;
-                return Ok(Effort::fast(0));
-            }
-        }
-        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
     }
 }
 

@@ -17,7 +17,7 @@ use crate::scheme::compose::kept;
 use crate::scheme::elements::{Elements, are_finite};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
-    At, Discretized, Exchange, Lift, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, fits,
+    At, Discretized, Exchange, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, fits,
 };
 
 /// The O parts before and after a step.
@@ -80,10 +80,11 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &T,
         prepared: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         (kept, bath): &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
+        let At { t, h, q, p, dw } = at.lists();
         let (degrees, got) = (q.len(), p.len());
         if !fits(system, degrees) {
             system.check(degrees)?;

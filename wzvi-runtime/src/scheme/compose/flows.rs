@@ -29,7 +29,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
-use crate::scheme::system::{At, Hamiltonian, Lift, Properties, Scheme, Segment, as_they_are};
+use crate::scheme::system::{At, Hamiltonian, Lift, Movable, Properties, Scheme, Segment, as_they_are};
 
 /// The drifts and kicks `W` in turn; `SQUARES` if kicks are by potentials with the square of the force.
 #[derive(Clone, Copy, Debug)]
@@ -80,42 +80,23 @@ where
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         Prepared { parameters, along, stages: Stages(stages) }: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K>,
+        At { t, h, q, p, dw }: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         if const { F::FACTS.has_windows && S::MAY_BE_PLAIN && !C::CARRIES && !SQUARES }
-            && takes_windows::<F>(q.len())
-            && let (Some(q), Some(p), Some(dw)) = (S::plain_mut(q), S::plain_mut(p), S::plain(dw))
+            && takes_windows::<F>(q.list().len())
+            && let (Some(own_q), Some(own_p), Some(dw)) =
+                (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
         {
-            let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q, p, dw };
+            let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, dw };
             let (taken, _) = memory.windows.advance(system, stages, givens, |flows| flows)?;
-            taken.copy(q, p);
+            taken.store(q, p);
             return Ok(Effort::fast(0));
         }
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: K::from_f64(1.0) };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| flows.take::<S, C>(stage, rooms, memory);
-        advance(system, take, stages, [q, p], dw, memory, carry)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-        system: &F,
-        prepared: &Self::Prepared<f64>,
-        [t, h]: [f64; 2],
-        [q, p]: [&mut F::Vector; 2],
-        dw: &[f64],
-        memory: &mut Self::Memory<f64>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure> {
-        if takes_windows::<F>(q.components().len()) && !C::CARRIES && !SQUARES {
-            let givens = Givens { t, h, stretch: 1.0, q: q.components(), p: p.components(), dw };
-            let (taken, _) = memory.windows.advance(system, &prepared.stages.0, givens, |flows| flows)?;
-            taken.exchange(q, p);
-            return Ok(Effort::fast(0));
-        }
-        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
+        advance(system, take, stages, [q.list(), p.list()], dw, memory, carry)
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {

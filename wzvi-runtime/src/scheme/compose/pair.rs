@@ -14,8 +14,8 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Discretized, Hamiltonian, Lift, MemoryOf, PreparedOf, Properties, Scheme, SchemeOf, Segment, anew,
-    as_they_are, fits,
+    At, Discretized, Hamiltonian, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, Segment,
+    anew, as_they_are, fits,
 };
 
 /// Steps `W` of the schemes `A` and `B`, which may be the same.
@@ -106,10 +106,11 @@ where
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
+        let At { t, h, q, p, dw } = at.lists();
         let (degrees, got) = (q.len(), p.len());
         if !fits(system, degrees) {
             system.check(degrees)?;

@@ -23,7 +23,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::elements::{Elements, Point, Slopes, check_new, forces, slopes};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
-    At, Hamiltonian as _, Lift, Properties, Scheme, Segment, as_they_are, varied_without_lists,
+    At, Hamiltonian as _, Lift, Movable, Properties, Scheme, Segment, as_they_are, varied_without_lists,
 };
 
 /// The form of a part of the Hamiltonian.
@@ -150,11 +150,11 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &F,
         Prepared { parameters, stages }: &Prepared<K>,
-        at: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let At { t, h, q, p, dw } = at.shared();
+        let At { t, h, q, p, dw } = at.lists().shared();
         let flows = FlowsOf::<F, S> { system, parameters: S::varied(parameters), t, h };
         let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<K, C>(stage, rooms);
         advance(system, take, &stages.0, [q, p], dw, memory, carry)

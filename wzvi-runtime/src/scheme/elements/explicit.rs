@@ -9,9 +9,8 @@ use super::{Elements, Memory, MomentumUpdate, Quadrature, Slopes};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Effort;
-use crate::algebra::state::Vector;
 use crate::error::StepFailure;
-use crate::scheme::system::At;
+use crate::scheme::system::{At, Movable};
 
 /// One step from `(q, p)` at `t` in place; on `Err` nothing but scratch is changed.
 ///
@@ -25,14 +24,14 @@ use crate::scheme::system::At;
 pub(super) fn advance_explicit<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    at: At<'_, S, S::Constant>,
+    at: At<'_, S, S::Constant, impl Movable<S> + ?Sized>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     if size_of::<S>() == size_of::<f64>() {
         advance((system, parameters), scheme, at, memory, carry)
     } else {
-        advance_apart((system, parameters), scheme, at, memory, carry)
+        advance_apart((system, parameters), scheme, at.lists(), memory, carry)
     }
 }
 
@@ -51,10 +50,11 @@ fn advance_apart<H: Elements + Sync, S: Scalar, C: Carry<S>>(
 fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
     (system, parameters): (&H, &[S::Constant]),
     scheme: &Quadrature,
-    At { t, h, q, p, dw }: At<'_, S, S::Constant>,
+    At { t, h, q: to_q, p: to_p, dw }: At<'_, S, S::Constant, impl Movable<S> + ?Sized>,
     memory: &mut Memory<S>,
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
+    let (q, p) = (to_q.list(), to_p.list());
     if !memory.fits(system, q.len()) {
         memory.fit(system, scheme, q.len())?;
     }
@@ -68,7 +68,7 @@ fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
             let (q, p) = (known_q, known_p);
             let [t, h] = [t, h].map(|constant| constant.lane(0));
             let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
-            step.advance_windows(&mut memory.plan)?.copy(q, p);
+            step.advance_windows(&mut memory.plan)?.store(to_q, to_p);
             return Ok(Effort::fast(0));
         }
         memory.make_room(scheme, q.len());
@@ -89,38 +89,6 @@ fn advance<H: Elements + Sync, S: Scalar, C: Carry<S>>(
         lists.store(q, p, carry)?;
     }
     Ok(Effort::fast(0))
-}
-
-/// [`advance_explicit`] for vectors that may be exchanged for others.
-///
-/// # Errors
-/// Those of [`advance_explicit`].
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn advance_explicit_vectors<H: Elements + Sync, C: Carry<f64>>(
-    system: &H,
-    scheme: &Quadrature,
-    [t, h]: [f64; 2],
-    [q, p]: [&mut H::Vector; 2],
-    dw: &[f64],
-    memory: &mut Memory<f64>,
-    carry: &mut C,
-) -> Result<Effort, StepFailure> {
-    let degrees = q.components().len();
-    if const { H::FACTS.has_windows && !C::CARRIES } && takes_windows(scheme, degrees) {
-        if !memory.fits(system, degrees) {
-            memory.fit(system, scheme, degrees)?;
-        }
-        if p.components().len() != degrees {
-            return Err(StepFailure::Dimension { expected: degrees, got: p.components().len() });
-        }
-        let dw = super::increments(system, dw)?;
-        let (known_q, known_p, parameters) = (q.components(), p.components(), &[][..]);
-        let step = Step { system, scheme, t, h, parameters, q: known_q, p: known_p, dw, increment: None };
-        step.advance_windows(&mut memory.plan)?.exchange(q, p);
-        return Ok(Effort::fast(0));
-    }
-    let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-    advance_explicit((system, &[]), scheme, at, memory, carry)
 }
 
 impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {

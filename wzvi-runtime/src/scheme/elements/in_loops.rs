@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::explicit::{advance_explicit, advance_explicit_vectors};
+use super::explicit::advance_explicit;
 use super::side_by_side::go_side_by_side;
 use super::{
     Elements, Memory, Quadrature, Unknowns, check_new, discrete_lagrangian, discrete_lagrangian_gradient,
@@ -12,11 +12,11 @@ use crate::algebra::carry::{Carry, Compensated, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::shape::Dynamic;
 use crate::algebra::solve::Effort;
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
-    At, Discretized, LagrangianGradient, Lift, Properties, Scheme, Segment, varied_without_lists,
+    At, Discretized, LagrangianGradient, Lift, Movable, Properties, Scheme, Segment, varied_without_lists,
 };
 
 /// A scheme whose steps are solved in loops.
@@ -77,7 +77,7 @@ where
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         parameters: &Vec<K>,
-        at: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
@@ -85,33 +85,8 @@ where
         if const { Of::<H, E>::IS_EXPLICIT } {
             advance_explicit(system, Of::<H, E>::QUADRATURE, at, memory, carry)
         } else {
-            iterate::advance::<H, S, C, CAREFUL>(system, Of::<H, E>::QUADRATURE, at, memory, carry)
+            iterate::advance::<H, S, C, CAREFUL>(system, Of::<H, E>::QUADRATURE, at.lists(), memory, carry)
         }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-        system: &H,
-        _: &Vec<f64>,
-        [t, h]: [f64; 2],
-        [q, p]: [&mut <H as Elements>::Vector; 2],
-        dw: &[f64],
-        memory: &mut Memory<f64>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure> {
-        if const { Of::<H, E>::IS_EXPLICIT } {
-            return advance_explicit_vectors(
-                system,
-                Of::<H, E>::QUADRATURE,
-                [t, h],
-                [q, p],
-                dw,
-                memory,
-                carry,
-            );
-        }
-        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        iterate::advance::<H, f64, C, CAREFUL>((system, &[]), Of::<H, E>::QUADRATURE, at, memory, carry)
     }
 
     fn discrete_lagrangian(system: &H, segment: &Segment<<H as Elements>::Vector>, dw: &[f64]) -> f64 {

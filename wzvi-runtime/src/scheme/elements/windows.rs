@@ -35,9 +35,9 @@ use turns::{Job, Share, Taking};
 
 use super::{Elements, Slopes};
 use crate::algebra::lanes::instructions::{InstructionSet, Kernel};
-use crate::algebra::state::Vector;
 use crate::algebra::threads::Threads;
 use crate::error::StepFailure;
+use crate::scheme::system::Movable;
 
 /// Degrees of freedom from which steps go window by window; a smaller system is a single window anyway.
 pub const LEAST_IN_WINDOWS: usize = 96;
@@ -273,16 +273,10 @@ pub struct Taken<'p> {
 }
 
 impl Taken<'_> {
-    /// Copies the new state.
-    pub(crate) fn copy(self, q: &mut [f64], p: &mut [f64]) {
-        q.copy_from_slice(self.q);
-        p.copy_from_slice(self.p);
-    }
-
-    /// Exchanges the vectors of the state for the new ones.
-    pub(crate) fn exchange<V: Vector>(self, q: &mut V, p: &mut V) {
-        q.exchange(self.q);
-        p.exchange(self.p);
+    /// Moves lists or vectors to the new state.
+    pub(crate) fn store<S>(self, q: &mut (impl Movable<S> + ?Sized), p: &mut (impl Movable<S> + ?Sized)) {
+        q.take(self.q);
+        p.take(self.p);
     }
 }
 

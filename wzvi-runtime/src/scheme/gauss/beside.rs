@@ -181,7 +181,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
         let friction = &self.friction.lane(lane);
         let prepared = (&F::Parameters::lane(self.parameters, lane), friction, self.common);
-        let at = At { t: self.t.lane(lane), h: self.h.lane(lane), q: own_q, p: own_p, dw: own_dw };
+        let at = At {
+            t: self.t.lane(lane),
+            h: self.h.lane(lane),
+            q: &mut own_q[..],
+            p: &mut own_p[..],
+            dw: own_dw,
+        };
         let effort = advance::<_, f64, f64, Plain, N, false>(self.system, prepared, at, own, &mut Plain)?;
         for (all, own) in lists.next.iter_mut().zip([&*own_q, own_p]) {
             for (all, own) in all.as_mut().iter_mut().zip(own) {

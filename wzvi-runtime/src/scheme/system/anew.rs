@@ -34,7 +34,7 @@ pub(crate) fn advance<H: Hamiltonian, T: Scheme<H> + ?Sized, K: Constant, S: Ove
             }
             // Copies: state and increments stay in registers only where no function is given their address.
             let (mut end_q, mut end_p, dw) = (q.to_vec(), p.to_vec(), dw.to_vec());
-            let at = At { t, h, q: &mut end_q, p: &mut end_p, dw: &dw };
+            let at = At { t, h, q: &mut end_q[..], p: &mut end_p[..], dw: &dw };
             let (effort, fresh) = careful::<H, T, K, S>(system, prepared.clone(), at)?;
             q.copy_from_slice(&end_q);
             p.copy_from_slice(&end_p);

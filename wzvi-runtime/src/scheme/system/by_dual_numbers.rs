@@ -35,7 +35,7 @@ pub(crate) fn gradient<H: Hamiltonian, T: Scheme<H> + ?Sized>(
         let (mut q, mut p) = (lift(start[0], varied, 0), lift(start[1], varied, d));
         let dw = lift(dw, None, 0);
         let mut memory = T::Memory::<Dual<1>>::default();
-        let at = At { t: segment.t, h: segment.h, q: &mut q, p: &mut p, dw: &dw };
+        let at = At { t: segment.t, h: segment.h, q: &mut q[..], p: &mut p[..], dw: &dw };
         advance::<H, T, f64, _>(system, prepared, at, &mut memory).ok()?;
         Some([q, p])
     };

@@ -3,7 +3,8 @@
 use std::marker::PhantomData;
 
 use super::{
-    At, Discretized, Hamiltonian as _, Lift, Properties, Scheme, check_lengths, fits, varied_without_lists,
+    At, Discretized, Hamiltonian as _, Lift, Movable, Properties, Scheme, check_lengths, fits,
+    varied_without_lists,
 };
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{Request, StepMemory};
@@ -186,11 +187,11 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         parameters: &Vec<K>,
-        at: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         scratch: &mut Scratch<S>,
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
-        let (At { t, h, q, p, dw }, parameters) = (at.shared(), S::varied(parameters));
+        let (At { t, h, q, p, dw }, parameters) = (at.lists().shared(), S::varied(parameters));
         if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
             system.check(q.len())?;
         }

@@ -15,23 +15,62 @@ use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 
 /// The arguments of a step: the state `(q, p)` at `t`, which it moves, the step size and the increments.
 #[derive(Debug)]
-pub struct At<'a, S, K = f64> {
+pub struct At<'a, S, K = f64, V: ?Sized = [S]> {
     /// Time at the start of the step.
     pub t: K,
     /// Step size.
     pub h: K,
     /// Coordinates, one number per degree of freedom.
-    pub q: &'a mut [S],
+    pub q: &'a mut V,
     /// Momenta, likewise.
-    pub p: &'a mut [S],
+    pub p: &'a mut V,
     /// Increments, [`Scheme::increments`] of them.
     pub dw: &'a [S],
 }
 
-impl<'a, S: Over<K>, K: Constant> At<'a, S, K> {
+/// The coordinates or the momenta that a step moves: a list, or a vector that a new one may replace.
+pub trait Movable<S> {
+    /// The numbers.
+    fn list(&mut self) -> &mut [S];
+    /// Takes the numbers of a list of the same length, which may take the old ones in exchange. Only numbers that are `f64` come so.
+    fn take(&mut self, new: &mut Vec<f64>);
+}
+
+impl<S: Scalar> Movable<S> for [S] {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn list(&mut self) -> &mut [S] {
+        self
+    }
+    fn take(&mut self, new: &mut Vec<f64>) {
+        S::plain_mut(self).into_iter().for_each(|own| own.copy_from_slice(new));
+    }
+}
+
+impl<V: Vector> Movable<f64> for V {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn list(&mut self) -> &mut [f64] {
+        self.components_mut()
+    }
+    fn take(&mut self, new: &mut Vec<f64>) {
+        self.exchange(new);
+    }
+}
+
+impl<'a, S, K, V: Movable<S> + ?Sized> At<'a, S, K, V> {
+    /// With lists.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lists(self) -> At<'a, S, K> {
+        let Self { t, h, q, p, dw } = self;
+        At { t, h, q: q.list(), p: p.list(), dw }
+    }
+
     /// With time and step size of the first lane.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn shared(self) -> At<'a, S, S::Constant> {
+    pub fn shared(self) -> At<'a, S, S::Constant, V>
+    where
+        S: Over<K>,
+        K: Constant,
+    {
         let Self { t, h, q, p, dw } = self;
         let [t, h] = [t, h].map(|constant| S::constant(constant).to_constant());
         At { t, h, q, p, dw }
@@ -175,28 +214,10 @@ pub trait Scheme<H: Hamiltonian> {
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         system: &H,
         prepared: &Self::Prepared<K>,
-        at: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure>;
-
-    /// [`Scheme::advance`] with time and step size `[t, h]`, on vectors that it may replace by new ones.
-    ///
-    /// # Errors
-    /// Those of [`Scheme::advance`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_vectors<C: Carry<f64>, const CAREFUL: bool>(
-        system: &H,
-        prepared: &Self::Prepared<f64>,
-        [t, h]: [f64; 2],
-        [q, p]: [&mut H::Vector; 2],
-        dw: &[f64],
-        memory: &mut Self::Memory<f64>,
-        carry: &mut C,
-    ) -> Result<Effort, StepFailure> {
-        let at = At { t, h, q: q.components_mut(), p: p.components_mut(), dw };
-        Self::advance::<f64, f64, C, CAREFUL>(system, prepared, at, memory, carry)
-    }
 
     /// The slopes of the scheme's own polynomial, for the last step recorded in `memory`.
     fn slopes_between(

@@ -3,7 +3,7 @@
 
 use std::marker::PhantomData;
 
-use super::{At, LagrangianGradient, Lift, Properties, Scheme, Segment};
+use super::{At, LagrangianGradient, Lift, Movable, Properties, Scheme, Segment};
 use crate::algebra::carry::{Carry, Compensation};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::memory::StepMemory;
@@ -196,10 +196,11 @@ where
     fn advance<K: Constant, S: Over<K>, C: Carry<S>, const CAREFUL: bool>(
         _: &H,
         prepared: &Self::Prepared<K>,
-        At { t, h, q, p, dw }: At<'_, S, K>,
+        at: At<'_, S, K, impl Movable<S> + ?Sized>,
         memory: &mut Self::Memory<S>,
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
+        let At { t, h, q, p, dw } = at.lists();
         let (q, p) = (array_mut(q)?, array_mut(p)?);
         let dw = increments::<_, N>(dw)?;
         let mut next = Solution::nowhere();
