@@ -14,6 +14,8 @@
 //! by the same analysis, and no pass has to follow the rounding of every term. Each number is compared with its own rounding, so that the
 //! result does not depend on units or on other sites.
 
+use std::ops::Range;
+
 use super::memory::Lists;
 use super::passes::{Block, load, poisoned, widened};
 use super::step::Step;
@@ -82,38 +84,40 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Whether the last fixed-point correction changed no more than [`UNSEEN`] of a rounding, after [`Step::refresh`]: of each path side by side.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn changes_nothing(&self, lists: &Lists<'_, S>) -> S::Mask {
-        let mut all = S::Mask::from_bool(true);
-        for place in 0..self.degrees() {
-            all = all & self.changes_nothing_at(lists, place);
-            // The first one mostly decides.
-            if !all.any() {
-                break;
-            }
-        }
-        all
+        // The first one mostly decides.
+        let first = self.changes_nothing_at(lists, 0..1);
+        if first.any() { first & self.changes_nothing_at(lists, 1..self.degrees()) } else { first }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn changes_nothing_at(&self, lists: &Lists<'_, S>, place: usize) -> S::Mask {
+    fn changes_nothing_at(&self, lists: &Lists<'_, S>, places: Range<usize>) -> S::Mask {
         let Lists { x, correction, u, by_p: before, momentum, .. } = lists;
-        let is_both = self.scheme.unknowns == Unknowns::Both;
-        let mut is_unseen = S::Mask::from_bool(true);
-        for &Stage { point, .. } in self.scheme.stages {
-            let (u, change) = match is_both {
-                true => (x[2 * place], correction[2 * place] * point),
-                false => (u[place], (u[place] - before[place]) * point),
-            };
-            if point != 0.0 {
-                is_unseen = is_unseen & unseen(change, moved(self.q[place], u, point, S::abs));
+        let (q, momentum) = (&self.q[places.clone()], &momentum[places.clone()]);
+        let mut all = S::Mask::from_bool(true);
+        if self.scheme.unknowns == Unknowns::Both {
+            let (x, corrections) = (x.as_chunks().0, correction.as_chunks().0);
+            let unknowns = x[places.clone()].iter().zip(&corrections[places]);
+            for ((&[u, v], &[change_u, change_v]), (&q, momentum)) in unknowns.zip(q.iter().zip(momentum)) {
+                for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+                    all = all & unseen(change_u * point, moved(q, u, point, S::abs));
+                }
+                all = all & unseen(change_v, momentum.abs() + v.abs());
+            }
+            return all;
+        }
+        for &Stage { point, .. } in self.scheme.stages.iter().filter(|stage| stage.point != 0.0) {
+            for ((&q, &u), &before) in q.iter().zip(&u[places.clone()]).zip(&before[places.clone()]) {
+                all = all & unseen((u - before) * point, moved(q, u, point, S::abs));
             }
         }
-        // Elements at the node may depend on momenta.
-        if is_both || self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
-            let number = if is_both { 2 * place + 1 } else { place };
-            let rounded = momentum[place].abs() + x[number].abs();
-            is_unseen = is_unseen & unseen(correction[number], rounded);
+        if self.scheme.stages.iter().any(|stage| stage.point == 0.0) {
+            // Elements at the node may depend on momenta.
+            let changes = x[places.clone()].iter().zip(&correction[places]);
+            for ((x, &change), momentum) in changes.zip(momentum) {
+                all = all & unseen(change, momentum.abs() + x.abs());
+            }
         }
-        is_unseen
+        all
     }
 }
 

@@ -470,13 +470,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         is_newton: bool,
         pace: Pace<f64>,
     ) -> bool {
-        let is_plain = size_of::<S>() == size_of::<f64>();
+        let may_look = !is_newton && taken.change.is_none() && size_of::<S>() == size_of::<f64>();
         taken.change == Some(Change::Unseen)
             || (pace.is_enough() && self.resolves(&scratch.lists, pace.expected(), S::magnitude))
-            || (!is_newton
-                && taken.change.is_none()
-                && is_plain
-                && self.changes_nothing(&scratch.lists).all())
+            || (may_look && self.changes_nothing(&scratch.lists).all())
     }
 
     /// Whether the remainder of each correction is below the rounding of the state that it changes, if the next correction is smaller by the
@@ -488,23 +485,37 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         ratio: R,
         size: impl Fn(S) -> R + Copy,
     ) -> R::Mask {
-        let (zero, one, mut all) = (R::from_f64(0.0), R::from_f64(1.0), R::Mask::from_bool(true));
         let Lists { x, correction, previous, .. } = lists;
-        for (k, ((&x, &correction), &previous)) in x.iter().zip(&**correction).zip(&**previous).enumerate() {
-            let state = match self.scheme.unknowns {
-                Unknowns::Both if k % 2 == 0 => self.q[k / 2],
-                Unknowns::Both => self.p[k / 2],
-                _ => self.p[k],
-            };
-            let change = size(correction);
-            let own = change / size(previous);
-            let factor = R::select(ratio.less(own), own, ratio);
-            let factor = R::select(factor.less(one), factor, one);
-            let bound = (size(x) + size(state)) * f64::EPSILON;
-            all = all & !zero.less(change * factor - bound);
+        let mut all = R::Mask::from_bool(true);
+        // Two loops, since one with a choice in it is not vectorised.
+        if self.scheme.unknowns == Unknowns::Both {
+            let [x, correction, previous] = [&**x, &**correction, &**previous].map(|list| list.as_chunks().0);
+            let corrected = x.iter().zip(correction).zip(previous).zip(self.q.iter().zip(self.p));
+            for (((&[x_u, x_v], &[u, v]), &[before_u, before_v]), (&q, &p)) in corrected {
+                all = all & is_small([q, x_u, u, before_u], ratio, size);
+                all = all & is_small([p, x_v, v, before_v], ratio, size);
+            }
+        } else {
+            for (((&x, &v), &before), &p) in x.iter().zip(&**correction).zip(&**previous).zip(self.p) {
+                all = all & is_small([p, x, v, before], ratio, size);
+            }
         }
         all
     }
+}
+
+/// [`Step::resolves`] of one unknown: from the state, the unknown, its correction and the one before.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn is_small<S: Scalar, R: Scalar>(
+    [state, x, correction, previous]: [S; 4],
+    ratio: R,
+    size: impl Fn(S) -> R,
+) -> R::Mask {
+    let (change, one) = (size(correction), R::from_f64(1.0));
+    let own = change / size(previous);
+    let factor = R::select(ratio.less(own), own, ratio);
+    let factor = R::select(factor.less(one), factor, one);
+    !R::from_f64(0.0).less(change * factor - (size(x) + size(state)) * f64::EPSILON)
 }
 
 /// Whether the derivatives that the unknowns carry still converge: they do so after the values.
