@@ -64,20 +64,26 @@ impl ProgressLine {
     }
 }
 
-/// How far a single path is. Where nobody looks, it is never due.
-pub(crate) struct StepsShown {
+/// How far a single path is, and whether it is to stop. Where nobody looks or asks, it is never due.
+pub(crate) struct StepsShown<'k> {
     line: Option<(ProgressLine, Due)>,
+    stop: Option<&'k dyn Fn() -> bool>,
     /// The nodes from which and to which the run goes.
     first: u64,
     end: u64,
 }
 
-impl StepsShown {
+impl<'k> StepsShown<'k> {
     /// From one node to another.
-    pub(crate) fn new(is_quiet: bool, handle: Option<Handle>, first: u64, end: u64) -> Self {
+    pub(crate) fn new(
+        is_quiet: bool,
+        handle: Option<Handle>,
+        stop: Option<&'k dyn Fn() -> bool>,
+        [first, end]: [u64; 2],
+    ) -> Self {
         let progress = ProgressLine::new("steps", is_quiet, handle);
-        let is_seen = progress.watch.is_some() || progress.handle.is_some();
-        Self { line: is_seen.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), first, end }
+        let is_due = progress.watch.is_some() || progress.handle.is_some() || stop.is_some();
+        Self { line: is_due.then(|| (progress, Due::new(None, Some(PAUSE), first, end))), stop, first, end }
     }
 
     /// The next node to look at.
@@ -86,15 +92,17 @@ impl StepsShown {
         self.line.as_ref().map_or(u64::MAX, |(_, due)| due.next())
     }
 
-    /// The run has reached a node; whether its handle wants it to stop there.
+    /// The run has reached a node; whether its handle or a function wants it to stop there.
     pub(crate) fn look(&mut self, node: u64) -> bool {
-        let Some((progress, due)) = &mut self.line else { return false };
+        let Self { line: Some((progress, due)), stop, .. } = self else { return false };
         if !due.is_due(node) {
             return false;
         }
         progress.show(node.saturating_sub(self.first), self.end.saturating_sub(self.first));
         due.done();
-        node < self.end && progress.handle.as_ref().is_some_and(Handle::is_stopped)
+        let is_stopped =
+            || progress.handle.as_ref().is_some_and(Handle::is_stopped) || stop.is_some_and(|stop| stop());
+        node < self.end && is_stopped()
     }
 }
 

@@ -1,13 +1,10 @@
 //! The run of a path: its steps, its nodes, and what becomes of them.
 
-use std::time::Duration;
-
 use super::{Node, Observer, Partial, Simulation};
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sums;
 use crate::error::StoppedError;
-use crate::ground::due::Due;
 use crate::ground::progress::StepsShown;
 use crate::increments::{Divisible, Interval, Noise};
 use crate::path::Error;
@@ -77,11 +74,10 @@ where
         if let Some(looks) = &mut run.looks {
             looks.arrive(first, path.state);
         }
-        let shown = StepsShown::new(is_quiet, handle, first, grid.steps);
         let stop = stop.or(asked.as_deref().map(|stop| stop as _));
-        let stop = stop.map(|stop| (stop, Due::new(None, Some(PAUSE), first, grid.steps)));
+        let shown = StepsShown::new(is_quiet, handle, stop, [first, grid.steps]);
         let dense = looks_inside.then(|| Box::new(DenseOutput::of(&start)));
-        let mut nodes = Nodes { run, keeper, shown, stop, due: 0, grid, dense };
+        let mut nodes = Nodes { run, keeper, shown, due: 0, grid, dense };
         nodes.due = nodes.next_due();
         let error = loop {
             if O::AVERAGES && nodes.run.observer.has_enough() {
@@ -114,9 +110,6 @@ where
         Ok(((trajectory, error), observer))
     }
 }
-
-/// Between two questions whether to stop.
-const PAUSE: Duration = Duration::from_millis(100);
 
 /// Takes all steps from this one on, the last one of another size if it is shorter.
 fn take_all<'s, H, E, N, O>(
@@ -191,9 +184,7 @@ impl<V: Vector, O: Observer<V>> Run<'_, '_, O, V> {
 struct Nodes<'k, 's, 'a, O, V> {
     run: Run<'s, 'a, O, V>,
     keeper: Keeper,
-    shown: StepsShown,
-    /// Whether to stop, and when to ask.
-    stop: Option<(&'k dyn Fn() -> bool, Due)>,
+    shown: StepsShown<'k>,
     /// [`Nodes::next_due`]
     due: u64,
     grid: Grid,
@@ -203,20 +194,7 @@ struct Nodes<'k, 's, 'a, O, V> {
 impl<V: Vector, O: Observer<V>> Nodes<'_, '_, '_, O, V> {
     /// The next node at which it may be time to save, to show how far the run is, or to ask whether to stop.
     fn next_due(&self) -> u64 {
-        let asked = self.stop.as_ref().map_or(u64::MAX, |(_, due)| due.next());
-        self.keeper.next().min(self.shown.next()).min(asked)
-    }
-
-    /// Whether the run is to stop at a node.
-    fn is_stopped(&mut self, node: u64) -> bool {
-        let asked = self.stop.as_mut().is_some_and(|(stop, due)| {
-            let is_due = due.is_due(node);
-            if is_due {
-                due.done();
-            }
-            is_due && node < self.grid.steps && stop()
-        });
-        self.shown.look(node) || asked
+        self.keeper.next().min(self.shown.next())
     }
 
     /// Looks into the step that ended at a node.
@@ -291,7 +269,7 @@ where
         }
         let is_enough = O::AVERAGES && nodes.run.observer.has_enough();
         if node >= nodes.due || is_enough {
-            let is_over = nodes.is_stopped(node) || is_enough;
+            let is_over = nodes.shown.look(node) || is_enough;
             if nodes.keeper.is_due(node) || (is_over && nodes.keeper.keeps()) {
                 nodes.keeper.save_path(path, &mut nodes.run, node)?;
             }
