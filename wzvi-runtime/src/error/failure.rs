@@ -91,7 +91,7 @@ impl StepFailure {
 
 messages! { StepFailure:
     Self::NotConverged { iterations, correction } =>
-        "the iteration did not converge in {iterations} steps (last correction {correction:.1e}); \
+        "the equations of the step are not solved after {iterations} iterations (last correction {correction:.1e}); \
          take a smaller step";
     Self::Singular { pivot, scale } =>
         "the matrix of the step is singular (pivot {pivot:.1e} at scale {scale:.1e}), a pole of the scheme; \
@@ -105,7 +105,8 @@ messages! { StepFailure:
          energy yourself with `.unwatched()`";
     Self::OtherSolution { apart } =>
         "dual numbers found another end of the step, {apart:.1e} of its length away, so the derivative is not known: its equations have \
-         several solutions, or `adjoint` names a scheme that is not the adjoint one; take a smaller step";
+         several solutions, the steps are unstable, so that the way back is lost in rounding, or `adjoint` names a scheme that is not the adjoint one; \
+         take a smaller step";
     Self::TooManyUnknowns { unknowns, most } =>
         "sweeps over the stages do not contract, and Newton's method would have to factor {unknowns} unknowns, more than {most}; \
          take a smaller step";
