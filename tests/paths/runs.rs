@@ -193,6 +193,33 @@ fn an_empty_system_has_no_energy_and_no_run() {
     assert!(error.to_string().contains("the state is empty"), "{error}");
 }
 
+/// Two sums over sites, which need none.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>() + q.windows(2).map(|w| 0.5 * (w[1] - w[0]).powi(2)).sum::<f64>(),
+    embedding = [DeltaPlus, Midpoint, Verlet, Gauss<2>],
+)]
+struct Springs;
+
+#[test]
+fn no_step_moves_an_empty_state() {
+    fn of<E>()
+    where
+        Springs: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+    {
+        let mut state = State::new(Vec::<f64>::new(), Vec::<f64>::new());
+        let error = Springs.stepper::<E>(0.1).unwrap().step(&mut state, &[]).unwrap_err();
+        assert_eq!(error.cause, StepFailure::Dimension { expected: 1, got: 0 });
+        assert_eq!(state.t, 0.0);
+    }
+    of::<DeltaPlus>();
+    of::<Midpoint>();
+    of::<Verlet>();
+    of::<Gauss<2>>();
+    of::<Composed<Verlet, KahanLi6>>();
+    of::<Composed<Midpoint, Yoshida4>>();
+    of::<Composed<Verlet, Chin4>>();
+}
+
 #[test]
 fn a_deterministic_system_takes_no_noise_and_any() {
     let run = || PENDULUM.simulate::<Midpoint>(0.1).start(State::new([1.0], [0.5])).until(50.0);

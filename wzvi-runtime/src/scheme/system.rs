@@ -66,7 +66,7 @@ impl Kind {
 /// Whether states of the system may have this many degrees of freedom.
 #[must_use]
 pub fn fits<H: Hamiltonian + ?Sized>(system: &H, degrees: usize) -> bool {
-    matches!(system.degrees(), 0 if degrees > 0) || degrees == system.degrees()
+    degrees > 0 && matches!(system.degrees(), known if known == 0 || known == degrees)
 }
 
 /// A stochastic Hamiltonian system `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = Σ_m (f_m - ∂H_m/∂q) ∘ dX_m` with `X_0 = t`, `X_k = W_k` and forces `f_m`: the
@@ -84,7 +84,7 @@ pub trait Hamiltonian {
     /// [`StepFailure::Dimension`] for a wrong number of degrees of freedom; [`StepFailure::Index`] if an integer of
     /// the system is out of range.
     fn check(&self, degrees: usize) -> Result<(), StepFailure> {
-        let (expected, got) = (self.degrees(), degrees);
+        let (expected, got) = (self.degrees().max(1), degrees);
         if fits(self, got) { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
     }
 
