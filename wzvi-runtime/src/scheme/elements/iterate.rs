@@ -8,7 +8,7 @@ use super::preference::Solution;
 use super::rounding::variation;
 use super::side_by_side::{Pace, is_side_by_side};
 use super::step::Step;
-use super::{CONTRACTS, Elements, Iteration, Memory, Quadrature, Unknowns};
+use super::{CONTRACTS, Elements, Iteration, Memory, Quadrature};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::{Effort, astray};
@@ -475,47 +475,6 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             || (pace.is_enough() && self.resolves(&scratch.lists, pace.expected(), S::magnitude))
             || (may_look && self.changes_nothing(&scratch.lists).all())
     }
-
-    /// Whether the remainder of each correction is below the rounding of the state that it changes, if the next correction is smaller by the
-    /// factor `ratio` or by that of its own unknown, whichever is larger. Sizes of numbers are those by `size`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn resolves<R: Scalar>(
-        self,
-        lists: &Lists<'_, S>,
-        ratio: R,
-        size: impl Fn(S) -> R + Copy,
-    ) -> R::Mask {
-        let Lists { x, correction, previous, .. } = lists;
-        let mut all = R::Mask::from_bool(true);
-        // Two loops, since one with a choice in it is not vectorised.
-        if self.scheme.unknowns == Unknowns::Both {
-            let [x, correction, previous] = [&**x, &**correction, &**previous].map(|list| list.as_chunks().0);
-            let corrected = x.iter().zip(correction).zip(previous).zip(self.q.iter().zip(self.p));
-            for (((&[x_u, x_v], &[u, v]), &[before_u, before_v]), (&q, &p)) in corrected {
-                all = all & is_small([q, x_u, u, before_u], ratio, size);
-                all = all & is_small([p, x_v, v, before_v], ratio, size);
-            }
-        } else {
-            for (((&x, &v), &before), &p) in x.iter().zip(&**correction).zip(&**previous).zip(self.p) {
-                all = all & is_small([p, x, v, before], ratio, size);
-            }
-        }
-        all
-    }
-}
-
-/// [`Step::resolves`] of one unknown: from the state, the unknown, its correction and the one before.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn is_small<S: Scalar, R: Scalar>(
-    [state, x, correction, previous]: [S; 4],
-    ratio: R,
-    size: impl Fn(S) -> R,
-) -> R::Mask {
-    let (change, one) = (size(correction), R::from_f64(1.0));
-    let own = change / size(previous);
-    let factor = R::select(ratio.less(own), own, ratio);
-    let factor = R::select(factor.less(one), factor, one);
-    !R::from_f64(0.0).less(change * factor - (size(x) + size(state)) * f64::EPSILON)
 }
 
 /// Whether the derivatives that the unknowns carry still converge: they do so after the values.
