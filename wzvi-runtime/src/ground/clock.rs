@@ -1,7 +1,6 @@
 //! The time, where there is one: targets such as `wasm32-unknown-unknown` have no clock, and asking for it there is a trap.
 
-use std::time::SystemTime;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 const IS_THERE: bool = !cfg!(all(target_family = "wasm", target_os = "unknown"));
 
