@@ -28,6 +28,7 @@ mod failure;
 pub(crate) mod file;
 mod index;
 mod internal;
+#[cfg(feature = "ensemble")]
 mod level;
 mod noise;
 #[cfg(feature = "plot")]
@@ -35,6 +36,7 @@ mod plot;
 #[cfg(feature = "report")]
 mod report;
 mod series;
+#[cfg(feature = "ensemble")]
 mod statistics;
 mod stopped;
 
@@ -52,6 +54,7 @@ pub use file::FileError;
 pub use index::Name;
 pub use index::{IndexError, IndexLimit};
 pub use internal::{InternalError, StepPromise};
+#[cfg(feature = "ensemble")]
 pub use level::{LevelError, LevelFailure};
 pub use noise::NoiseError;
 #[cfg(feature = "plot")]
@@ -59,6 +62,7 @@ pub use plot::PlotError;
 #[cfg(feature = "report")]
 pub use report::ReportError;
 pub use series::SeriesError;
+#[cfg(feature = "ensemble")]
 pub use statistics::StatisticsError;
 pub use stopped::StoppedError;
 
