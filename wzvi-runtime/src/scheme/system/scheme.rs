@@ -42,7 +42,9 @@ impl<S: Scalar> Movable<S> for [S] {
         self
     }
     fn take(&mut self, new: &mut Vec<f64>) {
-        S::plain_mut(self).into_iter().for_each(|own| own.copy_from_slice(new));
+        let own = S::plain_mut(self);
+        debug_assert!(own.is_some(), "numbers of another type are not taken window by window");
+        own.into_iter().for_each(|own| own.copy_from_slice(new));
     }
 }
 
