@@ -67,7 +67,7 @@ fn loops_have_the_friction_of_straight_lines() {
 fn reads<H: Elements>(system: &H, expected: &[f64], is_matrix: bool, is_per_state: bool) {
     let (mut damping, mut inverse) = (vec![0.0; expected.len()], vec![0.0; 3]);
     let bath = H::FACTS.bath.unwrap();
-    bath.damping((system, &[]), &[0.5, 0.0, 2.0], &mut damping);
+    bath.damping((system, &[]), &[0.5, 0.0, 2.0], &mut damping, &mut Default::default());
     bath.inverse_mass((system, &[]), &mut inverse);
     assert_eq!((&damping[..], &inverse[..]), (expected, &[1.0, 0.5, 2.0][..]));
     assert_eq!(bath.temperature((system, &[])), Some(1.3));

@@ -4,9 +4,13 @@
 //! The reference for bits is the same generated step on [`Lanes<1>`], which takes no vector registers.
 
 use fixtures::larger;
+use wzvi::embedding::{OneStep, Own, TakahashiImada4};
+use wzvi::error::StepFailure;
 use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
+use wzvi::scalar::Scalar;
+use wzvi::system::{Scratch, StepField};
 
 use crate::one_by_one::{H, check, check_others, check_scheme, later_allocations, numbers};
 
@@ -28,7 +32,7 @@ use crate::one_by_one::{H, check, check_others, check_scheme, later_allocations,
                 .sum::<f64>()
     },
     invariant = [|q, p| p.iter().map(|p| p[1]).sum::<f64>()],
-    embedding = [DeltaPlus, DeltaMinus, Verlet, Midpoint],
+    embedding = [DeltaPlus, DeltaMinus, Verlet, Midpoint, Gauss<2>],
 )]
 struct Cluster {
     k: f64,
@@ -209,11 +213,49 @@ fn energy_of_a_hundred_bodies_stays() {
     assert!((3.0..5.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
 }
 
-/// The room for columns is there after the first step.
+/// One step of Euler's.
+struct Euler;
+
+impl OneStep for Euler {
+    const ORDER: u32 = 1;
+    const IS_CONSISTENT: bool = false;
+    fn step<S: Scalar>(
+        field: &impl StepField<S>,
+        [q, p]: [&mut [S]; 2],
+        scratch: &mut Scratch<S>,
+    ) -> Result<(), StepFailure> {
+        let [dq, dp] = scratch.lists(q.len());
+        field.at(0.0, [q, p], [&mut *dq, &mut *dp]);
+        [q, p]
+            .into_iter()
+            .zip([dq, dp])
+            .for_each(|(x, dx)| x.iter_mut().zip(dx).for_each(|(x, dx)| *x = *x + *dx));
+        Ok(())
+    }
+}
+
+/// The columns belong to the stepper: they are there after the first step, in any thread.
 #[test]
 fn steps_allocate_nothing() {
     let (system, mut state) = (cluster(100), State::new(numbers(300, 0.2), numbers(300, 1.1)));
-    assert_eq!(later_allocations::<Verlet, _>(&system, &mut state, H, 10), 0);
+    let mut later = [
+        later_allocations::<DeltaPlus, _>,
+        later_allocations::<Verlet, _>,
+        later_allocations::<Midpoint, _>,
+        later_allocations::<Gauss<2>, _>,
+        later_allocations::<Composed<Verlet, KahanLi8>, _>,
+        later_allocations::<Composed<Verlet, TakahashiImada4>, _>,
+        later_allocations::<Own<Euler>, _>,
+    ]
+    .map(|allocations| allocations(&system, &mut state, 0.01 * H, 10));
+    let mut stepper = system.stepper::<Verlet>(H).unwrap();
+    stepper.step(&mut state, &[]).unwrap();
+    let counted = std::thread::scope(|scope| {
+        let steps = || allocation_counter::measure(|| assert!(stepper.step(&mut state, &[]).is_ok()));
+        scope.spawn(steps).join().unwrap()
+    });
+    later[1] += counted.count_total;
+    assert_eq!(later, [0; 7]);
 }
 
 /// The mid-point's equations are solved to rounding whatever computes them: by vectors, or number by number.

@@ -70,7 +70,9 @@ const _: () = {
         self as wzvi, Constant, Discretized, Facts, Kind, Knowledge, Lift, Number, Of,
         Option, Over, Reals, SVector, Scalar, Scheme, Sized, Some, bool, f64, str, usize,
         compose::{Form, Nystrom, Parted, WholeOf},
-        elements::{Alone, Elements, Given, Point, Slopes, Sums, Usual},
+        elements::{
+            Alone, Elements, FieldAt, Given, PairColumns, Point, Slopes, Sums, Usual,
+        },
         embedding::Verlet, gauss::{Field, Fixed},
     };
     #[automatically_derived]
@@ -191,13 +193,11 @@ const _: () = {
         fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
             &self,
             parameters: &Of<Self::Parameters, K>,
-            t: S,
-            h: S,
-            coordinates: &[S],
-            momenta: &[S],
-            increments: &[S],
-            by_q: &mut [S],
-            by_p: &mut [S],
+            ([t, h], [coordinates, momenta], increments): FieldAt<'_, S>,
+            [by_q,
+            by_p,
+            ]: [&mut [S]; 2],
+            _: &mut PairColumns,
         ) {
             let [omega, epsilon] = *parameters;
             let (&[q], &[p], &[]) = (coordinates, momenta, increments) else {

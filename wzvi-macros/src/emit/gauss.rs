@@ -108,13 +108,9 @@ fn slopes(graph: &mut Graph, line: &StraightLine, is_nystrom: bool) -> (Vec<Read
             fn step_slopes<__K: __wzvi::Constant, __S: __wzvi::Over<__K>, const __BY_Q: #bool, const __BY_P: #bool>(
                 &self,
                 __parameters: &__wzvi::Of<Self::Parameters, __K>,
-                __t: __S,
-                __h: __S,
-                __coordinates: &[__S],
-                __momenta: &[__S],
-                __increments: &[__S],
-                __by_q: &mut [__S],
-                __by_p: &mut [__S],
+                ([__t, __h], [__coordinates, __momenta], __increments): __wzvi::elements::FieldAt<'_, __S>,
+                [__by_q, __by_p]: [&mut [__S]; 2],
+                _: &mut __wzvi::elements::PairColumns,
             ) {
                 #open
                 let (&[#(#q),*], &[#(#p),*], &[#(#dw),*]) = (__coordinates, __momenta, __increments) else {

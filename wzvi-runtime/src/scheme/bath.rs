@@ -57,7 +57,7 @@ use std::marker::PhantomData;
 
 use crate::algebra::scalar::Scalar;
 use crate::error::{BathError, ConfigError};
-use crate::scheme::elements::{self, DRIFT, Elements, Point, Slopes, slopes};
+use crate::scheme::elements::{self, DRIFT, Elements, PairColumns, Point, Slopes, slopes};
 use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
 
 #[doc(hidden)]
@@ -158,10 +158,16 @@ impl Friction {
     }
 
     /// `Γ` by rows, or the rates `(Γ M⁻¹)_ii`, one per degree of freedom. NaN for lists that do not fit.
-    pub fn damping<H: Elements, S: Scalar>(&self, system: (&H, &[S::Constant]), q: &[S], into: &mut [S]) {
+    pub fn damping<H: Elements, S: Scalar>(
+        &self,
+        system: (&H, &[S::Constant]),
+        q: &[S],
+        into: &mut [S],
+        columns: &mut PairColumns,
+    ) {
         match self.is_matrix {
             true => elements::damping(system, self.part, q, into),
-            false => elements::rates(system, self.part, q, into),
+            false => elements::rates(system, self.part, q, into, columns),
         }
     }
 
@@ -187,7 +193,7 @@ impl Friction {
         let velocities = |p: &[S], by_q: &mut [S], into: &mut [S]| {
             into.fill(S::from_f64(0.0));
             let at = Point::new([&*zeros, p], Scalar::from_f64(0.0), parameters, &[]);
-            slopes(system, DRIFT, 1.0, &at, Slopes::BY_MOMENTA, by_q, into);
+            slopes(system, (DRIFT, 1.0), &at, Slopes::BY_MOMENTA, by_q, into, &mut PairColumns::default());
         };
         if self.has_diagonal_masses {
             p.fill(one);

@@ -56,7 +56,7 @@ pub(crate) use hamiltonian::{DRIFT, forces};
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::Memory;
-pub use pairs::{Pair, Row};
+pub use pairs::{Pair, PairColumns, Row};
 pub(crate) use passes::are_finite;
 pub use quadrature::{MomentumUpdate, Quadrature, Stage, Unknowns};
 pub(crate) use step::nothing;
@@ -287,36 +287,34 @@ impl<S: Scalar> Point<'_, S> {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn slopes<H: Elements, S: Scalar>(
     system: &H,
-    part: usize,
-    weight: f64,
+    (part, weight): (usize, f64),
     at: &Point<'_, S>,
     wanted: Slopes,
     by_q: &mut [S],
     by_p: &mut [S],
+    columns: &mut PairColumns,
 ) {
     if const { pairs::may_take_vectors::<H>() && S::MAY_BE_PLAIN }
         && pairs::takes_vectors::<H>(wanted, at.q.len())
         && let Some(at) = at.plain()
         && let (Some(by_q), Some(by_p)) = (S::plain_mut(&mut *by_q), S::plain_mut(&mut *by_p))
     {
-        pairs::slopes(system, part, weight, &at, wanted, by_q, by_p);
+        pairs::slopes(system, (part, weight), &at, wanted, by_q, by_p, columns);
     } else {
         system.slopes::<S, S::OfElements<H::Exact>>(part, weight, at, wanted, by_q, by_p);
     }
 }
 
+/// Where slopes are evaluated: `[t, h]`, `[q, p]` and the increments of the noises.
+pub type FieldAt<'a, S> = ([S; 2], [&'a [S]; 2], &'a [S]);
+
 /// The wanted slopes of the step Hamiltonian `h H_0 + Σ_k ΔW_k H_k`; `t` is the same in all lanes, or is not read.
-#[expect(clippy::too_many_arguments, reason = "as `gauss::Field::step_slopes`")]
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     (system, parameters): (&H, &[S::Constant]),
-    t: S,
-    h: S,
-    q: &[S],
-    p: &[S],
-    dw: &[S],
-    by_q: &mut [S],
-    by_p: &mut [S],
+    ([t, h], [q, p], dw): FieldAt<'_, S>,
+    [by_q, by_p]: [&mut [S]; 2],
+    columns: &mut PairColumns,
 ) {
     let at = Point { acting: 0..dw.len(), ..Point::new([q, p], t.to_constant(), parameters, dw) };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
@@ -326,9 +324,9 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     if BY_P {
         by_p.fill(S::from_f64(0.0));
     }
-    slopes(system, DRIFT, 1.0, &at, wanted, by_q, by_p);
+    slopes(system, (DRIFT, 1.0), &at, wanted, by_q, by_p, columns);
     if H::FACTS.kind.is_forced {
-        slopes(system, FORCE, 1.0, &at, wanted, by_q, by_p);
+        slopes(system, (FORCE, 1.0), &at, wanted, by_q, by_p, columns);
     }
     // Weights of stages differ from lane to lane.
     if BY_Q {
@@ -338,7 +336,7 @@ pub(crate) fn field<H: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
         by_p.iter_mut().for_each(|slope| *slope = *slope * h);
     }
     if !dw.is_empty() {
-        slopes(system, NOISE, 1.0, &at, wanted, by_q, by_p);
+        slopes(system, (NOISE, 1.0), &at, wanted, by_q, by_p, columns);
     }
 }
 
@@ -350,14 +348,15 @@ pub(crate) fn add_slopes<H: Elements, S: Scalar>(
     state: &[S],
     wanted: Slopes,
     into: &mut [S],
+    columns: &mut PairColumns,
 ) {
     let (at, none) = (flow.at(state), &mut [][..]);
     // A single call, so that it is inlined.
     for (part, is_there) in flow.parts::<H>() {
         match wanted.by_q {
             _ if !is_there => {}
-            true => slopes(system, part, 1.0, &at, wanted, into, none),
-            false => slopes(system, part, 1.0, &at, wanted, none, into),
+            true => slopes(system, (part, 1.0), &at, wanted, into, none, columns),
+            false => slopes(system, (part, 1.0), &at, wanted, none, into, columns),
         }
     }
 }

@@ -35,7 +35,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::State;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::Slopes;
-use crate::scheme::elements::{self, Elements, Taken, WindowPlan, Word};
+use crate::scheme::elements::{self, Elements, FieldAt, PairColumns, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
 use crate::scheme::system::{At, Lift, Movable, Properties, Scheme, Segment, as_they_are};
 
@@ -88,25 +88,17 @@ pub trait Field: Elements + Sized {
     /// The matrix `K` of the quadratic part `q · K q / 2` of the potential energy, by rows.
     fn stiffness<K: Constant>(&self, _parameters: &[K], _k: &mut [K]) {}
 
-    /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "generated code implements it, and each is one thing that slopes depend on"
-    )]
+    /// `∂F/∂q` and `∂F/∂p`, as requested. Slices have one entry per degree of freedom or noise; `columns` is scratch.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_slopes<K: Constant, S: Over<K>, const BY_Q: bool, const BY_P: bool>(
         &self,
         parameters: &Of<Self::Parameters, K>,
-        t: S,
-        h: S,
-        q: &[S],
-        p: &[S],
-        dw: &[S],
-        by_q: &mut [S],
-        by_p: &mut [S],
+        at: FieldAt<'_, S>,
+        into: [&mut [S]; 2],
+        columns: &mut PairColumns,
     ) {
         let parameters = S::varied(Self::Parameters::varied(parameters));
-        elements::field::<_, S, BY_Q, BY_P>((self, parameters), t, h, q, p, dw, by_q, by_p);
+        elements::field::<_, S, BY_Q, BY_P>((self, parameters), at, into, columns);
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::diagonal::{BLOCK, Diagonal};
 use super::modes::Decay;
-use super::relaxation::Momenta;
+use super::relaxation::{Momenta, Room};
 use super::{Damped, Relaxation};
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
@@ -14,7 +14,7 @@ use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
 use crate::error::{BathError, ConfigError, StepFailure, StepPromise};
 use crate::ground::numbers::{Numbers, Tape};
-use crate::scheme::elements::Elements;
+use crate::scheme::elements::{Elements, PairColumns};
 use crate::scheme::system::{Hamiltonian as _, Lift, varied_without_lists};
 
 /// The number of O parts of a step, of equal duration, and their decay.
@@ -43,7 +43,12 @@ pub(super) fn rate<T: Elements, K: Constant>(
     let zero = K::from_f64(0.0);
     let (mut rates, friction) = (vec![K::from_f64(f64::NAN); degrees], Damped::<T>::FRICTION);
     if !friction.is_matrix && !friction.is_per_state {
-        friction.damping((system, K::varied(parameters)), &vec![zero; degrees], &mut rates);
+        friction.damping(
+            (system, K::varied(parameters)),
+            &vec![zero; degrees],
+            &mut rates,
+            &mut PairColumns::default(),
+        );
     }
     let rate = rates.first().copied().unwrap_or(zero);
     let is_one = zero.less_equal(rate).all() && rates.iter().all(|other| other.equal(rate).all());
@@ -124,7 +129,7 @@ impl Own {
 #[derive(Debug, Default)]
 pub struct Memory<S> {
     own: Option<Own>,
-    room: Vec<S>,
+    room: Room<S>,
     /// The heat of each part, block by block, where a step goes window by window.
     blocks: Vec<AtomicU64>,
     /// The heat of the last step.
@@ -162,8 +167,8 @@ impl<S: Scalar> Memory<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fit<T: Elements>(&mut self, degrees: usize) {
         let room = Relaxation::<f64>::room::<T>(degrees);
-        if self.room.len() != room {
-            self.room.resize(room, S::from_f64(0.0));
+        if self.room.numbers.len() != room {
+            self.room.numbers.resize(room, S::from_f64(0.0));
         }
     }
 
@@ -220,7 +225,7 @@ pub(super) struct Parts<'m, T, K, S> {
     relaxation: &'m Relaxation<K>,
     normals: &'m [S],
     per_part: usize,
-    room: &'m mut Vec<S>,
+    room: &'m mut Room<S>,
     blocks: &'m mut Vec<AtomicU64>,
 }
 

@@ -20,7 +20,7 @@ use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Mask as _, Over, Scalar};
 use crate::error::{BathError, StepFailure, StepPromise};
-use crate::scheme::elements::Elements;
+use crate::scheme::elements::{Elements, PairColumns};
 
 /// The constants of an O part, which do not depend on the state. Lists have one number per degree of freedom; matrices are row-major.
 #[derive(Clone, Debug)]
@@ -44,6 +44,14 @@ pub(super) struct Frozen<K = f64> {
     bath: Bath<K>,
     /// All parameters, where they have derivatives.
     parameters: Vec<K>,
+}
+
+/// The scratch of an O part.
+#[derive(Debug, Default)]
+pub(super) struct Room<S> {
+    /// As many as [`Relaxation::room`].
+    pub(super) numbers: Vec<S>,
+    columns: PairColumns,
 }
 
 /// The momenta that an O part moves, and the normals that drive it.
@@ -73,7 +81,7 @@ impl<K: Constant> Relaxation<K> {
         let temperature = Self::check((system, varied), friction)?;
         let mut gamma = vec![zero; if friction.is_matrix { degrees * degrees } else { degrees }];
         if !friction.is_per_state {
-            friction.damping((system, varied), &vec![zero; degrees], &mut gamma);
+            friction.damping((system, varied), &vec![zero; degrees], &mut gamma, &mut PairColumns::default());
             if let Some(&rate) = gamma.iter().find(|gamma| !gamma.is_finite().all()) {
                 return Err(BathError::Friction { rate: rate.lane(0) });
             }
@@ -167,7 +175,7 @@ impl<K: Constant> Relaxation<K> {
         system: &T,
         mut momenta: Momenta<'_, S>,
         drift: Option<K>,
-        room: &mut [S],
+        room: &mut Room<S>,
     ) -> Result<S, StepFailure> {
         if drift.is_some() && (C::CARRIES || self.diagonal().is_none()) {
             return Err(StepFailure::Internal(StepPromise::ListedRates));
@@ -177,11 +185,11 @@ impl<K: Constant> Relaxation<K> {
             Self::Diagonal(law) => law.all_blocks::<S, C>(momenta, drift)?,
             Self::Matrix { decay, deviation, inverse_mass } => {
                 let d = momenta.p.len();
-                for (i, to) in room.iter_mut().enumerate().take(d) {
+                for (i, to) in room.numbers.iter_mut().enumerate().take(d) {
                     let kept = (0..d).fold(S::from_f64(0.0), |sum, j| sum + momenta.p[j] * decay[i * d + j]);
                     *to = momenta.with_noise(kept, i, &deviation[i * d..]);
                 }
-                momenta.replace::<C, K>(&room[..d], inverse_mass)
+                momenta.replace::<C, K>(&room.numbers[..d], inverse_mass)
             }
             Self::Frozen(frozen) => {
                 if Damped::<T>::FRICTION.is_matrix {
@@ -390,10 +398,10 @@ impl<K: Constant> Frozen<K> {
         &self,
         system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
-        room: &mut [S],
+        Room { numbers, columns }: &mut Room<S>,
     ) -> Result<S, StepFailure> {
-        let (rates, new) = room.split_at_mut(momenta.p.len());
-        Damped::<T>::FRICTION.damping(system, momenta.q, rates);
+        let (rates, new) = numbers.split_at_mut(momenta.p.len());
+        Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
         if Damped::<T>::FRICTION.has_diagonal_masses {
             let constants = rates.iter().zip(&self.inverse_mass).map(|(&rate, &inverse)| {
                 let (decay, noise) = self.mode(rate)?;
@@ -415,14 +423,14 @@ impl<K: Constant> Frozen<K> {
         &self,
         system: (&T, &[S::Constant]),
         mut momenta: Momenta<'_, S>,
-        room: &mut [S],
+        Room { numbers, columns }: &mut Room<S>,
     ) -> Result<S, StepFailure> {
         let (zero, d) = (S::from_f64(0.0), momenta.p.len());
-        let (rates, room) = room.split_at_mut(d * d);
+        let (rates, room) = numbers.split_at_mut(d * d);
         let (vectors, room) = room.split_at_mut(d * d);
         let (modes, room) = room.split_at_mut(d * d);
         let (along, new) = room.split_at_mut(d);
-        Damped::<T>::FRICTION.damping(system, momenta.q, rates);
+        Damped::<T>::FRICTION.damping(system, momenta.q, rates, columns);
         let mut found = Modes { rates, vectors, modes };
         found.solve(&self.mass, d).map_err(negative)?;
         let (smallest, slowest) = found.slowest(&self.bath, d);

@@ -26,7 +26,7 @@ use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Flow, Slopes, add_slopes, check_new, nothing};
+use crate::scheme::elements::{Flow, PairColumns, Slopes, add_slopes, check_new, nothing};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{At, Hamiltonian, Lift, Movable, Properties, Scheme, Segment, as_they_are};
@@ -159,7 +159,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
         match half {
             Half::First => {
-                self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut())
+                self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut());
             }
             Half::Second if SQUARES && gradient != 0.0 => {
                 let Memory { directional, dw, .. } = memory;
@@ -229,18 +229,28 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         lost: &mut [S],
     ) {
         let &Self { system, parameters, t, .. } = self;
+        // No pairs add to the velocities.
+        let columns = &mut PairColumns::default();
         if Self::IN_PLACE && !C::CARRIES {
-            return add_slopes(system, self.flow(Origin { t, h }, dw), p, Slopes::BY_MOMENTA, q);
+            return add_slopes(system, self.flow(Origin { t, h }, dw), p, Slopes::BY_MOMENTA, q, columns);
         }
         let [t, h] = [t, h].map(S::constant);
-        system.step_slopes::<K, S, false, true>(parameters, t, h, q, p, dw, &mut [], velocity);
+        let (at, into) = (([t, h], [&*q, p], dw), [&mut [][..], &mut *velocity]);
+        system.step_slopes::<K, S, false, true>(parameters, at, into, columns);
         add::<S, C>(q, velocity, lost);
     }
 
     /// `p ← p + ∂F/∂q`, in loops.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_force<S: Over<K>>(&self, origin: Origin<K>, q: &[S], dw: &[S], p: &mut [S]) {
-        add_slopes(self.system, self.flow(origin, dw), q, Slopes::BY_COORDINATES, p);
+    fn add_force<S: Over<K>>(
+        &self,
+        origin: Origin<K>,
+        q: &[S],
+        dw: &[S],
+        p: &mut [S],
+        columns: &mut PairColumns,
+    ) {
+        add_slopes(self.system, self.flow(origin, dw), q, Slopes::BY_COORDINATES, p, columns);
     }
 
     /// For elements, of which all lanes have the same constants.
@@ -265,7 +275,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         let &Self { system, parameters, .. } = self;
         let Origin { t, h } = origin;
         if Self::IN_PLACE && !C::CARRIES && !is_end {
-            return self.add_force(origin, q, &memory.dw, p);
+            return self.add_force(origin, q, &memory.dw, p, &mut memory.columns);
         }
         let is_kept = is_end && memory.dw.is_empty();
         if is_kept && memory.has_force(origin, F::FORCE_READS_TIME, q) {
@@ -273,10 +283,11 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         }
         if Self::IN_PLACE {
             force.fill(nothing());
-            self.add_force(origin, q, &memory.dw, force);
+            self.add_force(origin, q, &memory.dw, force, &mut memory.columns);
         } else {
-            let [t, h] = [t, h].map(S::constant);
-            system.step_slopes::<K, S, true, false>(parameters, t, h, q, p, &memory.dw, force, &mut []);
+            let ([t, h], Memory { dw, columns, .. }) = ([t, h].map(S::constant), &mut *memory);
+            let (at, into) = (([t, h], [q, &*p], &dw[..]), [&mut *force, &mut []]);
+            system.step_slopes::<K, S, true, false>(parameters, at, into, columns);
         }
         add::<S, C>(p, force, lost);
         if is_kept {

@@ -15,6 +15,7 @@ use super::flows::{Act, FlowsOf};
 use super::stages::Stage;
 use crate::algebra::scalar::{Constant, Dual, Of, Over, Scalar};
 use crate::error::{StepFailure, StepPromise};
+use crate::scheme::elements::PairColumns;
 use crate::scheme::gauss::Field;
 
 impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
@@ -58,16 +59,8 @@ impl<F: Field, K: Constant, S: Over<K>, const SQUARES: bool> Kick<'_, '_, F, K, 
         let Some(along) = along else { return Err(StepFailure::Internal(StepPromise::PlainConstants)) };
         let (t, h) = (t + h * stage.node, h * stage.share);
         // `V'` and the constant `T''` do not depend on the momenta.
-        system.step_slopes::<K, S, true, false>(
-            parameters,
-            S::constant(t),
-            S::constant(h),
-            q,
-            q,
-            dw,
-            force,
-            &mut [],
-        );
+        let (at, into) = (([S::constant(t), S::constant(h)], [q, q], dw), [&mut *force, &mut []]);
+        system.step_slopes::<K, S, true, false>(parameters, at, into, &mut room.columns);
         for (dual, &dw) in room.dw.iter_mut().zip(dw) {
             *dual = Dual::constant(dw);
         }
@@ -97,6 +90,7 @@ pub(super) struct Directional<S> {
     p: Vec<Dual<1, S>>,
     slopes: Vec<Dual<1, S>>,
     dw: Vec<Dual<1, S>>,
+    columns: PairColumns,
 }
 
 impl<S: Scalar> Directional<S> {
@@ -123,9 +117,10 @@ impl<S: Scalar> Directional<S> {
         S: Over<K>,
     {
         let [t, h] = constants.map(|constant| S::Along::constant(constant.lifted()));
-        let Self { q, p, slopes, dw } = self;
+        let Self { q, p, slopes, dw, columns } = self;
         let [q, p, slopes, dw] = S::along([q, p, slopes, dw]);
         let (by_q, by_p) = if BY_Q { (slopes, &mut [][..]) } else { (&mut [][..], slopes) };
-        system.step_slopes::<K::Lifted, S::Along, BY_Q, BY_P>(parameters, t, h, q, p, dw, by_q, by_p);
+        let (at, into) = (([t, h], [&*q, &*p], &*dw), [by_q, by_p]);
+        system.step_slopes::<K::Lifted, S::Along, BY_Q, BY_P>(parameters, at, into, columns);
     }
 }

@@ -20,7 +20,7 @@ use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::elements::{Elements, Point, Slopes, check_new, forces, slopes};
+use crate::scheme::elements::{Elements, PairColumns, Point, Slopes, check_new, forces, slopes};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     At, Hamiltonian as _, Lift, Movable, Properties, Scheme, Segment, as_they_are, varied_without_lists,
@@ -55,12 +55,14 @@ fn slopes_of_part<F: Elements, S: Scalar, const BY_Q: bool, const BY_P: bool>(
     [t, h]: [S::Constant; 2],
     [q, p]: [&[S]; 2],
     [by_q, by_p]: [&mut [S]; 2],
+    columns: &mut PairColumns,
 ) {
     by_q.fill(S::from_f64(0.0));
     by_p.fill(S::from_f64(0.0));
     let at = Point { h, ..Point::new([q, p], t, parameters, &[]) };
     let wanted = Slopes { by_q: BY_Q, by_p: BY_P };
-    slopes(system, Parts::<F>::OF_DRIFT.0 + part as usize, 1.0, &at, wanted, by_q, by_p);
+    let part = (Parts::<F>::OF_DRIFT.0 + part as usize, 1.0);
+    slopes(system, part, &at, wanted, by_q, by_p, columns);
 }
 
 /// The flows of the two parts in turn.
@@ -96,6 +98,7 @@ fn prepare<F: Elements, K: Constant>(
     substeps: &[Substep],
 ) -> Result<Prepared<K>, ConfigError> {
     let parameters = varied_without_lists(system, lift)?;
+    let mut columns = PairColumns::default();
     let mut known: Vec<(Stage, Arc<Linear<K>>)> = Vec::new();
     let mut act = |stage: &Stage| {
         let half = stage.act;
@@ -113,7 +116,8 @@ fn prepare<F: Elements, K: Constant>(
             let ((q, p), (by_q, by_p)) = (x.split_at(degrees), slopes.split_at_mut(degrees));
             let unit = [0.0, 1.0].map(Scalar::from_f64);
             let varied = K::varied(&parameters);
-            slopes_of_part::<F, K, true, true>(system, half, varied, unit, [q, p], [by_q, by_p]);
+            let (at, into) = ([q, p], [&mut *by_q, by_p]);
+            slopes_of_part::<F, K, true, true>(system, half, varied, unit, at, into, &mut columns);
             if F::FACTS.kind.is_conformal {
                 let rate: K = system.friction_rate(&parameters);
                 by_q.iter_mut().zip(p).for_each(|(slope, p)| *slope = *slope + rate * *p);
@@ -156,7 +160,9 @@ impl<F: Elements, E, T, W: Composes<E, T>> Scheme<F> for PartFlows<By<E, T, W>> 
     ) -> Result<Effort, StepFailure> {
         let At { t, h, q, p, dw } = at.lists().shared();
         let flows = FlowsOf::<F, S> { system, parameters: S::varied(parameters), t, h };
-        let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<K, C>(stage, rooms);
+        let take = |stage: &_, rooms: &mut _, memory: &mut Memory<_, _>| {
+            flows.take::<K, C>(stage, rooms, &mut memory.columns)
+        };
         advance(system, take, &stages.0, [q, p], dw, memory, carry)
     }
 
@@ -196,7 +202,9 @@ impl<E, T, W: Composes<E, T>> PartFlows<By<E, T, W>> {
             }
         };
         let flows = FlowsOf { system, parameters: &[], t, h };
-        let take = |stage: &_, rooms: &mut _, _: &mut _| flows.take::<f64, Plain>(stage, rooms);
+        let take = |stage: &_, rooms: &mut _, memory: &mut Memory<_, _>| {
+            flows.take::<f64, Plain>(stage, rooms, &mut memory.columns)
+        };
         follow(take, &stages, segment, dw, action)
     }
 }
@@ -216,6 +224,7 @@ impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
         &self,
         stage: &Stage<Act<K>>,
         rooms: &mut Rooms<S, F::Shape>,
+        columns: &mut PairColumns,
     ) -> Result<(), StepFailure>
     where
         S: Over<K>,
@@ -226,10 +235,11 @@ impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
         match &stage.act {
             Act::Kick(half) => {
                 let into = [&mut *force, &mut []];
-                slopes_of_part::<F, S, true, false>(system, *half, parameters, [t, -h], [q, p], into);
+                let (at, times) = ([&*q, &*p], [t, -h]);
+                slopes_of_part::<F, S, true, false>(system, *half, parameters, times, at, into, columns);
                 if F::FACTS.kind.is_forced {
                     velocity.fill(S::from_f64(0.0));
-                    forces(system, &Point::new([&*q, p], t, parameters, &[]), velocity);
+                    forces(system, &Point::new([&*q, p], t, parameters, &[]), velocity, columns);
                     let h = S::of_constant(h);
                     force.iter_mut().zip(&*velocity).for_each(|(kick, f)| *kick = *kick + *f * h);
                 }
@@ -237,7 +247,8 @@ impl<F: Elements, S: Scalar> FlowsOf<'_, F, S> {
             }
             Act::Drift(half) => {
                 let into = [&mut [][..], &mut *velocity];
-                slopes_of_part::<F, S, false, true>(system, *half, parameters, [t, h], [q, p], into);
+                let (at, times) = ([&*q, &*p], [t, h]);
+                slopes_of_part::<F, S, false, true>(system, *half, parameters, times, at, into, columns);
                 add::<S, C>(q, velocity, lost_q);
             }
             Act::Map(map) => {

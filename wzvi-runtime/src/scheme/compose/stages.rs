@@ -12,7 +12,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
-use crate::scheme::elements::are_finite;
+use crate::scheme::elements::{PairColumns, are_finite};
 use crate::scheme::system::{Hamiltonian, Segment, check_lengths, fits};
 
 /// The parts of a step.
@@ -102,6 +102,7 @@ pub struct Memory<S: Scalar, H: Shape> {
     rooms: Rooms<S, H>,
     /// The noise increments of a part.
     pub(crate) dw: Vec<S>,
+    pub(super) columns: PairColumns,
     /// For derivatives of slopes; empty unless a table asks for them.
     pub(super) directional: Directional<S>,
     /// For large systems of elements.
@@ -182,6 +183,7 @@ impl<S: Scalar, H: Shape> Memory<S, H> {
             kept_force: list(),
             rooms: Rooms::of_length(length),
             dw: Vec::new(),
+            columns: PairColumns::default(),
             directional: Directional::default(),
             windows: windowed::Memory::default(),
         }

@@ -1,6 +1,6 @@
 //! Friction of any sum of elements, for thermostats.
 
-use super::{By, Elements, Point, Slopes, slopes};
+use super::{By, Elements, PairColumns, Point, Slopes, slopes};
 use crate::algebra::scalar::Scalar;
 
 /// The friction rates, from the slopes of part number `part`, a covector.
@@ -9,6 +9,7 @@ pub(crate) fn rates<H: Elements, S: Scalar>(
     part: usize,
     q: &[S],
     into: &mut [S],
+    columns: &mut PairColumns,
 ) {
     if into.len() != q.len() {
         return into.fill(S::from_f64(f64::NAN));
@@ -16,7 +17,7 @@ pub(crate) fn rates<H: Elements, S: Scalar>(
     let (system, parameters) = system;
     let at = Point::new([q, q], Scalar::from_f64(0.0), parameters, &[]);
     into.fill(S::from_f64(0.0));
-    slopes(system, part, 1.0, &at, Slopes::BY_COORDINATES, into, &mut []);
+    slopes(system, (part, 1.0), &at, Slopes::BY_COORDINATES, into, &mut [], columns);
     // A covector `f` has the slopes `-f`.
     into.iter_mut().for_each(|entry| *entry = -*entry);
 }

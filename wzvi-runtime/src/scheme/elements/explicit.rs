@@ -102,12 +102,12 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// `P`
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kick(&self, lists: &mut Lists<'_, S>) {
-        let Lists { momentum, stages, by_p, .. } = lists;
+        let Lists { momentum, stages, by_p, columns, .. } = lists;
         let (_, by_q) = stages.at_mut(0);
         by_q.fill(nothing());
         for stage in self.scheme.stages {
             if stage.start != 0.0 {
-                self.slopes(stage, self.q, self.p, Slopes::BY_COORDINATES, by_q, by_p);
+                self.slopes(stage, [self.q, self.p], Slopes::BY_COORDINATES, by_q, by_p, columns);
             }
         }
         for (momentum, (&p, &force)) in momentum.iter_mut().zip(self.p.iter().zip(&*by_q)) {
@@ -118,9 +118,9 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
     /// `u`
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn drift(&self, lists: &mut Lists<'_, S>) {
-        let Lists { u, momentum, by_p, .. } = lists;
+        let Lists { u, momentum, by_p, columns, .. } = lists;
         u.fill(nothing());
-        self.velocities(momentum, by_p, u);
+        self.velocities(momentum, by_p, u, columns);
     }
 
     /// `P` and, in place of `u`, the new coordinates; returns whether both are finite.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Elements, Point, Slopes, check, places, slopes};
+use super::{Elements, PairColumns, Point, Slopes, check, places, slopes};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure};
@@ -33,8 +33,13 @@ fn part_of(term: usize) -> (usize, Range<usize>) {
 
 /// The forces beside the drift; `into` is zero.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn forces<H: Elements, S: Scalar>(system: &H, at: &Point<'_, S>, into: &mut [S]) {
-    slopes(system, FORCE, 1.0, at, Slopes::BY_COORDINATES, into, &mut []);
+pub(crate) fn forces<H: Elements, S: Scalar>(
+    system: &H,
+    at: &Point<'_, S>,
+    into: &mut [S],
+    columns: &mut PairColumns,
+) {
+    slopes(system, (FORCE, 1.0), at, Slopes::BY_COORDINATES, into, &mut [], columns);
     into.iter_mut().for_each(|slope| *slope = -*slope);
 }
 
@@ -100,7 +105,7 @@ impl<H: Elements> Hamiltonian for H {
         if is_known {
             let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
             let at = Point { acting, ..Point::new([q, p], Scalar::from_f64(t), &[], &dw) };
-            slopes(self, part, 1.0, &at, Slopes::ALL, by_q, by_p);
+            slopes(self, (part, 1.0), &at, Slopes::ALL, by_q, by_p, &mut PairColumns::default());
         }
     }
 
@@ -114,7 +119,7 @@ impl<H: Elements> Hamiltonian for H {
         by_p.fill(start);
         if is_known {
             let at = Point { acting: 0..dw.len(), ..Point::new([q, p], state.t, &[], dw) };
-            slopes(self, NOISE, 1.0, &at, Slopes::ALL, by_q, by_p);
+            slopes(self, (NOISE, 1.0), &at, Slopes::ALL, by_q, by_p, &mut PairColumns::default());
         }
     }
 
@@ -122,7 +127,8 @@ impl<H: Elements> Hamiltonian for H {
         let is_known = fits(self, q, p) && into.len() == q.len();
         into.fill(S::from_f64(if is_known { 0.0 } else { f64::NAN }));
         if is_known && H::FACTS.kind.is_forced {
-            forces(self, &Point::new([q, p], Scalar::from_f64(t), &[], &[]), into);
+            let at = Point::new([q, p], Scalar::from_f64(t), &[], &[]);
+            forces(self, &at, into, &mut PairColumns::default());
         }
     }
 

@@ -4,7 +4,7 @@
 use super::hamiltonian::fits;
 use super::rounding::lift;
 use super::step::{Step, decay};
-use super::{Elements, Memory, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
+use super::{Elements, Memory, PairColumns, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
 use crate::algebra::scalar::{Rounded, Scalar};
 use crate::algebra::solve::larger;
 use crate::algebra::state::{State, Vector};
@@ -69,11 +69,11 @@ pub(crate) fn discrete_lagrangian_gradient<H: Elements>(
     }
     by_momentum.copy_from_slice(&u);
     let mut force = vec![0.0; by_start.len()];
-    let mut velocity = force.clone();
+    let (mut velocity, columns) = (force.clone(), &mut PairColumns::default());
     for_each_part((system, scheme), segment, &u, dw, |part, stage, weight, at| {
         force.fill(0.0);
         velocity.fill(0.0);
-        slopes(system, part, weight, at, Slopes::ALL, &mut force, &mut velocity);
+        slopes(system, (part, weight), at, Slopes::ALL, &mut force, &mut velocity, columns);
         for i in 0..force.len() {
             by_start[i] -= stage.start * force[i];
             by_end[i] -= stage.end * force[i];
@@ -238,10 +238,10 @@ impl<'a, H: Elements> Ends<'a, H> {
         let (q, p, dw) = (&*self.q, &*self.p, &*self.dw);
         let step = Step { system, scheme, t, h, parameters: &[], q, p, dw, increment: None };
         let nothing = vec![Rounded::exact(0.0); self.q.len()];
-        let (mut sum, mut unused) = (nothing.clone(), nothing.clone());
+        let (mut sum, mut unused, columns) = (nothing.clone(), nothing.clone(), &mut PairColumns::default());
         for stage in scheme.stages.iter().filter(|stage| weight(stage) != 0.0) {
             let (places, mut by_q) = (along(&self.q, &self.u, stage.point), nothing.clone());
-            step.slopes(stage, &places, momentum, Slopes::BY_COORDINATES, &mut by_q, &mut unused);
+            step.slopes(stage, [&places, momentum], Slopes::BY_COORDINATES, &mut by_q, &mut unused, columns);
             add_multiple(&mut sum, &by_q, weight(stage));
         }
         sum

@@ -8,7 +8,7 @@ use super::preference::Preference;
 use super::rounding::Rounding;
 use super::side_by_side::is_side_by_side;
 use super::windows::{LEAST_IN_WINDOWS, Sweeps, WindowPlan, takes_windows};
-use super::{Elements, Quadrature, Unknowns};
+use super::{Elements, PairColumns, Quadrature, Unknowns};
 use crate::algebra::memory::{Iteration, Method, Report, Request, StepMemory, Threads};
 use crate::algebra::scalar::Scalar;
 use crate::algebra::solve::Room;
@@ -58,7 +58,10 @@ pub(super) struct Care<S> {
 
 /// Scratch for the equations of one step: a single list, because the compiler knows only of parts of one list that they do not overlap.
 #[derive(Debug, Default)]
-pub(super) struct Work<S>(Vec<S>);
+pub(super) struct Work<S> {
+    numbers: Vec<S>,
+    columns: PairColumns,
+}
 
 /// The parts of a [`Work`], with lengths that follow from the system, so that loops over several of them need no bounds checks.
 pub(super) struct Lists<'a, S> {
@@ -71,6 +74,7 @@ pub(super) struct Lists<'a, S> {
     /// Slopes by momenta; where `u` follows from `v`, the `u` before the correction.
     pub(super) by_p: &'a mut [S],
     pub(super) stages: Stages<'a, S>,
+    pub(super) columns: &'a mut PairColumns,
 }
 
 /// The coordinates of each stage, and the slopes by them.
@@ -99,7 +103,8 @@ impl<S: Scalar> Work<S> {
     /// Scratch for a system with this number of degrees of freedom.
     pub(super) fn new(scheme: &Quadrature, degrees: usize) -> Self {
         debug_assert!(!scheme.stages.is_empty(), "a discrete Lagrangian has a quadrature point");
-        Self(vec![S::from_f64(0.0); Self::length(scheme, degrees)])
+        let numbers = vec![S::from_f64(0.0); Self::length(scheme, degrees)];
+        Self { numbers, columns: PairColumns::default() }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -110,14 +115,15 @@ impl<S: Scalar> Work<S> {
 
     /// Whether it was made for such a system.
     pub(super) fn fits(&self, scheme: &Quadrature, degrees: usize) -> bool {
-        self.0.len() == Self::length(scheme, degrees)
+        self.numbers.len() == Self::length(scheme, degrees)
     }
 
     /// Its parts for the scheme and the degrees of freedom that it was made for.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lists(&mut self, scheme: &Quadrature, degrees: usize) -> Lists<'_, S> {
         let unknowns = scheme.unknowns.count(degrees);
-        let numbers = &mut self.0[..Self::length(scheme, degrees)];
+        let Self { numbers, columns } = self;
+        let numbers = &mut numbers[..Self::length(scheme, degrees)];
         let apart = apart(degrees);
         let (x, numbers) = split_apart(numbers, unknowns, apart);
         let (correction, numbers) = split_apart(numbers, unknowns, apart);
@@ -133,6 +139,7 @@ impl<S: Scalar> Work<S> {
             momentum,
             by_p,
             stages: Stages { numbers, degrees, is_turned: false },
+            columns,
         }
     }
 }
@@ -141,7 +148,7 @@ impl<S: Scalar> Lists<'_, S> {
     /// The same, if numbers are `f64`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn plain(&mut self) -> Option<Lists<'_, f64>> {
-        let Self { x, correction, previous, u, momentum, by_p, stages } = self;
+        let Self { x, correction, previous, u, momentum, by_p, stages, columns } = self;
         let Stages { numbers, degrees, is_turned } = stages;
         let stages = Stages { numbers: S::plain_mut(numbers)?, degrees: *degrees, is_turned: *is_turned };
         Some(Lists {
@@ -152,6 +159,7 @@ impl<S: Scalar> Lists<'_, S> {
             momentum: S::plain_mut(momentum)?,
             by_p: S::plain_mut(by_p)?,
             stages,
+            columns,
         })
     }
 }
@@ -160,9 +168,9 @@ impl<S> Lists<'_, S> {
     /// A copy of the references for a separate function: values whose address is passed do not stay in registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lend(&mut self) -> Lists<'_, S> {
-        let Self { x, correction, previous, u, momentum, by_p, stages } = self;
+        let Self { x, correction, previous, u, momentum, by_p, stages, columns } = self;
         let stages = Stages { numbers: stages.numbers, ..*stages };
-        Lists { x, correction, previous, u, momentum, by_p, stages }
+        Lists { x, correction, previous, u, momentum, by_p, stages, columns }
     }
 }
 

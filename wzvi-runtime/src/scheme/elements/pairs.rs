@@ -23,6 +23,7 @@ use super::sums::{Given, Run, Sums};
 use crate::algebra::scalar::{Number, Scalar};
 
 pub(super) use block::Block;
+pub use columns::PairColumns;
 pub(super) use columns::{LEAST_IN_COLUMNS, may_take_vectors, slopes, takes_vectors};
 
 /// Number of partners whose slopes are computed together, on every machine.

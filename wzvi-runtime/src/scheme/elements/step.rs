@@ -7,7 +7,10 @@
 use super::memory::Lists;
 use super::passes::{add, are_finite};
 use super::side_by_side::is_side_by_side;
-use super::{By, Elements, Given, MomentumUpdate, Point, Quadrature, Slopes, Stage, Sums, Unknowns, slopes};
+use super::{
+    By, Elements, Given, MomentumUpdate, PairColumns, Point, Quadrature, Slopes, Stage, Sums, Unknowns,
+    slopes,
+};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Number, Scalar};
 use crate::error::StepFailure;
@@ -60,7 +63,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `u` and `P` at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn refresh(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, u, momentum, stages, .. } = lists;
+        let Lists { x, u, momentum, stages, columns, .. } = lists;
         if self.scheme.unknowns == Unknowns::Both {
             let unknowns = x.as_chunks().0;
             let known = momentum.iter_mut().zip(&mut **u).zip(self.p.iter().zip(unknowns));
@@ -73,7 +76,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
             }
             match self.increment {
                 Some(known) => u.copy_from_slice(known),
-                None => self.velocities(momentum, stages.at_mut(0).1, u),
+                None => self.velocities(momentum, stages.at_mut(0).1, u, columns),
             }
         }
     }
@@ -89,7 +92,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// [`Step::residual`] where `u` and `P` are those at `x`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn residual_at(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, correction, u, momentum, by_p, stages, .. } = lists;
+        let Lists { x, correction, u, momentum, by_p, stages, columns, .. } = lists;
         let is_both = self.scheme.unknowns == Unknowns::Both;
         if is_both {
             by_p.fill(nothing());
@@ -98,7 +101,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (q, by_q) = stages.at_mut(s);
             self.place(stage, q, by_q, u);
-            self.slopes(stage, q, momentum, wanted, by_q, by_p);
+            self.slopes(stage, [q, momentum], wanted, by_q, by_p, columns);
         }
         for (s, stage) in self.scheme.stages.iter().enumerate() {
             let (weight, (_, by_q)) = (stage.start, stages.at(s));
@@ -140,9 +143,9 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// Adds `Σ ∂F/∂p` at `P` to `u`, where the sum does not depend on `u`: elements that read coordinates and momenta are
     /// then at the node `q_i`, by the choice of unknowns. Their slopes by coordinates go to `by_q`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S]) {
+    pub(super) fn velocities(&self, momentum: &[S], by_q: &mut [S], u: &mut [S], columns: &mut PairColumns) {
         for stage in self.scheme.stages {
-            self.slopes(stage, self.q, momentum, Slopes::BY_MOMENTA, by_q, u);
+            self.slopes(stage, [self.q, momentum], Slopes::BY_MOMENTA, by_q, u, columns);
         }
     }
 
@@ -151,20 +154,20 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     pub(super) fn slopes(
         &self,
         stage: &Stage,
-        q: &[S],
-        p: &[S],
+        [q, p]: [&[S]; 2],
         wanted: Slopes,
         by_q: &mut [S],
         by_p: &mut [S],
+        columns: &mut PairColumns,
     ) {
         let at = self.at(stage, q, p);
         // Paths that are solved side by side stay in the vector instructions of their caller.
         let is_here = const { is_side_by_side::<S>() } && self.scheme.unknowns != Unknowns::None;
-        for &(part, weight) in stage.parts {
+        for &part in stage.parts {
             if is_here || size_of::<S>() == size_of::<f64>() {
-                slopes(self.system, part, weight, &at, wanted, by_q, by_p);
+                slopes(self.system, part, &at, wanted, by_q, by_p, columns);
             } else {
-                slopes_apart(self.system, part, weight, &at, wanted, by_q, by_p);
+                slopes_apart(self.system, part, &at, wanted, by_q, by_p, columns);
             }
         }
     }
@@ -199,7 +202,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
     /// `p_{i+1} - p_i` into `by_p`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn finish(&self, lists: &mut Lists<'_, S>) {
-        let Lists { x, u, momentum, by_p: dp, stages, correction, .. } = lists;
+        let Lists { x, u, momentum, by_p: dp, stages, correction, columns, .. } = lists;
         match self.scheme.unknowns {
             Unknowns::None => {
                 let (_, forces) = stages.at(0);
@@ -219,7 +222,7 @@ impl<H: Elements, S: Scalar> Step<'_, H, S> {
                     let (q, by_q) = stages.at_mut(s);
                     self.place(stage, q, by_q, u);
                     // Slopes by momenta go to `correction`, where they are not used.
-                    self.slopes(stage, q, momentum, Slopes::BY_COORDINATES, by_q, correction);
+                    self.slopes(stage, [q, momentum], Slopes::BY_COORDINATES, by_q, correction, columns);
                     subtract_multiple(dp, by_q, stage.end);
                 }
             }
@@ -291,14 +294,14 @@ fn damp<S: Scalar>(dp: &mut [S], p: &[S], decay: S) {
 #[inline(never)]
 fn slopes_apart<H: Elements, S: Scalar>(
     system: &H,
-    part: usize,
-    weight: f64,
+    part: (usize, f64),
     at: &Point<'_, S>,
     wanted: Slopes,
     by_q: &mut [S],
     by_p: &mut [S],
+    columns: &mut PairColumns,
 ) {
-    slopes(system, part, weight, at, wanted, by_q, by_p);
+    slopes(system, part, at, wanted, by_q, by_p, columns);
 }
 
 impl<S: Scalar> Lists<'_, S> {

@@ -8,6 +8,7 @@ use crate::algebra::carry::Plain;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::stages::minus;
 use crate::algebra::state::Vector;
+use crate::scheme::elements::PairColumns;
 use crate::scheme::system::{Hamiltonian as _, Segment};
 
 /// `L_d(q_i, q_{i+1}, P) = A(q_i, P) + R · (q_{i+1} - Q)`, where the step from `(q_i, P)` leads to `(Q, R)` and `A` is the sum of
@@ -46,9 +47,8 @@ pub(super) fn value<F: Field, const N: usize>(
         let own_p: Vec<f64> = momenta.iter().map(|stage| stage.get(i) * inverse[i]).collect();
         let (mut by_q, mut by_p) = (vec![0.0; degrees], vec![0.0; degrees]);
         let t = segment.t + table.c[i] * segment.h;
-        system.step_slopes::<f64, f64, false, true>(
-            parameters, t, segment.h, &own_q, &own_p, dw, &mut by_q, &mut by_p,
-        );
+        let (at, into) = (([t, segment.h], [&own_q[..], &own_p], dw), [&mut by_q[..], &mut by_p]);
+        system.step_slopes::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
         let pairing: f64 = own_p.iter().zip(&by_p).map(|(p, v)| p * v).sum();
         let drift = segment.h * system.evaluate(0, &own_q, &own_p, t);
         let noise = dw.iter().enumerate().map(|(k, dw)| dw * system.evaluate(k + 1, &own_q, &own_p, t));

@@ -17,6 +17,7 @@ use super::stages::Stages;
 use crate::algebra::scalar::Of;
 use crate::algebra::state::{State, Vector};
 use crate::scheme::dense::{Slopes, hermite_order};
+use crate::scheme::elements::PairColumns;
 use crate::scheme::plan::Plan;
 
 /// The order of the collocation polynomial. With one stage it is a straight line, and the cubic of the mid-point step replaces it.
@@ -79,9 +80,8 @@ fn drift<F: Field>(
             let after = a.get(k + 1).map_or(0.0, |a| 0.5 * a / (2.0 * n + 3.0));
             *momentum = before - after;
         }
-        system.step_slopes::<f64, f64, false, true>(
-            parameters, before.t, h, q, &momenta, dw, &mut spare, &mut of_q,
-        );
+        let (at, into) = (([before.t, h], [q, &momenta], dw), [&mut spare[..], &mut of_q]);
+        system.step_slopes::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
         for (d, slope) in of_q.iter().enumerate() {
             slopes.of_mut(d)[k] = *slope;
         }

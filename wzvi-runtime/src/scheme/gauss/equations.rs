@@ -8,6 +8,7 @@ use super::sweep::Relative;
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::shape::Shape;
+use crate::scheme::elements::PairColumns;
 
 /// The equations of a step.
 pub(super) struct Step<'a, F: Field, K: Constant, S: Scalar, const N: usize> {
@@ -147,7 +148,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             let dw = S::Stages::parts(self.dw, part, rooms.dw.as_mut());
             let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
             let (t, one) = (self.times(part), &mut room.one);
-            self.slopes::<false, true>(t, h, momenta, momenta, dw, &mut [], velocities, one);
+            self.slopes::<false, true>(([t, h], [momenta, momenta], dw), [&mut [], velocities], one);
             for (d, (stages, velocity)) in q.iter_mut().zip(&*velocities).enumerate() {
                 let next = S::Stages::<N>::same(self.start[0][d]) + *velocity;
                 if let Some(seen) = &mut seen {
@@ -192,7 +193,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             let forces = S::Stages::parts_mut(by_q, rooms.by_q.as_mut());
             if F::IS_NYSTROM {
                 let one = &mut room.one;
-                self.slopes::<true, false>(t, h, q, q, dw, forces, &mut [], one);
+                self.slopes::<true, false>(([t, h], [q, q], dw), [forces, &mut []], one);
             } else {
                 let velocities = S::Stages::parts_mut(by_p, rooms.by_p.as_mut());
                 let one = &mut room.one;
@@ -201,13 +202,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                     for (own, p) in own.iter_mut().zip(p) {
                         *own = Self::weighted(p.part(part), &self.friction.inverse, part);
                     }
-                    self.slopes::<true, true>(t, h, q, own, dw, forces, velocities, one);
+                    self.slopes::<true, true>(([t, h], [q, own], dw), [forces, velocities], one);
                     for force in &mut *forces {
                         *force = Self::weighted(*force, &self.friction.scale, part);
                     }
                 } else {
                     let p = S::Stages::parts(p, part, rooms.p.as_mut());
-                    self.slopes::<true, true>(t, h, q, p, dw, forces, velocities, one);
+                    self.slopes::<true, true>(([t, h], [q, p], dw), [forces, velocities], one);
                 }
                 S::Stages::store(by_p, part, rooms.by_p.as_ref(), stay);
             }
@@ -239,7 +240,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             }
             let (t, h, system) = (S::constant(self.t), S::constant(self.h), self.system);
             let parameters = self.parameters;
-            system.step_slopes::<K, S, false, true>(parameters, t, h, q, next_p, dw, lost_q, next_q);
+            // No pairs add to the velocities.
+            let columns = &mut PairColumns::default();
+            let (at, into) = (([t, h], [q, &*next_p], dw), [&mut *lost_q, &mut *next_q]);
+            system.step_slopes::<K, S, false, true>(parameters, at, into, columns);
         } else {
             for (increment, slopes) in next_q.iter_mut().zip(by_p) {
                 *increment = slopes.total();

@@ -12,6 +12,7 @@ use super::sweep::{Solved, UNSEEN};
 use crate::algebra::scalar::{Constant, Dual, Mask, Over, Parameters, Scalar};
 use crate::algebra::solve::{Banded, Problem, Room, damped};
 use crate::error::StepFailure;
+use crate::scheme::elements::PairColumns;
 
 /// The matrix and its right-hand side, allocated on first use.
 #[derive(Debug, Default)]
@@ -33,6 +34,7 @@ struct Jacobian<S> {
     inverse_mass: Vec<f64>,
     lists: [Vec<Dual<1>>; 4],
     dw: Vec<Dual<1>>,
+    columns: PairColumns,
     /// Which equations are solved to rounding.
     are_settled: Vec<bool>,
 }
@@ -93,7 +95,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         along: usize,
     ) {
         let degrees = self.start[0].len();
-        let Jacobian { lists: [q, p, by_q, by_p], dw, .. } = jacobian;
+        let Jacobian { lists: [q, p, by_q, by_p], dw, columns, .. } = jacobian;
         for list in [&mut *q, p, by_q, by_p] {
             list.resize(degrees, Dual::from_f64(0.0));
         }
@@ -114,7 +116,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let (t, h) = (self.t.lane(0), self.h.lane(0));
         let (t, h) = (Dual::from_f64(h * c + t), Dual::from_f64(h * b));
         let parameters = &F::Parameters::lane(self.parameters, 0);
-        self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, t, h, q, p, dw, by_q, by_p);
+        let (at, into) = (([t, h], [&q[..], p], &dw[..]), [&mut by_q[..], by_p]);
+        self.system.step_slopes::<f64, Dual<1>, true, true>(parameters, at, into, columns);
         if F::FACTS.kind.is_conformal {
             let scale = stage.map_or(1.0, |stage| self.friction.scale[stage].lane(0));
             by_q.iter_mut().for_each(|slope| *slope = *slope * scale);

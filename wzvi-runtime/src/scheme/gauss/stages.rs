@@ -5,15 +5,17 @@ use super::equations::Step;
 use crate::algebra::scalar::{Constant, Over, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 pub use crate::algebra::stages::Stages;
+use crate::scheme::elements::{FieldAt, PairColumns};
 
 /// The unit of arithmetic for numbers `S`: all stages of one path in the lanes of a register, or one stage.
 pub(super) type Part<S, const N: usize> = <<S as Scalar>::Stages<N> as Stages<S, N>>::Part;
 
-/// Scratch for one stage of a path whose stages are evaluated one by one.
+/// Scratch for one stage of a path whose stages are evaluated one by one, and for slopes.
 #[derive(Clone, Debug, Default)]
 pub struct One<S> {
     lists: [Vec<S>; 4],
     dw: Vec<S>,
+    columns: PairColumns,
 }
 
 /// All stages, where they are one part.
@@ -40,17 +42,11 @@ fn set_stage<S: Scalar, const N: usize>(part: &mut Part<S, N>, i: usize, number:
 
 impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     /// The slopes of the step Hamiltonian at the stages of a part.
-    #[expect(clippy::too_many_arguments, reason = "as `Field::step_slopes`")]
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn slopes<const BY_Q: bool, const BY_P: bool>(
         &self,
-        t: Part<S, N>,
-        h: Part<S, N>,
-        q: &[Part<S, N>],
-        p: &[Part<S, N>],
-        dw: &[Part<S, N>],
-        by_q: &mut [Part<S, N>],
-        by_p: &mut [Part<S, N>],
+        ([t, h], [q, p], dw): FieldAt<'_, Part<S, N>>,
+        [by_q, by_p]: [&mut [Part<S, N>]; 2],
         one: &mut One<S>,
     ) {
         let (system, parameters) = (self.system, self.parameters);
@@ -61,14 +57,18 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             && let (Some(by_q), Some(by_p)) =
                 (S::Stages::<N>::numbers_mut(by_q), S::Stages::<N>::numbers_mut(by_p))
         {
-            return system.step_slopes::<K, S, BY_Q, BY_P>(parameters, t, h, q, p, dw, by_q, by_p);
+            let columns = &mut one.columns;
+            let (at, into) = (([t, h], [q, p], dw), [by_q, by_p]);
+            return system.step_slopes::<K, S, BY_Q, BY_P>(parameters, at, into, columns);
         }
         // It is all stages of one path.
         if F::IN_LANES {
             let parameters = &F::Parameters::lane(parameters, 0);
-            return system.step_slopes::<f64, Part<S, N>, BY_Q, BY_P>(parameters, t, h, q, p, dw, by_q, by_p);
+            let columns = &mut one.columns;
+            let (at, into) = (([t, h], [q, p], dw), [by_q, by_p]);
+            return system.step_slopes::<f64, Part<S, N>, BY_Q, BY_P>(parameters, at, into, columns);
         }
-        let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw } = one;
+        let One { lists: [own_q, own_p, own_by_q, own_by_p], dw: own_dw, columns } = one;
         for own in [&mut *own_q, own_p, own_by_q, own_by_p] {
             own.resize(q.len(), S::from_f64(0.0));
         }
@@ -79,8 +79,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             }
             own_dw.iter_mut().zip(dw).for_each(|(own, all)| *own = stage::<S, N>(all, i));
             let [t, h] = [stage::<S, N>(&t, i), stage::<S, N>(&h, i)];
-            system
-                .step_slopes::<K, S, BY_Q, BY_P>(parameters, t, h, own_q, own_p, own_dw, own_by_q, own_by_p);
+            let (at, into) = (([t, h], [&own_q[..], own_p], &own_dw[..]), [&mut own_by_q[..], own_by_p]);
+            system.step_slopes::<K, S, BY_Q, BY_P>(parameters, at, into, columns);
             if BY_Q {
                 by_q.iter_mut().zip(&*own_by_q).for_each(|(all, own)| set_stage::<S, N>(all, i, *own));
             }

@@ -17,6 +17,7 @@ use super::stages::Stages;
 use super::table::Table;
 use crate::algebra::scalar::{Of, Scalar};
 use crate::algebra::stages::{minus, plus};
+use crate::scheme::elements::PairColumns;
 
 /// Sweeps with a smaller contraction factor remain as they are.
 const FAST: f64 = 0.1;
@@ -162,7 +163,8 @@ fn inverse_mass<F: Field>(system: &F, parameters: &Of<F::Parameters, f64>, degre
     for column in 0..degrees {
         p.fill(0.0);
         p[column] = 1.0;
-        system.step_slopes::<f64, f64, false, true>(parameters, 0.0, 1.0, &q, &p, &dw, &mut by_q, &mut by_p);
+        let (at, into) = (([0.0, 1.0], [&q[..], &p], &dw[..]), [&mut by_q[..], &mut by_p]);
+        system.step_slopes::<f64, f64, false, true>(parameters, at, into, &mut PairColumns::default());
         (0..degrees).for_each(|row| matrix[(row, column)] = by_p[row]);
     }
     matrix

@@ -1,5 +1,6 @@
 //! User-defined one-step schemes.
 
+use std::cell::Cell;
 use std::marker::PhantomData;
 
 use super::{
@@ -12,7 +13,7 @@ use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
 use crate::ground::numbers::{Numbers, Tape};
-use crate::scheme::elements::{self, Elements};
+use crate::scheme::elements::{self, Elements, PairColumns};
 use crate::scheme::plan::{Plan, Solver};
 
 /// A user-defined one-step scheme for all systems: its name in `simulate`, `stepper` and `ensemble` is [`Own<Self>`](Own).
@@ -94,6 +95,7 @@ pub trait StepField<S> {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch<S> {
     numbers: Vec<S>,
+    columns: PairColumns,
     /// The state before the step.
     before: [Vec<S>; 2],
 }
@@ -145,14 +147,22 @@ struct Field<'a, H, S: Scalar> {
     t: S::Constant,
     h: S::Constant,
     dw: &'a [S],
+    columns: Cell<PairColumns>,
 }
 
 impl<H: Elements, S: Scalar> StepField<S> for Field<'_, H, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, c: f64, [q, p]: [&[S]; 2], [dq, dp]: [&mut [S]; 2]) {
-        let Self { system, parameters, t, h, dw } = *self;
+        let &Self { system, parameters, t, h, dw, .. } = self;
+        let mut columns = self.columns.take();
         let (t, h) = (S::of_constant(h * c + t), S::of_constant(h));
-        elements::field::<_, S, true, true>((system, parameters), t, h, q, p, dw, dp, dq);
+        elements::field::<_, S, true, true>(
+            (system, parameters),
+            ([t, h], [q, p], dw),
+            [dp, dq],
+            &mut columns,
+        );
+        self.columns.set(columns);
         dp.iter_mut().for_each(|slope| *slope = -*slope);
     }
 }
@@ -197,8 +207,11 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         }
         check_lengths(system, [q.len(), p.len(), dw.len()])?;
         scratch.save([q, p]);
-        let field = Field { system, parameters, t, h, dw };
-        if let Err(failure) = T::step(&field, [&mut *q, &mut *p], scratch) {
+        let columns = Cell::new(std::mem::take(&mut scratch.columns));
+        let field = Field { system, parameters, t, h, dw, columns };
+        let solved = T::step(&field, [&mut *q, &mut *p], scratch);
+        scratch.columns = field.columns.into_inner();
+        if let Err(failure) = solved {
             scratch.restore(S::Mask::from_bool(false), [q, p]);
             return Err(failure);
         }

@@ -1,6 +1,5 @@
 //! Rows of a large system, with the components of points in columns, in the best vector instructions of the machine.
 
-use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::Range;
 
@@ -21,9 +20,13 @@ pub(in crate::scheme::elements) const LEAST_IN_COLUMNS: usize = 64;
 struct Columns<'a, U> {
     sums: &'a mut [f64],
     /// Columns of coordinates and of sums, each followed by a block of padding.
-    room: &'a mut Vec<f64>,
+    room: &'a mut PairColumns,
     number: PhantomData<U>,
 }
+
+/// Storage for columns, allocated by the first step of a system with pairs that is large enough.
+#[derive(Clone, Debug, Default)]
+pub struct PairColumns(Vec<f64>);
 
 /// Numbers in a line of the cache.
 const LINE: usize = 8;
@@ -77,9 +80,9 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin_rows<const D: usize>(&mut self, q: &[f64]) {
         let stride = stride::<D>(q.len());
-        self.room.resize(2 * D * stride + LINE, 0.0);
+        self.room.0.resize(2 * D * stride + LINE, 0.0);
         let (points, slopes) = (q.as_chunks::<D>().0, self.sums.as_chunks::<D>().0);
-        let mut columns = on_lines(self.room).chunks_exact_mut(stride);
+        let mut columns = on_lines(&mut self.room.0).chunks_exact_mut(stride);
         for points in [points, slopes] {
             for (k, column) in columns.by_ref().take(D).enumerate() {
                 column.iter_mut().zip(points).for_each(|(number, point)| *number = point[k]);
@@ -103,7 +106,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
         row: Row<'_, T, O, M, F>,
     ) {
         let stride = stride::<D>(self.sums.len());
-        let (coordinates, sums) = on_lines(self.room).split_at_mut(D * stride);
+        let (coordinates, sums) = on_lines(&mut self.room.0).split_at_mut(D * stride);
         let first = row.first / D;
         let (mut points, mut entries) = ([&[][..]; D], [&[][..]; M]);
         for k in 0..D {
@@ -124,7 +127,7 @@ impl<U: Number<f64>> Sums<f64> for Columns<'_, U> {
     fn end_rows<const D: usize>(&mut self) {
         let stride = stride::<D>(self.sums.len());
         let slopes = self.sums.as_chunks_mut::<D>().0;
-        for (k, column) in on_lines(self.room).chunks_exact(stride).skip(D).take(D).enumerate() {
+        for (k, column) in on_lines(&mut self.room.0).chunks_exact(stride).skip(D).take(D).enumerate() {
             column.iter().zip(&mut *slopes).for_each(|(number, point)| point[k] = *number);
         }
     }
@@ -146,8 +149,7 @@ pub(in crate::scheme::elements) fn takes_vectors<H: Elements>(wanted: Slopes, de
 /// [`Elements::slopes`] with rows in columns and blocks of placements.
 struct InColumns<'a, H: Elements> {
     system: &'a H,
-    part: usize,
-    weight: f64,
+    part: (usize, f64),
     at: &'a Point<'a, f64>,
     wanted: Slopes,
     by_q: Columns<'a, H::Usual>,
@@ -159,32 +161,24 @@ impl<H: Elements> Kernel for InColumns<'_, H> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<const L: usize, const HALF: usize>(self) {
-        let Self { system, part, weight, at, wanted, mut by_q, mut by_p } = self;
+        let Self { system, part: (part, weight), at, wanted, mut by_q, mut by_p } = self;
         system.slopes::<f64, H::Exact>(part, weight, at, wanted, &mut by_q, &mut by_p);
     }
-}
-
-thread_local! {
-    /// Storage for columns, allocated by the first step of a thread.
-    static ROOM: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
 /// [`Elements::slopes`] in the best vector instructions of the machine.
 #[inline(never)]
 pub(in crate::scheme::elements) fn slopes<H: Elements>(
     system: &H,
-    part: usize,
-    weight: f64,
+    part: (usize, f64),
     at: &Point<'_, f64>,
     wanted: Slopes,
     by_q: &mut [f64],
     by_p: &mut [f64],
+    room: &mut PairColumns,
 ) {
-    // The storage of a terminating thread may already be destroyed.
-    let mut room = ROOM.try_with(Cell::take).unwrap_or_default();
-    let by_q = Columns { sums: by_q, room: &mut room, number: PhantomData };
+    let by_q = Columns { sums: by_q, room, number: PhantomData };
     // No rows add to these.
-    let by_p = Columns { sums: by_p, room: &mut Vec::new(), number: PhantomData };
-    InstructionSet::best().run(InColumns { system, part, weight, at, wanted, by_q, by_p });
-    ROOM.try_with(|kept| kept.set(room)).unwrap_or_default();
+    let by_p = Columns { sums: by_p, room: &mut PairColumns::default(), number: PhantomData };
+    InstructionSet::best().run(InColumns { system, part, at, wanted, by_q, by_p });
 }
