@@ -63,6 +63,23 @@ struct Summary {
     not_finite: (u64, f64),
 }
 
+impl Summary {
+    /// The deviations of one more value from the means without and with it; its `weight` is one over the number of values.
+    #[inline]
+    fn push(&mut self, value: f64, weight: f64) -> [f64; 2] {
+        let Self { mean, extremes, not_finite } = self;
+        // A value that is not finite is replaced by one that changes no moment of the others.
+        let finite = if value.is_finite() { value } else { *mean };
+        if !value.is_finite() {
+            *not_finite = (not_finite.0 + 1, not_finite.1 + value);
+        }
+        let before = finite - *mean;
+        *mean += before * weight;
+        extremes.push(finite);
+        [before, finite - *mean]
+    }
+}
+
 impl Moments {
     pub(crate) fn new(observables: usize, has_covariances: bool) -> Self {
         let products = if has_covariances { observables * (observables + 1) / 2 } else { observables };
@@ -76,30 +93,24 @@ impl Moments {
         8 * (if has_covariances { n * (n + 1) / 2 } else { n } + 5 * n)
     }
 
-    /// One more sample; `scratch` is room for two numbers of each observable.
+    /// One more sample; `scratch` is room for a number of each observable.
     pub(crate) fn push(&mut self, values: &[f64], scratch: &mut Vec<f64>) {
         self.count += 1;
         let weight = 1.0 / self.count as f64;
-        scratch.resize(2 * values.len(), 0.0);
-        let (before, after) = scratch.split_at_mut(values.len());
-        let deviations = before.iter_mut().zip(&mut *after);
-        for ((Summary { mean, extremes, not_finite }, (before, after)), &value) in
-            self.of_each.iter_mut().zip(deviations).zip(values)
-        {
-            // A value that is not finite is replaced by one that changes no moment of the others.
-            let finite = if value.is_finite() { value } else { *mean };
-            if !value.is_finite() {
-                *not_finite = (not_finite.0 + 1, not_finite.1 + value);
-            }
-            *before = finite - *mean;
-            *mean += *before * weight;
-            *after = finite - *mean;
-            extremes.push(finite);
-        }
+        let samples = self.of_each.iter_mut().zip(values);
         let mut sums = self.comoment.iter_mut();
-        for (i, before) in before.iter().enumerate() {
-            let partners = if self.has_covariances { &after[..=i] } else { &after[i..=i] };
-            for (after, sum) in partners.iter().zip(&mut sums) {
+        if !self.has_covariances {
+            for ((summary, value), sum) in samples.zip(sums) {
+                let [before, after] = summary.push(*value, weight);
+                *sum += before * after;
+            }
+            return;
+        }
+        scratch.clear();
+        for (summary, value) in samples {
+            let [before, after] = summary.push(*value, weight);
+            scratch.push(after);
+            for (after, sum) in scratch.iter().zip(&mut sums) {
                 *sum += before * after;
             }
         }

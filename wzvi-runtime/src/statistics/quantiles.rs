@@ -17,6 +17,9 @@ const OCTAVE: usize = 1 << 9;
 /// Samples that are listed before they are counted: a list of them costs less than the counts of its octaves, where samples are few.
 const MOST_LISTED: usize = 1 << 10;
 
+/// Samples for which the list has room from the first on: the paths of a chunk of an ensemble, say.
+const FIRST_LISTED: usize = 1 << 6;
+
 /// The distribution of samples, for their quantiles.
 ///
 /// A quantile is off by at most [`Quantiles::RELATIVE_ERROR`] of the exact one, whatever the distribution: if numbers far
@@ -70,6 +73,9 @@ impl Quantiles {
             return;
         }
         self.count += 1;
+        if self.listed.capacity() == 0 {
+            self.listed.reserve(FIRST_LISTED);
+        }
         self.listed.push(bin(sample));
         self.extend([sample, sample]);
         if self.listed.len() >= MOST_LISTED {
@@ -109,8 +115,19 @@ impl Quantiles {
     }
 
     /// The count of a bin.
+    #[inline]
     fn at_bin(&mut self, bin: i32) -> &mut u64 {
         let octave = bin >> OCTAVE.ilog2();
+        let first = match self.octaves.get((octave - self.least) as usize) {
+            Some(&first) if first != NOWHERE => first,
+            _ => self.open(octave),
+        };
+        &mut self.counts[first + (bin as usize & (OCTAVE - 1))]
+    }
+
+    /// Makes room for the counts of an octave; returns where they begin.
+    #[cold]
+    fn open(&mut self, octave: i32) -> usize {
         if self.octaves.is_empty() {
             self.least = octave;
         }
@@ -123,11 +140,10 @@ impl Quantiles {
         if place >= self.octaves.len() {
             self.octaves.resize(place + 1, NOWHERE);
         }
-        if self.octaves[place] == NOWHERE {
-            self.octaves[place] = self.counts.len();
-            self.counts.resize(self.counts.len() + OCTAVE, 0);
-        }
-        &mut self.counts[self.octaves[place] + (bin as usize & (OCTAVE - 1))]
+        let first = self.counts.len();
+        self.octaves[place] = first;
+        self.counts.resize(first + OCTAVE, 0);
+        first
     }
 
     /// The bins that are not empty, with their counts, in order.
