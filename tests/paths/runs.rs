@@ -190,7 +190,7 @@ fn an_empty_system_has_no_energy_and_no_run() {
     let error =
         rotors.simulate::<DeltaPlus>(0.1).start(empty).noise(Wiener::seed(1)).steps(1).run().unwrap_err();
     assert_eq!(error, ConfigError::Start(StepFailure::Dimension { expected: 1, got: 0 }).into());
-    assert!(error.to_string().contains("the state is empty"), "{error}");
+    assert!(error.to_string().contains("q or p is empty"), "{error}");
 }
 
 /// Two sums over sites, which need none.

@@ -115,10 +115,11 @@ messages! { StepFailure:
         "the system has {expected} noise{}, but {got} increment{} given",
         if *expected == 1 { "" } else { "s" }, if *got == 1 { " was" } else { "s were" };
     Self::Dimension { expected, got: 0 } =>
-        "the state is empty; a run of the system needs {expected} degree{} of freedom at least",
+        "q or p is empty; a run of the system needs {expected} degree{} of freedom at least",
         if *expected == 1 { "" } else { "s" };
     Self::Dimension { expected, got } =>
-        "the system has {expected} degrees of freedom, but the state has {got}";
+        "q and p must have {expected} component{} each, but one of them has {got}",
+        if *expected == 1 { "" } else { "s" };
     Self::Index(error) => "{error}";
     Self::Bath(error) => "{error}";
     Self::Lanes(_) => "the step failed in some lanes";
