@@ -50,7 +50,6 @@ mod part;
 mod relaxation;
 mod splitting;
 mod thermostat;
-mod windowed;
 mod word;
 
 use std::marker::PhantomData;

@@ -9,8 +9,7 @@ use std::marker::PhantomData;
 
 use super::modes::Decay;
 use super::part::{self, Law, Parts, Shares};
-use super::windowed::WithBath;
-use super::word::{A, Act, B, O, Part, Spelling, joined};
+use super::word::{A, B, O, Part, Spelling, joined};
 use super::{Baoab, Damped, GjI, Gjf, Obabo, with_bath};
 use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
@@ -18,7 +17,7 @@ use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
 use crate::scheme::compose::flows::FlowsOf;
-use crate::scheme::compose::stages::{self, Rooms, Stage, Stages};
+use crate::scheme::compose::stages::{self, Act, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
 use crate::scheme::compose::windowed::{Givens, Memory as Windows, least_alone, takes_windows};
 use crate::scheme::elements::{Elements, Taken, check_new};
@@ -127,9 +126,9 @@ where
         let letters = W::SPELLING.stages();
         let substeps: Vec<Substep> =
             letters.iter().filter_map(|stage| Some((stage.act.half()?, stage.weight))).collect();
-        let still = Stages::of(&substeps).map(|_, half| Act::Flow(half));
+        let still = Stages::of(&substeps).flows(&[]);
         let stretch = if W::IS_SHORTENED { shortened(system, lift, h)? } else { K::from_f64(1.0) };
-        let apart = Stages(letters.to_vec()).with_ends(Act::half);
+        let apart = Stages(letters.to_vec()).with_ends();
         let joined = Stages(joined(&apart.0));
         Ok(Prepared { parameters: system.parameters(lift), apart, joined, still, relaxation, stretch })
     }
@@ -226,8 +225,10 @@ fn in_windows<'m, F: Field, K: Constant, S: Over<K>, W: Letters>(
     };
     let relaxing = driven.by_place(W::SPELLING.parts, degrees)?;
     let Stages(list) = if givens.dw.is_empty() { &prepared.joined } else { &prepared.apart };
-    let taken = windows.advance(system, list, givens, |flows| WithBath { flows, relaxing });
-    Some(taken.map(|(taken, word)| (taken, word.relaxing.heat())))
+    let taken = windows.advance::<F, true>(system, list, givens, move |part, places, drift, p| {
+        relaxing.apply(part, places, drift, p);
+    });
+    Some(taken.map(|taken| (taken, relaxing.heat())))
 }
 
 /// The parts of a step.
@@ -251,7 +252,7 @@ impl<F: Field, K: Constant, S: Over<K>> WithParts<'_, F, K, S> {
     ) -> Result<(), StepFailure> {
         let [q, p, _, lost_p, ..] = rooms.0.each_mut().map(AsMut::as_mut);
         let (part, drift) = match stage.act {
-            Act::Flow(half) => return self.flows.take::<S, C>(&stage.with((half, 0.0)), rooms, memory),
+            Act::Flow(_) | Act::Square(_) => return self.flows.take::<S, C>(stage, rooms, memory),
             Act::Relax(part) => (part, None),
             Act::RelaxBetween(part) => (part, Some(self.flows.h * (self.flows.stretch * stage.weight))),
         };

@@ -8,7 +8,7 @@
 //! order two is the highest.
 
 use super::splitting::Letters;
-use crate::scheme::compose::stages::Stage;
+use crate::scheme::compose::stages::{Act, Stage};
 use crate::scheme::compose::substeps::Half;
 
 /// The most letters of a word.
@@ -64,24 +64,6 @@ macro_rules! words {
 }
 
 words!(L1 L2 L3 L4 L5 L6 L7 L8 L9 L10 L11 L12 L13 L14 L15 L16 L17 L18 L19 L20 L21 L22 L23 L24);
-
-/// A letter, prepared for steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Act {
-    /// A kick or a drift.
-    Flow(Half),
-    /// An O part, by its number.
-    Relax(usize),
-    /// An O part between two drifts of the same weight.
-    RelaxBetween(usize),
-}
-
-impl Act {
-    /// The flow, if it is a kick or a drift.
-    pub(super) fn half(&self) -> Option<Half> {
-        if let Self::Flow(half) = self { Some(*half) } else { None }
-    }
-}
 
 /// A word, prepared for steps.
 #[derive(Clone, Copy, Debug)]

@@ -16,7 +16,7 @@ use std::marker::PhantomData;
 use super::Composes;
 use super::gradient::Kick;
 use super::lagrangian::{self, Followed};
-use super::stages::{Memory, Origin, Rooms, Stage, Stages, add, advance, follow};
+use super::stages::{Act, Memory, Origin, Rooms, Stage, Stages, add, advance, follow};
 use super::substeps::{By, Half, kept_energy, plan};
 use super::windowed::{Givens, least_alone, takes_windows};
 use crate::algebra::carry::{self, Carry, Plain};
@@ -65,7 +65,8 @@ where
     fn prepare<K: Constant>(system: &F, lift: Lift<'_, K>, _: K) -> Result<Self::Prepared<K>, ConfigError> {
         check_new(system)?;
         let along = SQUARES.then(|| system.parameters(&|number, value| lift(number, value).lifted()));
-        Ok(Prepared { parameters: system.parameters(lift), along, stages: stages::<E, T, W>() })
+        let stages = Stages::of(&W::substeps()).flows(W::GRADIENT);
+        Ok(Prepared { parameters: system.parameters(lift), along, stages })
     }
 
     fn gather<const L: usize>(prepared: [&Self::Prepared<f64>; L]) -> Option<Self::Prepared<Lanes<L>>> {
@@ -90,7 +91,7 @@ where
                 (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
         {
             let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, dw };
-            let (taken, _) = memory.windows.advance(system, stages, givens, |flows| flows)?;
+            let taken = memory.windows.advance::<F, false>(system, stages, givens, |_, _, _, _| {})?;
             taken.store(q, p);
             return Ok(Effort::fast(0));
         }
@@ -100,21 +101,13 @@ where
     }
 
     fn discrete_lagrangian(system: &F, segment: &Segment<F::Vector>, dw: &[f64]) -> f64 {
-        let Stages(stages) = stages::<E, T, W>();
+        let Stages(stages) = Stages::of(&W::substeps()).flows(W::GRADIENT);
         let parameters = &system.parameters(&as_they_are);
         let Segment { t, h, .. } = *segment;
         let along = &SQUARES.then(|| system.parameters(&as_they_are));
         let flows = FlowsOf::<_, _, SQUARES> { system, parameters, along, t, h, stretch: 1.0 };
         lagrangian::value(segment, dw, Hamiltonian::noises(system), || flows.follow(&stages, segment, dw))
     }
-}
-
-/// A drift or a kick, and the factor of the square of the force in it.
-pub(crate) type Act = (Half, f64);
-
-/// The parts of a step.
-fn stages<E, T, W: Composes<E, T>>() -> Stages<Act> {
-    Stages::of(&W::substeps()).map(|index, half| (half, W::GRADIENT.get(index).copied().unwrap_or(0.0)))
 }
 
 /// The parameters of a system, and the parts of a step.
@@ -154,14 +147,13 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         rooms: &mut Rooms<S, F::Shape>,
         memory: &mut Memory<S, F::Shape>,
     ) -> Result<(), StepFailure> {
-        let (half, gradient) = stage.act;
         let [q, p, lost_q, lost_p, force, velocity] = &mut rooms.0;
         let (t, h) = (self.t + self.h * stage.node, self.h * (self.stretch * stage.share));
-        match half {
-            Half::First => {
+        match stage.act {
+            Act::Flow(Half::First) => {
                 self.drift::<S, C>(h, q.as_mut(), p.as_ref(), &memory.dw, velocity.as_mut(), lost_q.as_mut());
             }
-            Half::Second if SQUARES && gradient != 0.0 => {
+            Act::Square(gradient) if SQUARES => {
                 let Memory { directional, dw, .. } = memory;
                 let (q, force, change) = (q.as_ref(), force.as_mut(), velocity.as_mut());
                 directional.fit(q.len(), dw.len());
@@ -172,10 +164,12 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
                 }
                 add::<S, C>(p.as_mut(), force, lost_p.as_mut());
             }
-            Half::Second => {
+            Act::Flow(Half::Second) | Act::Square(_) => {
                 let (q, p, lost_p) = (q.as_ref(), p.as_mut(), lost_p.as_mut());
                 self.kick::<S, C>(Origin { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
             }
+            // The bath takes them.
+            Act::Relax(_) | Act::RelaxBetween(_) => {}
         }
         Ok(())
     }
@@ -200,14 +194,12 @@ impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
         };
         let take = |stage: &_, rooms: &mut _, memory: &mut _| self.take::<f64, Plain>(stage, rooms, memory);
         let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
-            (Half::First, _) => {
+            Act::Flow(Half::First) => {
                 let moved: f64 =
                     p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
                 moved - stage.weight * value(q0, p, t)
             }
-            (Half::Second, _) => {
-                self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h)
-            }
+            _ => self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h),
         })?;
         followed.action += value(q0, p0, t);
         Some(followed)

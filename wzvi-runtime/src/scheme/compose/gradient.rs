@@ -11,8 +11,8 @@
 //! addition to the force, for any number of degrees of freedom. All evaluations are of the fraction `s = -b` of `F`, for which the last
 //! term is `2 c / s³` times `s³ V'' T'' V'`.
 
-use super::flows::{Act, FlowsOf};
-use super::stages::Stage;
+use super::flows::FlowsOf;
+use super::stages::{Act, Stage};
 use crate::algebra::scalar::{Constant, Dual, Of, Over, Scalar};
 use crate::error::{StepFailure, StepPromise};
 use crate::scheme::elements::PairColumns;
@@ -21,11 +21,8 @@ use crate::scheme::gauss::Field;
 impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
     /// `c |V'(q)|²` of a kick.
     pub(super) fn of_square(&self, stage: &Stage<Act>, q: &[f64], dw: &[f64]) -> f64 {
-        let ((_, gradient), degrees) = (stage.act, q.len());
-        if gradient == 0.0 {
-            return 0.0;
-        }
-        let mut directional = Directional::default();
+        let Act::Square(gradient) = stage.act else { return 0.0 };
+        let (mut directional, degrees) = (Directional::default(), q.len());
         directional.fit(degrees, dw.len());
         let dw: Vec<f64> = dw.iter().map(|dw| stage.share * dw).collect();
         let [mut force, mut change] = [vec![0.0; degrees], vec![0.0; degrees]];

@@ -33,6 +33,30 @@ pub(crate) struct Stage<A = Half> {
     pub(crate) is_end: bool,
 }
 
+/// What a stage does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Act {
+    /// A drift, or a kick.
+    Flow(Half),
+    /// A kick with so much of the square of the force.
+    Square(f64),
+    /// Friction and noise of a bath: an O part, by its number.
+    Relax(usize),
+    /// An O part between two drifts of the same weight.
+    RelaxBetween(usize),
+}
+
+impl Act {
+    /// The flow, if it is a kick or a drift.
+    pub(crate) fn half(&self) -> Option<Half> {
+        match self {
+            Self::Flow(half) => Some(*half),
+            Self::Square(_) => Some(Half::Second),
+            Self::Relax(_) | Self::RelaxBetween(_) => None,
+        }
+    }
+}
+
 impl Stage {
     pub(crate) const fn new(half: Half, weight: f64, node: f64) -> Self {
         let share = if matches!(half, Half::First) { weight } else { -weight };
@@ -65,23 +89,26 @@ impl Stages {
         if let Some(last) = stages.last_mut() {
             last.node = 1.0;
         }
-        Self(stages).with_ends(|half| Some(*half))
+        Self(stages)
     }
 
-    /// The same stages with other actions.
-    pub(crate) fn map<B>(self, act: impl Fn(usize, Half) -> B) -> Stages<B> {
-        let stages = self.0.iter().enumerate().map(|(index, stage)| stage.with(act(index, stage.act)));
-        Stages(stages.collect())
+    /// Their flows; the gradient has a factor for the square of the force in each, if there is any.
+    pub(crate) fn flows(self, gradient: &[f64]) -> Stages<Act> {
+        let factors = gradient.iter().copied().chain(std::iter::repeat(0.0));
+        let flows = self.0.iter().zip(factors).map(|(stage, factor)| {
+            let squares = stage.act == Half::Second && factor != 0.0;
+            stage.with(if squares { Act::Square(factor) } else { Act::Flow(stage.act) })
+        });
+        Stages(flows.collect()).with_ends()
     }
 }
 
-impl<A> Stages<A> {
+impl Stages<Act> {
     /// Marks the first and the last flow if they are kicks.
-    pub(crate) fn with_ends(mut self, half_of: impl Fn(&A) -> Option<Half>) -> Self {
-        let flows = || (0..self.0.len()).filter(|&index| half_of(&self.0[index].act).is_some());
-        for end in [flows().next(), flows().next_back()].into_iter().flatten() {
-            let stage = &mut self.0[end];
-            stage.is_end = half_of(&stage.act) == Some(Half::Second);
+    pub(crate) fn with_ends(mut self) -> Self {
+        let mut flows = self.0.iter_mut().filter(|stage| stage.act.half().is_some());
+        for end in [flows.next(), flows.next_back()].into_iter().flatten() {
+            end.is_end = end.act.half() == Some(Half::Second);
         }
         self
     }

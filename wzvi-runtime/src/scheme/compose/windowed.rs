@@ -1,7 +1,8 @@
-//! Kicks and drifts of large systems of elements, window by window.
+//! Kicks, drifts and O parts of large systems of elements, window by window.
 
-use super::flows::Act;
-use super::stages::Stage;
+use std::ops::Range;
+
+use super::stages::{Act, Stage};
 use super::substeps::Half;
 use crate::algebra::memory::Threads;
 use crate::algebra::scalar::Number;
@@ -66,18 +67,19 @@ impl Memory {
         Self { plan: self.plan.alike(), scaled: Vec::new() }
     }
 
-    /// Takes all parts of a step, which `word` makes from the kicks and drifts and any moves between them. Allocates in the first step only.
+    /// Takes all parts of a step. O parts are left to `relax`, which gets the number of the part, some places, the time and the coordinates of the
+    /// drift around it, if there is one, and the momenta. Allocates in the first step only.
     ///
     /// # Errors
     /// If sizes do not fit, or the new state is not finite.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn advance<'m, F: Field, W: Word, A>(
+    pub(crate) fn advance<'m, F: Field, const RELAXES: bool>(
         &'m mut self,
         system: &F,
-        stages: &'m [Stage<A>],
+        stages: &[Stage<Act>],
         givens: Givens<'_>,
-        word: impl FnOnce(FlowList<'m, A>) -> W,
-    ) -> Result<(Taken<'m>, W), StepFailure> {
+        relax: impl Fn(usize, Range<usize>, Option<(f64, &mut [f64])>, &mut [f64]) + Copy + Send + Sync,
+    ) -> Result<Taken<'m>, StepFailure> {
         let Givens { t, h, stretch, q, p, dw } = givens;
         let degrees = q.len();
         if self.plan.degrees() != Some(degrees) || !fits(system, degrees) {
@@ -86,13 +88,13 @@ impl Memory {
         check_lengths(system, [degrees, p.len(), dw.len()])?;
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
-        let mut word = word(FlowList { t, h, stretch, stages, scaled, reads_time: F::FORCE_READS_TIME });
+        let reads_time = F::FORCE_READS_TIME;
+        let mut word = Parts::<_, RELAXES> { t, h, stretch, stages, scaled, reads_time, relax };
         let missing = Err(StepFailure::Internal(StepPromise::Windows));
-        let taken = system.take_windows(&mut word, q, p, plan).unwrap_or(missing)?;
-        Ok((taken, word))
+        system.take_windows(&mut word, q, p, plan).unwrap_or(missing)
     }
 
-    fn scale<A>(&mut self, stages: &[Stage<A>], dw: &[f64]) {
+    fn scale(&mut self, stages: &[Stage<Act>], dw: &[f64]) {
         if dw.is_empty() {
             return;
         }
@@ -108,65 +110,34 @@ impl Memory {
     }
 }
 
-/// The parts of a step, kicks and drifts among them.
-#[derive(Debug)]
-pub(crate) struct FlowList<'a, A> {
+/// The parts of a step: kicks, drifts and, if it `RELAXES`, O parts.
+#[derive(Clone, Copy)]
+struct Parts<'a, R, const RELAXES: bool> {
     t: f64,
     h: f64,
     stretch: f64,
-    stages: &'a [Stage<A>],
+    stages: &'a [Stage<Act>],
     scaled: &'a [Scaled],
     reads_time: bool,
+    relax: R,
 }
 
-impl<A> Clone for FlowList<'_, A> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<A> Copy for FlowList<'_, A> {}
-
-impl<'a, A> FlowList<'a, A> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn stages(&self) -> &'a [Stage<A>] {
-        self.stages
-    }
-
-    /// The time step of a part.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn time(&self, stage: &Stage<A>) -> f64 {
-        self.stretch * stage.weight * self.h
-    }
-
-    /// The move of a kick or a drift.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn kind(&self, number: usize, half: Half) -> Move {
-        match half {
-            Half::First => Move::Drift,
-            Half::Second if self.stages[number].is_end => Move::Kick(Kick::Plus),
-            Half::Second => Move::Kick(Kick::Terms),
-        }
-    }
-
+impl<R, const RELAXES: bool> Parts<'_, R, RELAXES> {
     /// The flow of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn flow(&self, number: usize) -> Flow<'a, f64> {
+    fn flow(&self, number: usize) -> Flow<'_, f64> {
         let &Stage { share, node, .. } = &self.stages[number];
         let dw = self.scaled.iter().find(|scaled| scaled.share == share).map_or(&[][..], |scaled| &scaled.dw);
         Flow { t: self.t + node * self.h, h: self.stretch * share * self.h, parameters: &[], dw }
     }
-
-    /// As [`Word::origin`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn origin(&self, number: usize) -> Option<Origin> {
-        let Flow { t, h, dw, .. } = self.flow(number);
-        let is_kept = self.stages[number].is_end && dw.is_empty();
-        is_kept.then(|| Origin { t: self.reads_time.then_some(t), h })
-    }
 }
 
-impl Word for FlowList<'_, Act> {
+impl<R, const RELAXES: bool> Word for Parts<'_, R, RELAXES>
+where
+    R: Fn(usize, Range<usize>, Option<(f64, &mut [f64])>, &mut [f64]) + Copy + Send + Sync,
+{
+    const CHANGES: bool = RELAXES;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count(&self) -> usize {
         self.stages.len()
@@ -174,12 +145,21 @@ impl Word for FlowList<'_, Act> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn kind(&self, number: usize) -> Move {
-        Self::kind(self, number, self.stages[number].act.0)
+        let stage = &self.stages[number];
+        match stage.act {
+            Act::Flow(Half::First) => Move::Drift,
+            Act::Relax(_) => Move::Momenta,
+            Act::RelaxBetween(_) => Move::State,
+            _ if stage.is_end => Move::Kick(Kick::Plus),
+            _ => Move::Kick(Kick::Terms),
+        }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, number: usize) -> Option<Origin> {
-        Self::origin(self, number)
+        let Flow { t, h, dw, .. } = self.flow(number);
+        let is_kept = self.stages[number].is_end && dw.is_empty();
+        is_kept.then(|| Origin { t: self.reads_time.then_some(t), h })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -191,5 +171,20 @@ impl Word for FlowList<'_, Act> {
         A: Sums<f64>,
     {
         add_flow::<H, f64, T, V, A>(system, self.flow(number), state, wanted, into);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64]) {
+        if let Act::Relax(part) = self.stages[number].act {
+            (self.relax)(part, places, None, p);
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
+        let &Stage { act, weight, .. } = &self.stages[number];
+        if let Act::RelaxBetween(part) = act {
+            (self.relax)(part, places, Some((self.stretch * weight * self.h, q)), p);
+        }
     }
 }
