@@ -179,7 +179,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             stepper.set_exchanged(Exchange::default());
         }
         self.watch_from_start();
-        self.coarse.as_mut().map_or(Ok(()), |coarse| coarse.begin(path, end))
+        self.coarse.as_mut().map_or(Ok(()), |coarse| coarse.group.begin(path, end))
     }
 
     /// Work, shadow work and heat of a lane, up to a node that all have reached.
@@ -224,15 +224,15 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     /// Gathers the systems of all lanes; a lane whose path has failed has that of the first that has not.
     #[inline(never)]
     fn gather(&mut self) {
-        let Some(living) = self.living() else { return };
-        let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
+        let Some(lanes) = self.living() else { return };
         let gather = || SchemeOf::<H, E>::gather(lanes.map(|lane| &self.own[lane]));
         self.gathered = if self.job.all_gather { gather() } else { None };
     }
 
-    /// The first lane whose path has not failed.
-    fn living(&self) -> Option<usize> {
-        (0..L).find(|&lane| !self.failed[lane])
+    /// For each lane itself, or the first whose path has not failed, if there is one, in place of one whose path has.
+    fn living(&self) -> Option<[usize; L]> {
+        let living = (0..L).find(|&lane| !self.failed[lane])?;
+        Some(std::array::from_fn(|lane| if self.failed[lane] { living } else { lane }))
     }
 
     /// The path whose start and system a lane has: one without a path has those of the first.
@@ -353,11 +353,11 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
     #[cold]
     #[inline(never)]
     fn mirror(&mut self, step: u64) -> bool {
-        let Some(living) = self.living() else { return false };
+        let Some(lanes) = self.living() else { return false };
         let dw = self.increments.of_mut(step);
         for x in self.q.iter_mut().chain(&mut self.p).chain(dw) {
             let old = x.to_array();
-            *x = Lanes::new(std::array::from_fn(|lane| old[if self.failed[lane] { living } else { lane }]));
+            *x = Lanes::new(lanes.map(|lane| old[lane]));
         }
         true
     }

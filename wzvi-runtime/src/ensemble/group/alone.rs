@@ -27,26 +27,16 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
         let (mut apart, mut none) = (std::mem::take(&mut self.apart), Default::default());
         for lane in 0..L {
             if !self.failed[lane] && lanes.is_none_or(|lanes| lanes.has(lane)) {
-                self.by_itself(lane, step, t, apart.get_mut(lane).unwrap_or(&mut none))?;
+                let memory = apart.get_mut(lane).unwrap_or(&mut none);
+                match self.single(lane, step, t, memory) {
+                    Err(Error::Step(error)) => self.halve_or_fail(lane, step, error, memory)?,
+                    outcome => outcome?,
+                }
             }
         }
         self.apart = apart;
         self.join();
         Ok(())
-    }
-
-    /// The step of one lane.
-    fn by_itself(
-        &mut self,
-        lane: usize,
-        step: u64,
-        t: f64,
-        memory: &mut MemoryOf<H, E, Lanes<1>>,
-    ) -> Result<(), Error> {
-        match self.single(lane, step, t, memory) {
-            Err(Error::Step(error)) => self.halve_or_fail(lane, step, error, memory),
-            outcome => outcome,
-        }
     }
 
     /// The step of one path again, in halves, if that is allowed; the path fails if it is not, or does not help.
@@ -259,8 +249,7 @@ impl<'j, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, '_, H, E, P
     /// Joins the lanes if they go side by side and their memories have the same shape. A lane that has failed takes the memory of the path that it
     /// follows.
     fn join(&mut self) {
-        let Some(living) = self.living() else { return };
-        let lanes: [usize; L] = std::array::from_fn(|lane| if self.failed[lane] { living } else { lane });
+        let Some(lanes) = self.living() else { return };
         if !self.are_apart || !lanes.iter().all(|&lane| self.apart[lane].goes_side_by_side()) {
             return;
         }

@@ -13,7 +13,7 @@ use crate::scheme::system::Discretized;
 
 /// The coarser paths beside a group.
 pub(super) struct Coarse<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
-    group: Group<'j, 'a, H, E, P, L>,
+    pub(super) group: Group<'j, 'a, H, E, P, L>,
     /// The normals of the first of two steps of the finer paths, by process.
     first: Vec<Lanes<L>>,
 }
@@ -21,11 +21,6 @@ pub(super) struct Coarse<'j, 'a, H: Discretized<E>, E, P, const L: usize> {
 impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Coarse<'j, 'a, H, E, P, L> {
     pub(super) fn new(job: &'j Job<'a, H, E>) -> Self {
         Self { group: Group::new(job, None), first: vec![Lanes::from_f64(0.0); job.processes()] }
-    }
-
-    /// [`Group::begin`]
-    pub(super) fn begin(&mut self, path: u64, end: u64) -> Result<(), Error> {
-        self.group.begin(path, end)
     }
 }
 
