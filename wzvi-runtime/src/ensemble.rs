@@ -55,7 +55,7 @@ use starts::ByPath;
 pub use starts::{Draw, OneSystem, SystemByPath, Systems};
 
 use crate::algebra::state::State;
-use crate::error::ConfigError;
+use crate::error::wrong;
 use crate::increments::{Divisible, Halved, Noise, Whole};
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 use crate::path::Error;
@@ -392,9 +392,7 @@ where
         let stop = || execution.is_stopped();
         let job = self.job(&stop)?;
         if job.source.is_antithetic() && WIDTH % 2 == 1 {
-            return Err(
-                ConfigError::Setting(format!("antithetic pairs in {WIDTH} lanes: take 2 or more")).into()
-            );
+            return wrong(format!("antithetic pairs in {WIDTH} lanes: take 2 or more"));
         }
         let mut account = Account::open(&job, &control, keeping, execution.progress("paths"))?;
         let (chunks, hands) = (account.chunks(), (threads, instructions));

@@ -161,6 +161,19 @@ messages! { ConfigError:
     Self::Setting(what) => "{}", what;
 }
 
+/// Refuses a setting; `what` says what is wrong with it, and what to do.
+pub(crate) fn wrong<T, E: From<ConfigError>>(what: impl Into<String>) -> Result<T, E> {
+    Err(ConfigError::Setting(what.into()).into())
+}
+
+/// Refuses a number that is not finite and above 0, in the words `what`.
+pub(crate) fn above_zero<E: From<ConfigError>>(x: f64, what: impl Fn(Brief) -> String) -> Result<(), E> {
+    match x.is_finite() && x > 0.0 {
+        true => Ok(()),
+        false => wrong(format!("{}: take a finite number above 0", what(Brief(x)))),
+    }
+}
+
 /// A question that a recorded path cannot answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathError {

@@ -7,7 +7,7 @@ use super::source::Source;
 use super::starts::{self, ByPath, Drawn, STARTS, SYSTEMS};
 use super::{Ensemble, Extras};
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, UnknownName};
+use crate::error::{ConfigError, UnknownName, wrong};
 use crate::ground::names::free;
 use crate::ground::variables::Variables;
 use crate::increments::Interval;
@@ -27,10 +27,6 @@ const PASSAGE_BINS: usize = 100;
 
 const PATHS: &str = "a number of paths: add `.paths(number)`";
 const SEED: &str = "a seed for its noise: add `.seed(number)` or `.noise(...)`";
-
-fn wrong<T>(what: impl Into<String>) -> Result<T, ConfigError> {
-    Err(ConfigError::Setting(what.into()))
-}
 
 /// The number of paths: the requested number, or that of listed starts and systems.
 ///
@@ -100,7 +96,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         let source = source.prepared(more.settings, &H::PLAN, first, (processes, grid.whole()))?;
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
-            return Err(ConfigError::Setting(format!("{paths} antithetic paths: they come in pairs")).into());
+            return wrong(format!("{paths} antithetic paths: they come in pairs"));
         }
         let recorded = setup.recorded.checked(0, &grid)?;
         let recorded = recorded.all(&grid, MOST_NODES)?;
@@ -122,16 +118,11 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         }
         let (names, observables) = observables.checked("observables")?;
         let (event_names, events) = more.events.checked("events")?;
-        if has_pairs && !events.is_empty() {
-            return Err(ConfigError::Setting(
-                "first passages of antithetic paths: their errors would be those of independent ones; leave out one of the two"
-                    .into(),
-            )
-            .into());
-        }
-        if has_pairs && !setup.sections.is_empty() {
-            let wrong = "sections of antithetic paths: their errors would be those of independent ones; leave out one of the two";
-            return Err(ConfigError::Setting(wrong.into()).into());
+        let of_pairs = [(events.is_empty(), "first passages"), (setup.sections.is_empty(), "sections")];
+        if let Some((_, what)) = of_pairs.into_iter().find(|(is_empty, _)| has_pairs && !is_empty) {
+            return wrong(format!(
+                "{what} of antithetic paths: their errors would be those of independent ones; leave out one of the two"
+            ));
         }
         if more.wanted.most_crossings > 0 && setup.sections.is_empty() {
             return Err(
@@ -189,15 +180,14 @@ const WORK: [&str; 3] = ["work", "shadow work", "heat"];
 
 /// Whether there is work to observe, in a run that may take steps of another size than its own or look between its nodes.
 fn check_work<H: Discretized<E>, E>(is_uneven: bool) -> Result<(), ConfigError> {
-    let wrong = if !(H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges) {
+    wrong(if !(H::KIND.is_forced || H::KIND.is_conformal || H::PROPERTIES.exchanges) {
         "work of paths that have no bath, force or friction: observe the energy"
     } else if is_uneven {
         "work of paths whose steps are halved, whose last step is shorter, or that are recorded between nodes: leave `retry`, `exactly` and \
          such times out, or run single paths"
     } else {
         return Ok(());
-    };
-    Err(ConfigError::Setting(wrong.into()))
+    })
 }
 
 impl Extras {
@@ -255,8 +245,7 @@ fn passages(names: Vec<String>, grid: &Grid, are_kept: bool) -> Result<Vec<Passa
 
 /// The number of the observable with this name.
 pub(super) fn observable(name: &str, names: &[String]) -> Result<usize, ConfigError> {
-    let found = UnknownName::find("observable", name, names.iter().zip(0..));
-    found.map_err(|unknown| ConfigError::Setting(unknown.to_string()))
+    UnknownName::find("observable", name, names.iter().zip(0..)).or_else(|unknown| wrong(unknown.to_string()))
 }
 
 /// Coordinates and momenta by the names of the drift's closure, which are observed beside the energy if nothing is asked for.

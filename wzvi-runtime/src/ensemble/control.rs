@@ -1,6 +1,6 @@
 //! What ends a run before all its paths are done.
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, above_zero, wrong};
 use crate::ground::digits::Brief;
 use crate::statistics::LossError;
 use crate::statistics::{Statistics, StatisticsNode as Node, TargetStatus};
@@ -30,21 +30,14 @@ impl Control {
     pub(super) fn allowed_losses(&self) -> Result<f64, ConfigError> {
         match self.losses.unwrap_or(MOST_LOSSES) {
             fraction if (0.0..=1.0).contains(&fraction) => Ok(fraction),
-            fraction => {
-                let wrong = format!("losses of {}: take a fraction from 0 to 1", Brief(fraction));
-                Err(ConfigError::Setting(wrong))
-            }
+            fraction => wrong(format!("losses of {}: take a fraction from 0 to 1", Brief(fraction))),
         }
     }
 
     /// The targets, if they are for some of the observables `names`.
     pub(super) fn targets(&self, names: &[String]) -> Result<Targets, ConfigError> {
         let target = |(name, target): &(String, f64)| {
-            if !(target.is_finite() && *target > 0.0) {
-                let target = Brief(*target);
-                let wrong = format!("a standard error of {target} as target: take a finite number above 0");
-                return Err(ConfigError::Setting(wrong));
-            }
+            above_zero(*target, |target| format!("a standard error of {target} as target"))?;
             Ok((super::checks::observable(name, names)?, *target))
         };
         Ok(Targets(self.targets.iter().map(target).collect::<Result<_, _>>()?))

@@ -36,8 +36,7 @@ use super::source::{Settings, Source};
 use super::starts::Paired;
 use super::{Ensemble, Extras, Many, Setup};
 use crate::algebra::state::State;
-use crate::error::ConfigError;
-use crate::ground::digits::Brief;
+use crate::error::{ConfigError, above_zero, wrong};
 use crate::increments::Whole;
 use crate::noise::{StepNormals, Truncation};
 use crate::path::Error;
@@ -198,7 +197,6 @@ where
     /// The target, of a run that makes sense.
     fn checked(&self) -> Result<f64, ConfigError> {
         let (setup, Levels { target, weak_order, finest }) = (&self.setup, self.levels);
-        let wrong = |what: String| Err(wrong(what));
         if let Some(what) = refused(setup) {
             return wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out"));
         }
@@ -209,19 +207,14 @@ where
         if !H::PLAN.consistent {
             return wrong(
                 "a multilevel run of a scheme that does not converge to the system: its levels add up to another limit; take `Corrected<...>` \
-                 or `Midpoint`"
-                    .into(),
+                 or `Midpoint`",
             );
         }
         if matches!(H::PLAN.noise, NoiseClass::None) {
-            return wrong("a multilevel run of a system without noise: one path says it all".into());
+            return wrong("a multilevel run of a system without noise: one path says it all");
         }
-        if !(target.is_finite() && target > 0.0) {
-            return wrong(format!("a target of {}: take a finite number above 0", Brief(target)));
-        }
-        if !(weak_order.is_finite() && weak_order > 0.0) {
-            return wrong(format!("a weak order of {}: take a finite number above 0", Brief(weak_order)));
-        }
+        above_zero(target, |target| format!("a target of {target}"))?;
+        above_zero(weak_order, |order| format!("a weak order of {order}"))?;
         if !(LEAST_LEVELS as u32 - 1..=40).contains(&finest) {
             return wrong(format!("level {finest} as the finest: take 2 to 40"));
         }
@@ -275,15 +268,11 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
 
 const OBSERVABLE: &str = "an observable: add `.observe(name, function)`";
 
-fn wrong(what: impl Into<String>) -> ConfigError {
-    ConfigError::Setting(what.into())
-}
-
 /// Whether the coarsest steps end where the run shall: all levels end there.
 fn check_end<H: Discretized<E>, E>(end: Option<End>, job: &Job<'_, H, E>) -> Result<(), ConfigError> {
     let Grid { start, h, steps, .. } = job.grid;
     if steps == 0 {
-        return Err(wrong("a multilevel run without a step: take a later end"));
+        return wrong("a multilevel run without a step: take a later end");
     }
     let Some(End::Time(end)) = end else { return Ok(()) };
     let (reached, span) = (job.grid.time(steps), end - start);
@@ -292,8 +281,8 @@ fn check_end<H: Discretized<E>, E>(end: Option<End>, job: &Job<'_, H, E>) -> Res
     if (reached - end).abs() <= allowed {
         return Ok(());
     }
-    Err(wrong(format!(
+    wrong(format!(
         "steps of {h} do not end at t = {end}, but at {reached}: take a coarsest step that fits a whole number of times, {} for one",
         span / steps as f64
-    )))
+    ))
 }

@@ -3,7 +3,7 @@
 use super::Ensemble;
 use super::group::Group;
 use super::starts::Systems;
-use crate::error::ConfigError;
+use crate::error::wrong;
 use crate::increments::{Divisible, Noise};
 use crate::path::Error;
 use crate::path::between::{Between, Part};
@@ -32,7 +32,8 @@ where
     /// drive any other run.
     ///
     /// # Errors
-    /// Those of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`] for a path that the ensemble does not have.
+    /// Those of [`Ensemble::run`] that show before the first step, and [`ConfigError::Setting`](crate::error::ConfigError::Setting) for a path that
+    /// the ensemble does not have.
     pub fn replay(self, path: u64) -> Result<Partial<H::Vector, E>, Error>
     where
         N: Divisible<R>,
@@ -40,8 +41,7 @@ where
         let recorded = self.setup.recorded.clone();
         let job = self.job(&|| false)?;
         if path >= job.paths {
-            let wrong = format!("path {path} of {}: they are numbered from 0", job.paths);
-            return Err(ConfigError::Setting(wrong).into());
+            return wrong(format!("path {path} of {}: they are numbered from 0", job.paths));
         }
         let recording = recorded.checked(0, &job.grid)?;
         let start = job.start_of(path)?;

@@ -1,7 +1,7 @@
 //! What each path of an ensemble may have of its own: the state where it starts, and its system.
 
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, wrong};
 use crate::noise::random::{self, pair};
 use crate::scheme::system::Discretized;
 
@@ -79,12 +79,12 @@ impl<T> ByPath<'_, T> {
             Self::Listed(list) => Ok(list),
             Self::Drawn(sampler) => {
                 let mut list = Vec::new();
-                let room = usize::try_from(paths).ok().and_then(|paths| list.try_reserve_exact(paths).ok());
-                room.ok_or_else(|| {
-                    ConfigError::Setting(format!(
+                if usize::try_from(paths).ok().and_then(|paths| list.try_reserve_exact(paths).ok()).is_none()
+                {
+                    return wrong(format!(
                         "there is no memory for the systems of {paths} paths, which are all made before the run: ask for fewer `.paths(...)`"
-                    ))
-                })?;
+                    ));
+                }
                 list.extend((0..paths).map(|path| sampler(&mut Draw::new(drawn, seed, path))));
                 Ok(list)
             }
@@ -110,18 +110,18 @@ pub(super) fn check<H: Discretized<E>, E>(
     (degrees, t): (usize, f64),
 ) -> Result<(), ConfigError> {
     let (q, p) = (state.q.components(), state.p.components());
-    let wrong = |cause| Err(ConfigError::PathStart { path, cause });
+    let bad = |cause| Err(ConfigError::PathStart { path, cause });
     if let Some(&got) = [q.len(), p.len()].iter().find(|&&got| got != degrees) {
-        return wrong(StepFailure::Dimension { expected: degrees, got });
+        return bad(StepFailure::Dimension { expected: degrees, got });
     }
     if !q.iter().chain(p).chain([&state.t]).all(|x| x.is_finite()) {
-        return wrong(StepFailure::NonFiniteInput);
+        return bad(StepFailure::NonFiniteInput);
     }
     if state.t != t {
-        return Err(ConfigError::Setting(format!(
+        return wrong(format!(
             "path {path} starts at t = {}, path 0 at {t}: the paths of an ensemble have their nodes at the same times",
             state.t
-        )));
+        ));
     }
     system.check(degrees).map_err(|cause| ConfigError::PathStart { path, cause })
 }

@@ -83,8 +83,8 @@ use std::marker::PhantomData;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::error::ConfigError;
 pub use crate::error::{CheckpointError, Damage, Difference};
+use crate::error::{ConfigError, wrong};
 use crate::path::simulate::Simulation;
 use crate::scheme::system::Discretized;
 pub(crate) use format::Kind;
@@ -173,12 +173,11 @@ impl Checkpoint {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let mistake = match (self.count, self.interval) {
+        wrong(match (self.count, self.interval) {
             (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",
             (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
             _ => return Ok(()),
-        };
-        Err(ConfigError::Setting(mistake.to_owned()))
+        })
     }
 }
 

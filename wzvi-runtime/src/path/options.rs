@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::algebra::lanes::instructions::InstructionSet;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::State;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, wrong};
 use crate::ground::handle::Handle;
 use crate::ground::progress::ProgressLine;
 use crate::path::checkpoint::Keeping;
@@ -77,7 +77,7 @@ impl<'a, V> Observables<'a, V> {
         let (names, functions): (Vec<String>, _) = self.0.into_iter().unzip();
         let mut known = HashSet::new();
         match names.iter().find(|name| !known.insert(*name)) {
-            Some(twice) => Err(ConfigError::Setting(format!("two {what} have the name `{twice}`"))),
+            Some(twice) => wrong(format!("two {what} have the name `{twice}`")),
             None => Ok((names, functions)),
         }
     }

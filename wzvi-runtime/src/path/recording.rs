@@ -1,6 +1,6 @@
 //! What of a run is recorded: some of its nodes, and times between them.
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, wrong};
 use crate::ground::digits::Brief;
 use crate::path::span::{Grid, Place};
 
@@ -23,26 +23,22 @@ impl Request {
         let mut recording = Recording { every, ..Recording::default() };
         let mut before = f64::NAN;
         for &t in &self.times {
-            let place = grid.place(t).ok_or_else(|| {
-                let [start, end] = [0, grid.steps].map(|node| grid.time(node));
-                let [t, start, end] = [t, start, end].map(Brief);
-                ConfigError::Setting(format!("recorded at t = {t}, which is not between {start} and {end}"))
-            })?;
+            let Some(place) = grid.place(t) else {
+                let [t, start, end] = [t, grid.time(0), grid.time(grid.steps)].map(Brief);
+                return wrong(format!("recorded at t = {t}, which is not between {start} and {end}"));
+            };
             if (t - before) / grid.h <= 0.0 {
-                let wrong = format!(
-                    "recorded at t = {} after t = {}: give the times in the order of the run, each once",
-                    Brief(t),
-                    Brief(before)
-                );
-                return Err(ConfigError::Setting(wrong));
+                let [t, before] = [t, before].map(Brief);
+                return wrong(format!(
+                    "recorded at t = {t} after t = {before}: give the times in the order of the run, each once"
+                ));
             }
             before = t;
             match place {
                 Place::Node(node) if recording.chosen.last() == Some(&node) => {
-                    let wrong = format!(
+                    return wrong(format!(
                         "recorded at t = {t:?} and at the time before it, which are the same node up to rounding: give one of them"
-                    );
-                    return Err(ConfigError::Setting(wrong));
+                    ));
                 }
                 Place::Node(node) => recording.chosen.push(node),
                 Place::Inside(step) => recording.between.push(Moment { step, t }),
@@ -82,8 +78,7 @@ impl Recording {
         let asked = (self.chosen.len() + self.between.len()) as u64;
         let nodes = steps.div_ceil(every).saturating_add(asked);
         if nodes > most {
-            let wrong = format!("statistics at {nodes} nodes: take a larger `record_every`");
-            return Err(ConfigError::Setting(wrong));
+            return wrong(format!("statistics at {nodes} nodes: take a larger `record_every`"));
         }
         let regular = (0..=steps.div_ceil(every)).map(|node| steps.min(node * every));
         let nodes = regular.chain(self.chosen.iter().copied());

@@ -16,7 +16,7 @@ use std::ops::Range;
 use crate::algebra::carry::Carry;
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepError, StepFailure};
+use crate::error::{ConfigError, StepError, StepFailure, wrong};
 pub use crate::increments::{Divisible as Serves, Halved, Whole};
 use crate::increments::{Interval, Noise};
 use crate::path::Error;
@@ -312,12 +312,13 @@ fn in_parts<'s, T, V, N>(stepper: &'s mut T, step: Step<'s, V, N>, level: u32) -
 /// # Errors
 /// [`ConfigError::Setting`] if they cannot be counted.
 fn numbers_of_parts(step: u64, level: u32) -> Result<Range<u64>, ConfigError> {
-    parts_of(step, level).ok_or_else(|| {
+    let Some(numbers) = parts_of(step, level) else {
         let parts = 1_u64 << level;
-        ConfigError::Setting(format!(
+        return wrong(format!(
             "step {step} in {parts} parts: more than can be counted; allow fewer halvings"
-        ))
-    })
+        ));
+    };
+    Ok(numbers)
 }
 
 /// Takes the `2^level` parts of a step, and counts them as one. The increments of the step become the sums of theirs, for which there is room.

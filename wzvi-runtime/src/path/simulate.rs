@@ -12,7 +12,7 @@ pub use tangent::Tangent;
 use std::marker::PhantomData;
 
 use crate::algebra::state::State;
-use crate::error::ConfigError;
+use crate::error::{ConfigError, wrong};
 use crate::ground::handle::Handle;
 use crate::ground::numbers::Tape;
 use crate::increments::{Divisible, Halved, NoNoise, Noise, Whole};
@@ -192,8 +192,7 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
             (self.setup.span.is_exact, "`exactly`"),
         ];
         if let Some((_, what)) = asked.iter().find(|(is_asked, _)| *is_asked) {
-            let wrong = format!("{what} in a run that keeps no path: leave it out");
-            return Err(ConfigError::Setting(wrong));
+            return wrong(format!("{what} in a run that keeps no path: leave it out"));
         }
         self.setup.recorded.every = Some(0);
         let (names, functions) = std::mem::take(&mut self.setup.observables).checked("observables")?;

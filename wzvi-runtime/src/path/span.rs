@@ -1,7 +1,7 @@
 //! From where to where a run goes, and where its nodes are: the same for every builder.
 
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, wrong};
 use crate::ground::digits::Brief;
 use crate::increments::{Interval, Noise};
 use crate::path::Error;
@@ -207,10 +207,10 @@ fn is_finite<V: Vector>(state: &State<V>) -> bool {
 
 fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
     match end.ok_or(ConfigError::Missing(END))? {
-        End::Both(t, steps) => Err(ConfigError::Setting(format!(
+        End::Both(t, steps) => wrong(format!(
             "`until({})` and `steps({steps})`: a run has one end; leave one of them out",
             Brief(t)
-        ))),
+        )),
         End::Time(end) if is_exact => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
         End::Time(end) => {
             let steps = steps_between(start, end, h).ok_or(ConfigError::End { start, end, h })?;

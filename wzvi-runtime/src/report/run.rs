@@ -10,7 +10,7 @@ use super::noise::Shifted;
 use super::number;
 use super::statistics::Spread;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, InternalError};
+use crate::error::{ConfigError, InternalError, wrong};
 use crate::ground::progress::ProgressLine;
 use crate::increments::{Interval, Noise as _};
 use crate::noise::{Driver, Paths as _, Wiener};
@@ -110,16 +110,16 @@ where
             return Err(missing("step sizes: add `.step_sizes([...])`"));
         }
         if self.paths == 0 {
-            return Err(ConfigError::Setting("no paths: `.paths(0)` leaves nothing to measure".into()));
+            return wrong("no paths: `.paths(0)` leaves nothing to measure");
         }
         let whole = |h: f64| {
             let steps = steps_between(start.t, end, h).ok_or(ConfigError::End { start: start.t, end, h })?;
             let gap = (steps as f64 * h - (end - start.t)).abs();
             if steps == 0 || gap > 1e-9 * h.abs() {
                 let span = end - start.t;
-                return Err(ConfigError::Setting(format!(
+                return wrong(format!(
                     "steps of {h} do not fit a whole number of times into a run of {span}; take {span} over an integer"
-                )));
+                ));
             }
             usize::try_from(steps).map_err(|_| ConfigError::End { start: start.t, end, h })
         };

@@ -1,6 +1,6 @@
 //! Counts in fixed bins.
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, wrong};
 use crate::ground::digits::Brief;
 use crate::ground::numbers::{Numbers, Tape};
 
@@ -30,15 +30,12 @@ impl Histogram {
         let is_finite = ((upper - lower) * bins as f64).is_finite();
         if bins == 0 || !is_finite || width <= 0.0 {
             let [lower, upper] = [lower, upper].map(Brief);
-            let wrong = format!(
+            return wrong(format!(
                 "a histogram with {bins} bins from {lower} to {upper}: they need a width above 0, and edges below the largest number"
-            );
-            return Err(ConfigError::Setting(wrong));
+            ));
         }
         if bins > MOST_BINS {
-            return Err(ConfigError::Setting(format!(
-                "a histogram with {bins} bins: take {MOST_BINS} at most"
-            )));
+            return wrong(format!("a histogram with {bins} bins: take {MOST_BINS} at most"));
         }
         Ok(Self { lower, upper, counts: vec![0; bins], below: 0, above: 0, undefined: 0 })
     }

@@ -1,6 +1,6 @@
 //! Whole paths, kept on request.
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, wrong};
 use crate::ground::names::free;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Rows;
@@ -32,9 +32,8 @@ impl Paths {
     pub(crate) fn reserve(&mut self, paths: u64) -> Result<(), ConfigError> {
         let bytes = Self::bytes(paths, self.nodes, self.observables);
         let numbers = usize::try_from(bytes / size_of::<f64>() as u128).unwrap_or(usize::MAX);
-        self.values.try_reserve_exact(numbers).map_err(|_| {
-            ConfigError::Setting(format!("there is no memory for the {bytes} bytes of all paths: keep fewer"))
-        })
+        let room = self.values.try_reserve_exact(numbers);
+        room.or_else(|_| wrong(format!("there is no memory for the {bytes} bytes of all paths: keep fewer")))
     }
 
     /// How many paths there are.

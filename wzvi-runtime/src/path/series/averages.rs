@@ -64,11 +64,7 @@ impl<V> TimeAverages<V> {
     /// # Errors
     /// [`UnknownName`] for a name that nothing was observed under.
     pub fn of(&self, name: &str) -> Result<&TimeAverage, UnknownName> {
-        self.averages.iter().find(|average| average.name == name).ok_or_else(|| UnknownName {
-            kind: "observable",
-            name: name.to_owned(),
-            known: self.averages.iter().map(|average| average.name.clone()).collect(),
-        })
+        UnknownName::find("observable", name, self.averages.iter().map(|average| (&average.name, average)))
     }
 }
 

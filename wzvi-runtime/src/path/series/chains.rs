@@ -2,7 +2,7 @@
 
 use super::TimeAverages;
 use super::student::{NORMAL, normal_of_ratio, quantile};
-use crate::error::ConfigError;
+use crate::error::wrong;
 use crate::path::Error;
 
 /// The average of an observable over several independent paths, and whether they agree.
@@ -43,8 +43,7 @@ impl Chains {
     pub fn of<V>(name: &str, chains: &[TimeAverages<V>]) -> Result<Self, Error> {
         let averages: Vec<_> = chains.iter().map(|chain| chain.of(name)).collect::<Result<_, _>>()?;
         if averages.len() < 2 {
-            let wrong = format!("a comparison of {} paths: give two or more", averages.len());
-            return Err(ConfigError::Setting(wrong).into());
+            return wrong(format!("a comparison of {} paths: give two or more", averages.len()));
         }
         let count = averages.len() as f64;
         let mean = averages.iter().map(|average| average.mean).sum::<f64>() / count;

@@ -2,7 +2,7 @@
 
 use super::BatchMeans;
 use crate::algebra::state::State;
-use crate::error::{ConfigError, UnknownName};
+use crate::error::{UnknownName, above_zero, wrong};
 use crate::ground::digits::Brief;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::path::Error;
@@ -43,18 +43,13 @@ impl<'a, V> Tally<'a, V> {
     /// Of these observables.
     pub(super) fn new(averaged: Averaged<'a, V>, discarded: f64, targets: &Targets) -> Result<Self, Error> {
         if !(discarded.is_finite() && discarded >= 0.0) {
-            let wrong = format!("`discard({})`: take a finite time, 0 or more", Brief(discarded));
-            return Err(ConfigError::Setting(wrong).into());
+            return wrong(format!("`discard({})`: take a finite time, 0 or more", Brief(discarded)));
         }
         let names = &averaged.names;
         let mut wanted = vec![f64::INFINITY; names.len()];
         for (name, target) in targets {
             let place = UnknownName::find("observable", name, names.iter().zip(0..))?;
-            if !(target.is_finite() && *target > 0.0) {
-                let target = Brief(*target);
-                let wrong = format!("an error of {target} for `{name}`: take a finite number above 0");
-                return Err(ConfigError::Setting(wrong).into());
-            }
+            above_zero::<Error>(*target, |target| format!("an error of {target} for `{name}`"))?;
             wanted[place] = wanted[place].min(*target);
         }
         let batches = vec![BatchMeans::new(); names.len()];

@@ -13,7 +13,7 @@ use super::tangent::Columns;
 use super::{Simulation, Unobserved};
 use crate::algebra::scalar::Dual;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepError, StepFailure};
+use crate::error::{StepError, StepFailure, wrong};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::steps::Step;
@@ -62,7 +62,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of [`Simulation::tangent`]; [`ConfigError::Setting`] where steps are not symplectic: with forces, friction or a bath, and for schemes of the program.
+    /// Those of [`Simulation::tangent`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) where steps are not symplectic: with forces,
+    /// friction or a bath, and for schemes of the program.
     /// [`StepFailure::OtherSolution`] where the step of `T` backwards does not end where the step began.
     pub fn adjoint<T>(
         self,
@@ -75,9 +76,9 @@ where
         let is_symplectic = <H as Discretized<E>>::PROPERTIES.is_variational
             && !(kind.is_conformal || kind.is_forced || kind.has_noise_forces);
         if !is_symplectic {
-            let wrong =
-                "`adjoint` needs symplectic steps, without forces, friction and baths: take `tangent`";
-            return Err(ConfigError::Setting(wrong.into()).into());
+            return wrong(
+                "`adjoint` needs symplectic steps, without forces, friction and baths: take `tangent`",
+            );
         }
         let bare = self.bare("adjoint")?;
         let (system, h) = (bare.system, bare.h);

@@ -3,7 +3,7 @@
 use super::{Simulation, Unobserved};
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
-use crate::error::ConfigError;
+use crate::error::wrong;
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::options::{Execution, Setup};
@@ -30,7 +30,7 @@ where
     /// The steps of the run, for the method `what`.
     ///
     /// # Errors
-    /// [`ConfigError::Setting`] for settings that the method has no use for.
+    /// [`ConfigError::Setting`](crate::error::ConfigError::Setting) for settings that the method has no use for.
     pub(super) fn bare(self, what: &str) -> Result<Bare<'a, H, E, N>, Error> {
         let Self { setup, noise, observer: Unobserved, .. } = self;
         let Setup {
@@ -62,8 +62,7 @@ where
             ("`stop_when`", stop.is_some()),
         ];
         if let Some((setting, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
-            let wrong = format!("`{what}` has no use for {setting}: leave it out");
-            return Err(ConfigError::Setting(wrong).into());
+            return wrong(format!("`{what}` has no use for {setting}: leave it out"));
         }
         let processes = system.increments(start.q.components().len());
         let noise = grid.prepared(noise, &H::PLAN, processes)?;

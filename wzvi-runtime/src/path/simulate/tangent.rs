@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::{Simulation, Unobserved};
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepError, StepFailure};
+use crate::error::{ConfigError, StepError, StepFailure, wrong};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::retry::Subdivision;
@@ -191,15 +191,15 @@ fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, Conf
         let twin =
             known.iter().enumerate().find(|(other, twin)| Some(*other) != number && are_alike(name, twin));
         match (number, twin) {
-            (Some(_), Some((_, twin))) => Err(ConfigError::Setting(format!(
+            (Some(_), Some((_, twin))) => wrong(format!(
                 "`tangent_by` does not know what `{name}` is: the Hamiltonians read `{twin}`, too, which may be the same number or \
                  another of the same name"
-            ))),
+            )),
             (Some(number), None) => Ok(number),
-            (None, _) => Err(ConfigError::Setting(format!(
+            (None, _) => wrong(format!(
                 "`tangent_by` knows no parameter `{name}`: numbers that the Hamiltonians read are `{}`",
                 known.join("`, `")
-            ))),
+            )),
         }
     };
     names.iter().map(find).collect()

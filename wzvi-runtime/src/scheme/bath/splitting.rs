@@ -15,7 +15,7 @@ use crate::algebra::carry::{self, Carry, Plain};
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Of, Over, Scalar};
 use crate::algebra::solve::Effort;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::compose::flows::FlowsOf;
 use crate::scheme::compose::stages::{self, Act, Rooms, Stage, Stages};
 use crate::scheme::compose::substeps::Substep;
@@ -197,8 +197,7 @@ where
 /// [`BathError::Rates`] unless all degrees of freedom have one rate, [`ConfigError::Setting`] with noises, whose increments would be shortened, too.
 fn shortened<T: Elements, K: Constant>(system: &T, lift: Lift<'_, K>, h: K) -> Result<K, ConfigError> {
     if system.noises() > 0 {
-        let wrong = "`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`";
-        return Err(ConfigError::Setting(wrong.into()));
+        return wrong("`GjI` takes kicks over a shorter time than the noises of the system have: take `Gjf`");
     }
     // If the size is unknown, one degree of freedom is enough to read the rate; the first step compares it with the others.
     let parameters = varied_without_lists(system, lift)?;

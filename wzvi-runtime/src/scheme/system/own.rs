@@ -11,7 +11,7 @@ use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
 use crate::algebra::solve::Effort;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, wrong};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{self, Elements, PairColumns};
 use crate::scheme::plan::{Plan, Solver};
@@ -185,9 +185,9 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
 
     fn prepare<K: Constant>(system: &H, lift: Lift<'_, K>, _: K) -> Result<Vec<K>, ConfigError> {
         if H::FACTS.is_damped {
-            let wrong =
-                "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise";
-            return Err(ConfigError::Setting(wrong.into()));
+            return wrong(
+                "a scheme of one's own takes no friction and no bath: write them as a `force` and a noise",
+            );
         }
         elements::check_new(system)?;
         varied_without_lists(system, lift)

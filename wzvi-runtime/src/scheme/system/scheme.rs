@@ -9,7 +9,7 @@ use crate::algebra::memory::StepMemory;
 use crate::algebra::scalar::{Constant, Over, Scalar};
 use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 
@@ -110,8 +110,9 @@ pub(crate) fn varied_without_lists<H: Hamiltonian, K: Constant>(
             && name.contains('[')
             && !number.is_identical(K::from_f64(value))
         {
-            let wrong = format!("steps of this scheme have no derivatives by entries of lists, as `{name}`");
-            return Err(ConfigError::Setting(wrong));
+            return wrong(format!(
+                "steps of this scheme have no derivatives by entries of lists, as `{name}`"
+            ));
         }
     }
     Ok(varied)
