@@ -34,24 +34,13 @@ where
         N: Divisible<R>,
     {
         let Self { setup, noise, observer, .. } = self;
-        let Setup {
-            system,
-            h,
-            span,
-            recorded,
-            observables,
-            sections,
-            retry,
-            is_watched,
-            execution,
-            keeping,
-            more: (),
-        } = setup;
-        let Execution { threads, is_quiet, handle, stop: asked, .. } = execution;
-        let (names, functions) = observables.checked("observables")?;
-        let mut stepper = Subdivision::<H, E>::new(system, h, retry, is_watched, Threads::asked(threads)?)?;
-        let (start, grid) = span.checked::<H, E>(system, h)?;
-        let recording = recorded.checked(1, &grid)?;
+        let Setup { system, h, sections, retry, keeping, .. } = setup;
+        let Execution { threads, is_quiet, handle, stop: asked, .. } = setup.execution;
+        let (names, functions) = setup.observables.checked("observables")?;
+        let threads = Threads::asked(threads)?;
+        let mut stepper = Subdivision::<H, E>::new(system, h, retry, setup.is_watched, threads)?;
+        let (start, grid) = setup.span.checked::<H, E>(system, h)?;
+        let recording = setup.recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());
         let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
