@@ -22,9 +22,7 @@ impl Sum {
     pub(crate) fn total(self) -> f64 {
         self.rounded + self.lost
     }
-}
 
-impl Sum {
     /// What a checkpoint keeps.
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
         let Self { rounded, lost } = self;
@@ -55,9 +53,7 @@ impl Sums {
     pub(crate) fn totals(&self) -> &[f64] {
         &self.totals
     }
-}
 
-impl Sums {
     /// What a checkpoint keeps.
     pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
         for (sum, total) in self.sums.iter_mut().zip(&mut self.totals) {

@@ -40,9 +40,7 @@ impl Welford {
     pub(crate) fn squares(&self) -> f64 {
         self.squares
     }
-}
 
-impl Welford {
     /// The samples of both. The order matters to the last bit.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {

@@ -196,6 +196,12 @@ impl Wiener {
     pub(super) fn twin(&self) -> Self {
         Self { cursors: vec![], distant: BTreeMap::new(), ..*self }
     }
+
+    /// The error of a query for `W(t)`.
+    pub(super) fn check(&self, t: f64) -> Result<(), NoiseError> {
+        self.truncation.check()?;
+        self.point(t).map(drop)
+    }
 }
 
 /// The least step in units of the distance below which times may be taken for one: its variance is that of its length to a part in 512.
@@ -211,14 +217,6 @@ fn too_short(t: f64, h: f64) -> NoiseError {
 /// Checks the step size.
 pub(super) fn check_step(h: f64) -> Result<(), NoiseError> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(NoiseError::StepSize(h)) }
-}
-
-impl Wiener {
-    /// The error of a query for `W(t)`.
-    pub(super) fn check(&self, t: f64) -> Result<(), NoiseError> {
-        self.truncation.check()?;
-        self.point(t).map(drop)
-    }
 }
 
 impl Noise for Wiener {

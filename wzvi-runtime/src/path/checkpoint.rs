@@ -144,6 +144,19 @@ impl Checkpoint {
     pub fn every_paths(self, paths: u64) -> Checkpoint<Paths> {
         self.counting(paths)
     }
+
+    /// The time between two of them, if that matters.
+    fn interval(&self) -> Option<Duration> {
+        if self.count.is_none() { Some(self.interval.unwrap_or(MINUTE)) } else { self.interval }
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        wrong(match (self.count, self.interval) {
+            (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",
+            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
+            _ => return Ok(()),
+        })
+    }
 }
 
 impl<C> Checkpoint<C> {
@@ -163,21 +176,6 @@ impl<C> Checkpoint<C> {
     fn settled(self) -> Checkpoint {
         let Self { path, count, interval, .. } = self;
         Checkpoint { path, count, interval, counts: PhantomData }
-    }
-}
-
-impl Checkpoint {
-    /// The time between two of them, if that matters.
-    fn interval(&self) -> Option<Duration> {
-        if self.count.is_none() { Some(self.interval.unwrap_or(MINUTE)) } else { self.interval }
-    }
-
-    fn check(&self) -> Result<(), ConfigError> {
-        wrong(match (self.count, self.interval) {
-            (Some(0), _) => "a checkpoint every 0 steps or paths; give at least 1",
-            (_, Some(Duration::ZERO)) => "a checkpoint after no time at all; give more than zero",
-            _ => return Ok(()),
-        })
     }
 }
 

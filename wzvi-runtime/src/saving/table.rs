@@ -151,6 +151,17 @@ impl Table {
         }
         writeln!(to, "{}]", if self.rows() == 0 { "[" } else { "" })
     }
+
+    /// A table without columns, with the name of its file.
+    pub fn named(name: impl Into<String>) -> Self {
+        Self { name: name.into(), columns: Vec::new() }
+    }
+
+    /// Adds a column, as long as the others, under this name, or under a longer one if another column has it.
+    pub fn push(&mut self, name: &str, entries: impl Into<Column>) {
+        let name = free(name, self.columns.iter().map(|(known, _)| known.as_str()));
+        self.columns.push((name, entries.into()));
+    }
 }
 
 fn separate(line: &mut String, column: usize) {
@@ -180,19 +191,6 @@ pub(crate) fn escaped(text: &str) -> String {
     }
     json.push('"');
     json
-}
-
-impl Table {
-    /// A table without columns, with the name of its file.
-    pub fn named(name: impl Into<String>) -> Self {
-        Self { name: name.into(), columns: Vec::new() }
-    }
-
-    /// Adds a column, as long as the others, under this name, or under a longer one if another column has it.
-    pub fn push(&mut self, name: &str, entries: impl Into<Column>) {
-        let name = free(name, self.columns.iter().map(|(known, _)| known.as_str()));
-        self.columns.push((name, entries.into()));
-    }
 }
 
 impl From<Vec<f64>> for Column {

@@ -138,9 +138,7 @@ impl<S: Scalar, const N: usize> Factor<S, N> {
     pub fn solve(&self, b: [S; N]) -> [S; N] {
         substitute(&self.lu, self.order.map(|row| b[row]))
     }
-}
 
-impl<S: Scalar, const N: usize> Factor<S, N> {
     /// Whether the determinant is negative.
     pub(super) fn is_reversed(&self) -> bool {
         let negative = (0..N).filter(|&k| self.lu[k][k].less(S::from_f64(0.0)).all()).count();

@@ -34,9 +34,7 @@ impl<const L: usize, const N: usize> FactorsByLane<L, N> {
         }
         substitute(&self.lu, ordered)
     }
-}
 
-impl<const L: usize, const N: usize> FactorsByLane<L, N> {
     /// Factors a matrix for each lane.
     ///
     /// # Errors

@@ -134,23 +134,7 @@ impl<K: Constant> Relaxation<K> {
             2 * degrees
         }
     }
-}
 
-impl Relaxation {
-    /// Gathers systems in lanes: if rates and masses of all are lists, or none has friction.
-    pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
-        if of_lanes.iter().all(|law| law.is_still()) {
-            return Some(Relaxation::Still);
-        }
-        let mut laws = [of_lanes.first()?.diagonal()?; L];
-        for (law, of_lane) in laws.iter_mut().zip(of_lanes) {
-            *law = of_lane.diagonal()?;
-        }
-        Some(Relaxation::Diagonal(Diagonal::gather(laws)))
-    }
-}
-
-impl<K: Constant> Relaxation<K> {
     /// Whether there is no friction.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_still(&self) -> bool {
@@ -199,6 +183,20 @@ impl<K: Constant> Relaxation<K> {
                 }
             }
         })
+    }
+}
+
+impl Relaxation {
+    /// Gathers systems in lanes: if rates and masses of all are lists, or none has friction.
+    pub(super) fn gather<const L: usize>(of_lanes: [&Self; L]) -> Option<Relaxation<Lanes<L>>> {
+        if of_lanes.iter().all(|law| law.is_still()) {
+            return Some(Relaxation::Still);
+        }
+        let mut laws = [of_lanes.first()?.diagonal()?; L];
+        for (law, of_lane) in laws.iter_mut().zip(of_lanes) {
+            *law = of_lane.diagonal()?;
+        }
+        Some(Relaxation::Diagonal(Diagonal::gather(laws)))
     }
 }
 

@@ -173,40 +173,7 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         }
         Ok(())
     }
-}
 
-impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
-    /// The end of the parts and their discrete Lagrangian. That of a drift is `p · Δq - a T(p)`, that of a kick at `q` is
-    /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum to values
-    /// of `F`, less `F(q_0, p_0)`.
-    fn follow(
-        self,
-        stages: &[Stage<Act>],
-        segment: &Segment<F::Vector>,
-        dw: &[f64],
-    ) -> Option<Followed<F::Vector>> {
-        let Self { system, t, h, .. } = self;
-        let (q0, p0) = (segment.q0.components(), segment.p.components());
-        Hamiltonian::check(system, q0.len()).ok()?;
-        let value = |q: &[f64], p: &[f64], t: f64| {
-            let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
-            h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
-        };
-        let take = |stage: &_, rooms: &mut _, memory: &mut _| self.take::<f64, Plain>(stage, rooms, memory);
-        let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
-            Act::Flow(Half::First) => {
-                let moved: f64 =
-                    p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
-                moved - stage.weight * value(q0, p, t)
-            }
-            _ => self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h),
-        })?;
-        followed.action += value(q0, p0, t);
-        Some(followed)
-    }
-}
-
-impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
     /// Loops add to each place in turn, and need no separate list of slopes.
     const IN_PLACE: bool = !F::Shape::IS_FIXED;
 
@@ -285,5 +252,36 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
         if is_kept {
             memory.keep_force(origin, q, force);
         }
+    }
+}
+
+impl<F: Field, const SQUARES: bool> FlowsOf<'_, F, f64, SQUARES> {
+    /// The end of the parts and their discrete Lagrangian. That of a drift is `p · Δq - a T(p)`, that of a kick at `q` is
+    /// `-b V(q) + c |V'(q)|²`. The weights of each kind sum to 1, so that `T = F(q_0, ·) - V(q_0)` and `V = F(·, p_0) - T(p_0)` sum to values
+    /// of `F`, less `F(q_0, p_0)`.
+    fn follow(
+        self,
+        stages: &[Stage<Act>],
+        segment: &Segment<F::Vector>,
+        dw: &[f64],
+    ) -> Option<Followed<F::Vector>> {
+        let Self { system, t, h, .. } = self;
+        let (q0, p0) = (segment.q0.components(), segment.p.components());
+        Hamiltonian::check(system, q0.len()).ok()?;
+        let value = |q: &[f64], p: &[f64], t: f64| {
+            let noises = dw.iter().zip(1..).map(|(dw, term)| dw * system.evaluate(term, q, p, t));
+            h * system.evaluate(0, q, p, t) + noises.sum::<f64>()
+        };
+        let take = |stage: &_, rooms: &mut _, memory: &mut _| self.take::<f64, Plain>(stage, rooms, memory);
+        let mut followed = follow(take, stages, segment, dw, |stage, [before, _], [q, p]| match stage.act {
+            Act::Flow(Half::First) => {
+                let moved: f64 =
+                    p.iter().zip(q.iter().zip(before)).map(|(p, (q, before))| p * (q - before)).sum();
+                moved - stage.weight * value(q0, p, t)
+            }
+            _ => self.of_square(stage, q, dw) - stage.weight * value(q, p0, t + stage.node * h),
+        })?;
+        followed.action += value(q0, p0, t);
+        Some(followed)
     }
 }

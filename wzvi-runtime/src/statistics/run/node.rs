@@ -35,6 +35,66 @@ impl Nodes {
         let all = times.iter().map(|&time| StatisticsNode { time, ..node.clone() }).collect();
         Self { all, histogrammed, scratch: Vec::new(), first: Vec::new(), has_first: false }
     }
+
+    /// Every node with every observable.
+    fn each<'s>(&'s self, names: &'s [String]) -> impl Iterator<Item = (&'s StatisticsNode, usize)> {
+        self.all.iter().flat_map(|node| (0..names.len()).map(move |index| (node, index)))
+    }
+
+    fn moments<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        Rows::of(self.each(names))
+            .column("time", |(node, _)| node.time())
+            .column("observable", |&(_, index)| names[index].clone())
+            .column("count", |(node, _)| node.count())
+            .column("lost", |(node, _)| node.lost())
+            .column("not_finite", |&(node, index)| node.not_finite(index))
+            .column("mean", |&(node, index)| node.mean(index))
+            .column("standard_error", |&(node, index)| node.standard_error(index))
+            .column("error_bound", |&(node, index)| node.error_bound(index))
+            .column("largest_share", |&(node, index)| node.largest_share(index))
+            .column("variance", |&(node, index)| node.variance(index))
+            .parts("moments")
+    }
+
+    fn covariances<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        let pairs = self.each(names).flat_map(|(node, a)| {
+            let partners = if node.has_covariances() { names.len() } else { a + 1 };
+            (a..partners).map(move |b| (node, a, b))
+        });
+        Rows::of(pairs)
+            .column("time", |(node, ..)| node.time())
+            .column("first", |&(_, a, _)| names[a].clone())
+            .column("second", |&(.., b)| names[b].clone())
+            .column("covariance", |&(node, a, b)| node.covariance(a, b))
+            .parts("covariances")
+    }
+
+    fn quantiles<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        let each = self.each(names).filter_map(|(node, i)| Some((node.time(), i, node.quantiles(i)?)));
+        let each = each.flat_map(|(time, i, all)| FRACTIONS.map(|at| (time, i, at, all.at(at))));
+        Rows::of(each)
+            .column("time", |&(time, ..)| time)
+            .column("observable", |&(_, index, ..)| names[index].clone())
+            .column("fraction", |&(.., fraction, _)| fraction)
+            .column("quantile", |&(.., quantile)| quantile)
+            .parts("quantiles")
+    }
+
+    fn histograms<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
+        let each = self.all.iter().flat_map(|node| {
+            node.histograms().iter().zip(&self.histogrammed).map(move |of| (node.time(), of))
+        });
+        let each =
+            each.flat_map(|(time, (histogram, &index))| histogram.bins().map(move |bin| (time, index, bin)));
+        Rows::of(each)
+            .column("time", |&(time, ..)| time)
+            .column("observable", |&(_, index, _)| names[index].clone())
+            .column("count", |&(.., (count, _))| count)
+            .column("lower", |&(.., (_, [lower, ..]))| lower)
+            .column("upper", |&(.., (_, [_, upper, _]))| upper)
+            .column("density", |&(.., (_, [.., density]))| density)
+            .parts("histograms")
+    }
 }
 
 impl Statistic for Nodes {
@@ -96,68 +156,6 @@ impl Numbers for Nodes {
             quantiles.iter_mut().for_each(|quantiles| quantiles.pass(tape));
             histograms.iter_mut().for_each(|histogram| histogram.pass(tape));
         }
-    }
-}
-
-impl Nodes {
-    /// Every node with every observable.
-    fn each<'s>(&'s self, names: &'s [String]) -> impl Iterator<Item = (&'s StatisticsNode, usize)> {
-        self.all.iter().flat_map(|node| (0..names.len()).map(move |index| (node, index)))
-    }
-
-    fn moments<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
-        Rows::of(self.each(names))
-            .column("time", |(node, _)| node.time())
-            .column("observable", |&(_, index)| names[index].clone())
-            .column("count", |(node, _)| node.count())
-            .column("lost", |(node, _)| node.lost())
-            .column("not_finite", |&(node, index)| node.not_finite(index))
-            .column("mean", |&(node, index)| node.mean(index))
-            .column("standard_error", |&(node, index)| node.standard_error(index))
-            .column("error_bound", |&(node, index)| node.error_bound(index))
-            .column("largest_share", |&(node, index)| node.largest_share(index))
-            .column("variance", |&(node, index)| node.variance(index))
-            .parts("moments")
-    }
-
-    fn covariances<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
-        let pairs = self.each(names).flat_map(|(node, a)| {
-            let partners = if node.has_covariances() { names.len() } else { a + 1 };
-            (a..partners).map(move |b| (node, a, b))
-        });
-        Rows::of(pairs)
-            .column("time", |(node, ..)| node.time())
-            .column("first", |&(_, a, _)| names[a].clone())
-            .column("second", |&(.., b)| names[b].clone())
-            .column("covariance", |&(node, a, b)| node.covariance(a, b))
-            .parts("covariances")
-    }
-
-    fn quantiles<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
-        let each = self.each(names).filter_map(|(node, i)| Some((node.time(), i, node.quantiles(i)?)));
-        let each = each.flat_map(|(time, i, all)| FRACTIONS.map(|at| (time, i, at, all.at(at))));
-        Rows::of(each)
-            .column("time", |&(time, ..)| time)
-            .column("observable", |&(_, index, ..)| names[index].clone())
-            .column("fraction", |&(.., fraction, _)| fraction)
-            .column("quantile", |&(.., quantile)| quantile)
-            .parts("quantiles")
-    }
-
-    fn histograms<'s>(&'s self, names: &'s [String]) -> Parts<'s> {
-        let each = self.all.iter().flat_map(|node| {
-            node.histograms().iter().zip(&self.histogrammed).map(move |of| (node.time(), of))
-        });
-        let each =
-            each.flat_map(|(time, (histogram, &index))| histogram.bins().map(move |bin| (time, index, bin)));
-        Rows::of(each)
-            .column("time", |&(time, ..)| time)
-            .column("observable", |&(_, index, _)| names[index].clone())
-            .column("count", |&(.., (count, _))| count)
-            .column("lower", |&(.., (_, [lower, ..]))| lower)
-            .column("upper", |&(.., (_, [_, upper, _]))| upper)
-            .column("density", |&(.., (_, [.., density]))| density)
-            .parts("histograms")
     }
 }
 
