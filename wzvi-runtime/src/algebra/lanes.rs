@@ -84,7 +84,7 @@ impl<const L: usize> Lanes<L> {
 /// The values of a function for each lane. Few lanes are written out. As loops, one for each operation of a step, they would take a
 /// compile time that grows with the square of their number.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn each<T: Copy + Default, const L: usize>(of: impl Fn(usize) -> T) -> [T; L] {
+fn each<T: Copy + Default, const L: usize>(mut of: impl FnMut(usize) -> T) -> [T; L] {
     let mut list = [T::default(); L];
     macro_rules! written_out {
         ($($i:literal)*) => {{ $(list[$i] = of($i);)* }};
@@ -126,12 +126,6 @@ impl<const L: usize> Index<usize> for Lanes<L> {
 }
 
 impl<const L: usize> LaneMask<L> {
-    /// The truth of one lane.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lane(self, lane: usize) -> bool {
-        self.0[lane] != 0
-    }
-
     /// Replaces the truth of one lane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub const fn set(&mut self, lane: usize, truth: bool) {
@@ -141,12 +135,8 @@ impl<const L: usize> LaneMask<L> {
 
 impl<const L: usize> Mask for LaneMask<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_bool(truth: bool) -> Self {
-        Self([spread(truth); L])
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_lane(lane: usize) -> Self {
-        Self(each(|i| spread(i == lane)))
+    fn of_lanes(mut holds: impl FnMut(usize) -> bool) -> Self {
+        Self(each(|lane| spread(holds(lane))))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn any(self) -> bool {

@@ -24,10 +24,13 @@ use crate::ground::numbers::Numbers;
 pub trait Mask:
     Copy + Debug + Numbers + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
+    /// True in the lanes for which it holds.
+    fn of_lanes(holds: impl FnMut(usize) -> bool) -> Self;
     /// The same truth in every lane.
-    fn from_bool(truth: bool) -> Self;
-    /// True in one lane.
-    fn of_lane(lane: usize) -> Self;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn from_bool(truth: bool) -> Self {
+        Self::of_lanes(|_| truth)
+    }
     /// Whether every lane is true.
     fn all(self) -> bool;
     /// Whether any lane is true.
@@ -41,12 +44,8 @@ pub trait Mask:
 
 impl Mask for bool {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_bool(truth: bool) -> Self {
-        truth
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_lane(_lane: usize) -> Self {
-        true
+    fn of_lanes(mut holds: impl FnMut(usize) -> bool) -> Self {
+        holds(0)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn all(self) -> bool {

@@ -81,12 +81,8 @@ impl Numbers for KnownTruth {
 
 impl Mask for KnownTruth {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn from_bool(truth: bool) -> Self {
-        Self { truth, is_known: true }
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn of_lane(_lane: usize) -> Self {
-        Self::from_bool(true)
+    fn of_lanes(mut holds: impl FnMut(usize) -> bool) -> Self {
+        Self { truth: holds(0), is_known: true }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn all(self) -> bool {

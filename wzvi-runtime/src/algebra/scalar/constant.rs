@@ -252,11 +252,7 @@ impl<const N: usize> Constants for Truths<N> {
     type Of<K: Constant> = [K::Mask; N];
 
     fn gather<const L: usize>(of_lanes: [&[bool; N]; L]) -> [LaneMask<L>; N] {
-        from_fn(|i| {
-            let mut mask = LaneMask::from_bool(false);
-            of_lanes.iter().enumerate().for_each(|(lane, truths)| mask.set(lane, truths[i]));
-            mask
-        })
+        from_fn(|i| LaneMask::of_lanes(|lane| of_lanes[lane][i]))
     }
 }
 

@@ -16,8 +16,7 @@ impl FailedLanes {
 
     /// As a mask.
     pub(crate) fn mask<S: Scalar>(self) -> S::Mask {
-        let none = S::Mask::from_bool(false);
-        (0..S::LANES).filter(|&lane| self.has(lane)).map(S::Mask::of_lane).fold(none, |all, lane| all | lane)
+        S::Mask::of_lanes(|lane| self.has(lane))
     }
 }
 

@@ -92,12 +92,6 @@ impl<S: Scalar, const N: usize> Extrapolation<S, N> {
     }
 }
 
-/// Where it holds.
-fn mask<S: Scalar>(mut holds: impl FnMut(usize) -> bool) -> S::Mask {
-    let lanes = (0..S::LANES).filter(|&lane| holds(lane)).map(S::Mask::of_lane);
-    lanes.fold(S::Mask::from_bool(false), |all, lane| all | lane)
-}
-
 impl<S: Scalar, const N: usize> StepMemory for Extrapolation<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn tell(&mut self, request: &Request) {
@@ -121,7 +115,7 @@ impl<S: Scalar, const N: usize> Numbers for Extrapolation<S, N> {
         if !tape.is_reading() {
             return;
         }
-        self.known = [0, 1].map(|steps| mask::<S>(|lane| counts[lane] > steps));
+        self.known = [0, 1].map(|steps| S::Mask::of_lanes(|lane| counts[lane] > steps));
         self.is_full = self.known[1].all();
     }
 }
@@ -160,8 +154,7 @@ mod tests {
         for (step, took) in (0..).zip(steps) {
             let numbers =
                 std::array::from_fn(|lane| if took[lane] { solution(step, lane) } else { f64::NAN });
-            let mut taken = LaneMask::<3>::from_bool(true);
-            (0..3).for_each(|lane| taken.set(lane, took[lane]));
+            let taken = LaneMask::<3>::of_lanes(|lane| took[lane]);
             if taken.all() {
                 together.record::<true>([Lanes::new(numbers)]);
             } else {

@@ -51,11 +51,8 @@ impl<const L: usize, const N: usize> FactorsByLane<L, N> {
         let order = parts.first().map_or([0; N], |(_, order)| **order);
         let is_same = parts.iter().all(|(_, other)| **other == order);
         let chosen = (!is_same).then(|| {
-            let mut chosen = [[LaneMask::from_bool(false); N]; N];
-            for (lane, (_, order)) in parts.iter().enumerate() {
-                order.iter().zip(&mut chosen).for_each(|(&row, rows)| rows[row].set(lane, true));
-            }
-            Box::new(chosen)
+            let chosen = |k: usize, row: usize| LaneMask::of_lanes(|lane| parts[lane].1[k] == row);
+            Box::new(from_fn(|k| from_fn(|row| chosen(k, row))))
         });
         let lu = from_fn(|row| Reals::gather(parts.map(|(lu, _)| &lu[row])));
         Self { lu, order, chosen }

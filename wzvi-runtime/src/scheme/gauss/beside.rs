@@ -163,7 +163,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
-        let (degrees, is_lane) = (q.len(), S::Mask::of_lane(lane));
+        let (degrees, is_lane) = (q.len(), S::Mask::of_lanes(|other| other == lane));
         let room = left.alone.get_or_insert_default();
         let Alone { memory: own, q: own_q, p: own_p, dw: own_dw } = &mut **room;
         for (own, all) in [(&mut *own_q, q), (&mut *own_p, p), (&mut *own_dw, dw)] {

@@ -190,15 +190,13 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &Lists<S, F::Shape, N>,
         exact: &mut ExactOf<F, N>,
     ) -> S::Mask {
-        let mut found = S::Mask::from_bool(false);
-        for lane in (0..S::LANES).filter(|&lane| asked.lane(lane)) {
-            let mut all = true;
-            self.residuals(lane, lists, exact, &mut |_, _, _, residual| all &= residual.is_below(1.0));
+        S::Mask::of_lanes(|lane| {
+            let mut all = asked.lane(lane);
             if all {
-                found = found | S::Mask::of_lane(lane);
+                self.residuals(lane, lists, exact, &mut |_, _, _, residual| all &= residual.is_below(1.0));
             }
-        }
-        found
+            all
+        })
     }
 
     /// `Y - φ(Y)` of the stages of one path, with the rounding of its terms: half of the phase space, degree of freedom, stage.
