@@ -87,12 +87,19 @@ pub trait Over<K: Constant>:
     /// A constant as such a number.
     fn constant(constant: K) -> Self;
     /// The list of all parameters, where they have derivatives; others do not read it.
-    fn varied(parameters: &[K]) -> &[Self::Constant];
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn varied(parameters: &[K]) -> &[Self::Constant] {
+        let _ = parameters;
+        &[]
+    }
     /// The truth of a comparison of constants.
     fn truth(truth: K::Mask) -> Self::Mask;
     /// The first number where a comparison of constants is true, else the second. Only one of them is computed where the comparison is the same for
     /// all lanes.
-    fn choose(truth: K::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn choose(truth: K::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        if truth.all() { then() } else { otherwise() }
+    }
     /// `A⁻¹ b` for a matrix of constants.
     fn solve_factored<const N: usize>(factor: &K::Factor<N>, b: [Self; N]) -> [Self; N];
 }
@@ -108,16 +115,8 @@ impl<S: Scalar> Over<f64> for S {
         S::from_f64(constant)
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn varied(_: &[f64]) -> &[S::Constant] {
-        &[]
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn truth(truth: bool) -> S::Mask {
         Mask::from_bool(truth)
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn choose(truth: bool, then: impl FnOnce() -> S, otherwise: impl FnOnce() -> S) -> S {
-        if truth { then() } else { otherwise() }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve_factored<const N: usize>(factor: &Factor<f64, N>, b: [S; N]) -> [S; N] {
@@ -144,10 +143,6 @@ impl<const D: usize, C: Constant<Mask = bool, Constant = C>> Over<Self> for Dual
         truth
     }
     #[inline]
-    fn choose(truth: bool, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
-        if truth { then() } else { otherwise() }
-    }
-    #[inline]
     fn solve_factored<const N: usize>(factor: &Factor<Self, N>, b: [Self; N]) -> [Self; N] {
         factor.solve(b)
     }
@@ -162,10 +157,6 @@ impl<const L: usize> Over<Self> for Lanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn constant(constant: Self) -> Self {
         constant
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn varied(_: &[Self]) -> &[f64] {
-        &[]
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn truth(truth: LaneMask<L>) -> LaneMask<L> {
