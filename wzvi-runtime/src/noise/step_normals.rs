@@ -18,7 +18,7 @@
 //! halving `m` of step `n` has the normal at the block `2^{m-1} n + k` of its own key.
 
 use super::random::{self, pair};
-use super::truncation::{Truncation, clip_bound, truncation_setters};
+use super::truncation::{Truncation, truncation_setters};
 use super::wiener::check_step;
 use super::{Divisible, Interval, Noise, NoiseError, Paths};
 use crate::increments::Identity;
@@ -173,10 +173,7 @@ impl StepNormals {
 
     /// The largest normal, in absolute value, for steps of size `h`.
     pub(crate) fn clip(&self, h: f64) -> f64 {
-        match self.acting() {
-            Truncation::On(k) => clip_bound(h, k),
-            Truncation::Unset | Truncation::Off => f64::INFINITY,
-        }
+        self.acting().bound(h, 1.0)
     }
 
     /// The stream of this path.

@@ -72,19 +72,15 @@ impl Wiener {
     }
 
     pub(super) fn with_seed(self, seed: u64) -> Self {
-        Self { seed, cursors: vec![], distant: BTreeMap::new(), ..self }
+        Self { seed, ..self.twin() }
     }
 
     /// The unit of time of the tree (the default is 1): `W(t) = sqrt(unit) B(t / unit)`.
     ///
     /// Simple fractions and multiples of the unit take few draws. Use `unit(h)` for a step size that is not decimal, dyadic or a third. Runs
     /// share a path only if they have the same unit.
-    pub fn unit(mut self, unit: f64) -> Self {
-        self.unit = unit;
-        self.cursors.clear();
-        self.distant.clear();
-        self.reached = NOWHERE;
-        self
+    pub fn unit(self, unit: f64) -> Self {
+        Self { unit, reached: NOWHERE, ..self.twin() }
     }
 
     truncation_setters!(Self::with_truncation);
