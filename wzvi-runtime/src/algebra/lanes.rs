@@ -383,10 +383,6 @@ impl<const L: usize> Scalar for Lanes<L> {
     fn atan2(self, other: Self) -> Self {
         Self(elementary::Atan2::of(self.0, other.0))
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sin_cos(self) -> (Self, Self) {
-        (self.sin(), self.cos())
-    }
 
     by_lane!(cbrt: Cbrt, exp: Exp, exp2: Exp2, exp_m1: ExpM1, ln: Ln, ln_1p: Ln1p, log2: Log2, log10: Log10);
     by_lane!(sin: Sin, cos: Cos, tan: Tan, asin: Asin, acos: Acos, atan: Atan);

@@ -228,7 +228,10 @@ pub trait Scalar:
     /// Cosine.
     fn cos(self) -> Self;
     /// Sine and cosine.
-    fn sin_cos(self) -> (Self, Self);
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
     /// Tangent.
     fn tan(self) -> Self;
     /// Arc sine.
@@ -255,10 +258,16 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// The sign: 1 or -1.
     fn signum(self) -> Self;
-    /// The smaller of two.
-    fn min(self, other: Self) -> Self;
-    /// The larger of two.
-    fn max(self, other: Self) -> Self;
+    /// The smaller of two, and not NaN where one of them is a number.
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.less_equal(other) | !other.equal(other), self, other)
+    }
+    /// The larger of two, and not NaN where one of them is a number.
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.less_equal(self) | !other.equal(other), self, other)
+    }
 }
 
 /// The number type of computations on values that are stored as `S`.

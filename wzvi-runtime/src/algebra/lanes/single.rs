@@ -240,10 +240,6 @@ impl<const STANDS_ALONE: bool> Scalar for Single<STANDS_ALONE> {
             false => elementary::Atan2::usual(self.0, other.0),
         })
     }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sin_cos(self) -> (Self, Self) {
-        (self.sin(), self.cos())
-    }
     /// Unknown if either is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn min(self, other: Self) -> Self {

@@ -353,16 +353,6 @@ impl<const N: usize, S: Scalar> Scalar for Dual<N, S> {
     fn signum(self) -> Self {
         Self::constant(self.value.signum())
     }
-    fn min(self, other: Self) -> Self {
-        Self::select(self.value.less_equal(other.value) | is_nan(other.value), self, other)
-    }
-    fn max(self, other: Self) -> Self {
-        Self::select(other.value.less_equal(self.value) | is_nan(other.value), self, other)
-    }
-}
-
-fn is_nan<S: Scalar>(x: S) -> S::Mask {
-    !x.equal(x)
 }
 
 /// `1 - x²`, factored so that the difference from ±1 keeps its digits.

@@ -255,12 +255,6 @@ impl Scalar for Rounded {
     fn signum(self) -> Self {
         Self::exact(self.value.signum())
     }
-    fn min(self, other: Self) -> Self {
-        if self.value <= other.value || other.value.is_nan() { self } else { other }
-    }
-    fn max(self, other: Self) -> Self {
-        if self.value >= other.value || other.value.is_nan() { self } else { other }
-    }
 }
 
 /// `1 / √(1 - x²)`, at its poles over the distance that the error allows.
