@@ -281,18 +281,34 @@ impl AddAssign for Exchange {
     }
 }
 
-/// Checks that there are as many momenta as coordinates, and one increment per noise.
+/// Checks that there are as many momenta as coordinates and, in full unless a state with as many `was_checked`, that the system has as many.
 ///
 /// # Errors
-/// [`StepFailure::Dimension`], [`StepFailure::Increments`]
+/// Those of [`Hamiltonian::check`]
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn check_state(
+    system: &impl Hamiltonian,
+    was_checked: bool,
+    [degrees, momenta]: [usize; 2],
+) -> Result<(), StepFailure> {
+    if !was_checked || !fits(system, degrees) {
+        system.check(degrees)?;
+    }
+    let (expected, got) = (degrees, momenta);
+    if got == expected { Ok(()) } else { Err(StepFailure::Dimension { expected, got }) }
+}
+
+/// The same, and that there is one increment per noise.
+///
+/// # Errors
+/// Those of [`check_state`], [`StepFailure::Increments`]
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn check_lengths(
     system: &impl Hamiltonian,
+    was_checked: bool,
     [degrees, momenta, increments]: [usize; 3],
 ) -> Result<(), StepFailure> {
-    if momenta != degrees {
-        return Err(StepFailure::Dimension { expected: degrees, got: momenta });
-    }
+    check_state(system, was_checked, [degrees, momenta])?;
     let expected = system.noises();
     if increments == expected { Ok(()) } else { Err(StepFailure::Increments { expected, got: increments }) }
 }

@@ -17,7 +17,7 @@ use crate::scheme::compose::kept;
 use crate::scheme::elements::{Elements, are_finite};
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{
-    At, Discretized, Exchange, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, fits,
+    At, Discretized, Exchange, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, check_state,
 };
 
 /// The O parts before and after a step.
@@ -85,13 +85,8 @@ impl<T: Elements + Discretized<E>, E> Scheme<T> for Around<E> {
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let At { t, h, q, p, dw } = at.lists();
-        let (degrees, got) = (q.len(), p.len());
-        if !fits(system, degrees) {
-            system.check(degrees)?;
-        }
-        if got != degrees {
-            return Err(StepFailure::Dimension { expected: degrees, got });
-        }
+        let degrees = q.len();
+        check_state(system, true, [degrees, p.len()])?;
         let noises = SchemeOf::<T, E>::increments(system, degrees);
         let size = (h, SHARES, degrees);
         let mut parts = bath.parts(system, &prepared.relaxation, size, (dw, noises))?;

@@ -15,7 +15,7 @@ use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
 use crate::scheme::system::{
     At, Discretized, Hamiltonian, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, Segment,
-    anew, as_they_are, fits,
+    anew, as_they_are, check_state,
 };
 
 /// Steps `W` of the schemes `A` and `B`, which may be the same.
@@ -111,13 +111,7 @@ where
         carry: &mut C,
     ) -> Result<Effort, StepFailure> {
         let At { t, h, q, p, dw } = at.lists();
-        let (degrees, got) = (q.len(), p.len());
-        if !fits(system, degrees) {
-            system.check(degrees)?;
-        }
-        if got != degrees {
-            return Err(StepFailure::Dimension { expected: degrees, got });
-        }
+        check_state(system, true, [q.len(), p.len()])?;
         let (firsts, seconds) = &mut memory.parts;
         firsts.resize_with(prepared.of.0.len(), Default::default);
         seconds.resize_with(prepared.of.1.len(), Default::default);

@@ -13,7 +13,7 @@ use crate::algebra::state::Vector;
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::scheme::elements::{PairColumns, are_finite};
-use crate::scheme::system::{Hamiltonian, Segment, check_lengths, fits};
+use crate::scheme::system::{Hamiltonian, Segment, check_lengths};
 
 /// The parts of a step.
 #[derive(Clone, Debug)]
@@ -294,11 +294,11 @@ pub(crate) fn advance<S: Scalar, C: Carry<S>, H: Shape, A>(
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
-    if memory.length() != degrees || memory.dw.len() != dw.len() || !fits(system, degrees) {
-        system.check(degrees)?;
+    let is_ready = memory.length() == degrees && memory.dw.len() == dw.len();
+    check_lengths(system, is_ready, [degrees, p.len(), dw.len()])?;
+    if !is_ready {
         memory.fit(degrees, dw.len());
     }
-    check_lengths(system, [degrees, p.len(), dw.len()])?;
     let mut rooms = H::lend(&mut memory.rooms, Rooms::of_length(0));
     let [next_q, next_p, lost_q, lost_p, ..] = &mut rooms.0;
     next_q.as_mut().copy_from_slice(q);

@@ -12,7 +12,7 @@ use crate::scheme::elements::{
     add_flow,
 };
 use crate::scheme::gauss::Field;
-use crate::scheme::system::{Hamiltonian as _, check_lengths, fits};
+use crate::scheme::system::check_lengths;
 
 /// Degrees of freedom from which paths of an ensemble are stepped one after the other, window by window. A step in windows has an overhead
 /// of some 150 ns, and 16 paths in lanes exceed the first-level cache (each of some ten lists has 128 bytes for a degree of freedom).
@@ -82,10 +82,7 @@ impl Memory {
     ) -> Result<Taken<'m>, StepFailure> {
         let Givens { t, h, stretch, q, p, dw } = givens;
         let degrees = q.len();
-        if self.plan.degrees() != Some(degrees) || !fits(system, degrees) {
-            system.check(degrees)?;
-        }
-        check_lengths(system, [degrees, p.len(), dw.len()])?;
+        check_lengths(system, self.plan.degrees() == Some(degrees), [degrees, p.len(), dw.len()])?;
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
         let reads_time = F::FORCE_READS_TIME;

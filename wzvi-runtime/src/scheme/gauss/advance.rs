@@ -12,7 +12,7 @@ use crate::algebra::scalar::{Constant, Of, Over, Parameters, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::error::{ConfigError, StepFailure};
-use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, fits, no_nan, varied_without_lists};
+use crate::scheme::system::{At, Hamiltonian as _, Lift, check_lengths, no_nan, varied_without_lists};
 
 /// The constants for one step size, with the parameters `P` of a system.
 #[derive(Clone, Debug)]
@@ -128,13 +128,11 @@ pub(super) fn advance<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: u
     carry: &mut C,
 ) -> Result<Effort, StepFailure> {
     let degrees = q.len();
-    if !memory.fits(degrees, dw.len()) || !fits(system, degrees) {
-        system.check(degrees)?;
-        if dw.len() == system.noises() {
-            memory.fit(degrees, dw.len());
-        }
+    let is_ready = memory.fits(degrees, dw.len());
+    check_lengths(system, is_ready, [degrees, p.len(), dw.len()])?;
+    if !is_ready {
+        memory.fit(degrees, dw.len());
     }
-    check_lengths(system, [degrees, p.len(), dw.len()])?;
     let step =
         ToTake::<F, K, S, C, N, CAREFUL> { system, parameters, friction, common, t, h, q, p, dw, carry };
     let run = Run { step, memory };

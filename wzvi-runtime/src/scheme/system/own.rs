@@ -3,10 +3,7 @@
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-use super::{
-    At, Discretized, Hamiltonian as _, Lift, Movable, Properties, Scheme, check_lengths, fits,
-    varied_without_lists,
-};
+use super::{At, Discretized, Lift, Movable, Properties, Scheme, check_lengths, varied_without_lists};
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Mask, Over, Scalar};
@@ -202,10 +199,7 @@ impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
         _: &mut C,
     ) -> Result<Effort, StepFailure> {
         let (At { t, h, q, p, dw }, parameters) = (at.lists().shared(), S::varied(parameters));
-        if scratch.before[0].len() != q.len() || !fits(system, q.len()) {
-            system.check(q.len())?;
-        }
-        check_lengths(system, [q.len(), p.len(), dw.len()])?;
+        check_lengths(system, scratch.before[0].len() == q.len(), [q.len(), p.len(), dw.len()])?;
         scratch.save([q, p]);
         let columns = Cell::new(std::mem::take(&mut scratch.columns));
         let field = Field { system, parameters, t, h, dw, columns };
