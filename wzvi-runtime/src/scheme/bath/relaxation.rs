@@ -286,19 +286,14 @@ fn inverse_mass<T: Elements, S: Scalar>(
     friction: Friction,
     d: usize,
 ) -> Vec<S> {
-    let zero = S::from_f64(0.0);
-    if !friction.has_diagonal_masses {
-        let mut rows = vec![zero; d * d];
-        friction.inverse_mass(system, &mut rows);
-        return rows;
+    let zeros = |length| vec![S::from_f64(0.0); length];
+    let mut inverse_mass = zeros(if friction.has_diagonal_masses { d } else { d * d });
+    friction.inverse_mass(system, &mut inverse_mass);
+    if !friction.has_diagonal_masses || !friction.is_matrix {
+        return inverse_mass;
     }
-    let mut list = vec![zero; d];
-    friction.inverse_mass(system, &mut list);
-    if !friction.is_matrix {
-        return list;
-    }
-    let mut rows = vec![zero; d * d];
-    rows.iter_mut().step_by(d + 1).zip(list).for_each(|(entry, inverse)| *entry = inverse);
+    let mut rows = zeros(d * d);
+    rows.iter_mut().step_by(d + 1).zip(inverse_mass).for_each(|(entry, inverse)| *entry = inverse);
     rows
 }
 
