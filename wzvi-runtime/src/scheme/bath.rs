@@ -61,6 +61,7 @@ use crate::scheme::plan::{Knowledge, NoiseClass, Plan};
 
 #[doc(hidden)]
 pub use modes::Decay;
+pub(crate) use part::ByPlace;
 use relaxation::Relaxation;
 pub use splitting::{Letters, Splitting};
 #[doc(hidden)]

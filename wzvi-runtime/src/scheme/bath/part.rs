@@ -270,7 +270,7 @@ impl<'m, T: Elements, K: Constant, S: Over<K>> Parts<'m, T, K, S> {
 
 /// The O parts of a step, for places in any order.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ByPlace<'m> {
+pub(crate) struct ByPlace<'m> {
     law: &'m Diagonal,
     normals: &'m [f64],
     per_part: usize,
@@ -282,7 +282,7 @@ pub(super) struct ByPlace<'m> {
 impl ByPlace<'_> {
     /// Applies a part to `places`, from the first of a block on, between two drifts if coordinates are given.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn apply(
+    pub(crate) fn apply(
         &self,
         part: usize,
         places: Range<usize>,

@@ -224,9 +224,7 @@ fn in_windows<'m, F: Field, K: Constant, S: Over<K>, W: Letters>(
     };
     let relaxing = driven.by_place(W::SPELLING.parts, degrees)?;
     let Stages(list) = if givens.dw.is_empty() { &prepared.joined } else { &prepared.apart };
-    let taken = windows.advance::<F, true>(system, list, givens, move |part, places, drift, p| {
-        relaxing.apply(part, places, drift, p);
-    });
+    let taken = windows.advance::<F, true>(system, list, givens, Some(relaxing));
     Some(taken.map(|taken| (taken, relaxing.heat())))
 }
 

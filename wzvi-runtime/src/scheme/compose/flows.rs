@@ -91,7 +91,7 @@ where
                 (S::plain_mut(q.list()), S::plain_mut(p.list()), S::plain(dw))
         {
             let givens = Givens { t: t.lane(0), h: h.lane(0), stretch: 1.0, q: own_q, p: own_p, dw };
-            let taken = memory.windows.advance::<F, false>(system, stages, givens, |_, _, _, _| {})?;
+            let taken = memory.windows.advance::<F, false>(system, stages, givens, None)?;
             taken.store(q, p);
             return Ok(Effort::fast(0));
         }

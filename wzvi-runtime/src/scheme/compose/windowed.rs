@@ -7,6 +7,7 @@ use super::substeps::Half;
 use crate::algebra::memory::Threads;
 use crate::algebra::scalar::Number;
 use crate::error::{StepFailure, StepPromise};
+use crate::scheme::bath::ByPlace;
 use crate::scheme::elements::{
     Elements, Flow, Given, Kick, LEAST_IN_WINDOWS, Move, Origin, Slopes, Sums, Taken, WindowPlan, Word,
     add_flow,
@@ -67,8 +68,8 @@ impl Memory {
         Self { plan: self.plan.alike(), scaled: Vec::new() }
     }
 
-    /// Takes all parts of a step. O parts are left to `relax`, which gets the number of the part, some places, the time and the coordinates of the
-    /// drift around it, if there is one, and the momenta. Allocates in the first step only.
+    /// Takes all parts of a step; O parts, which `RELAXES` says are there, by `relaxing`. It is no closure, since what is not inlined does not get
+    /// the instructions of the machine. Allocates in the first step only.
     ///
     /// # Errors
     /// If sizes do not fit, or the new state is not finite.
@@ -78,7 +79,7 @@ impl Memory {
         system: &F,
         stages: &[Stage<Act>],
         givens: Givens<'_>,
-        relax: impl Fn(usize, Range<usize>, Option<(f64, &mut [f64])>, &mut [f64]) + Copy + Send + Sync,
+        relaxing: Option<ByPlace<'_>>,
     ) -> Result<Taken<'m>, StepFailure> {
         let Givens { t, h, stretch, q, p, dw } = givens;
         let degrees = q.len();
@@ -86,7 +87,7 @@ impl Memory {
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
         let reads_time = F::FORCE_READS_TIME;
-        let mut word = Parts::<_, RELAXES> { t, h, stretch, stages, scaled, reads_time, relax };
+        let mut word = Parts::<RELAXES> { t, h, stretch, stages, scaled, reads_time, relaxing };
         let missing = Err(StepFailure::Internal(StepPromise::Windows));
         system.take_windows(&mut word, q, p, plan).unwrap_or(missing)
     }
@@ -109,17 +110,17 @@ impl Memory {
 
 /// The parts of a step: kicks, drifts and, if it `RELAXES`, O parts.
 #[derive(Clone, Copy)]
-struct Parts<'a, R, const RELAXES: bool> {
+struct Parts<'a, const RELAXES: bool> {
     t: f64,
     h: f64,
     stretch: f64,
     stages: &'a [Stage<Act>],
     scaled: &'a [Scaled],
     reads_time: bool,
-    relax: R,
+    relaxing: Option<ByPlace<'a>>,
 }
 
-impl<R, const RELAXES: bool> Parts<'_, R, RELAXES> {
+impl<const RELAXES: bool> Parts<'_, RELAXES> {
     /// The flow of a kick or a drift.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn flow(&self, number: usize) -> Flow<'_, f64> {
@@ -129,10 +130,7 @@ impl<R, const RELAXES: bool> Parts<'_, R, RELAXES> {
     }
 }
 
-impl<R, const RELAXES: bool> Word for Parts<'_, R, RELAXES>
-where
-    R: Fn(usize, Range<usize>, Option<(f64, &mut [f64])>, &mut [f64]) + Copy + Send + Sync,
-{
+impl<const RELAXES: bool> Word for Parts<'_, RELAXES> {
     const CHANGES: bool = RELAXES;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -172,16 +170,16 @@ where
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_momenta(&self, number: usize, places: Range<usize>, p: &mut [f64]) {
-        if let Act::Relax(part) = self.stages[number].act {
-            (self.relax)(part, places, None, p);
+        if let (Act::Relax(part), Some(relaxing)) = (self.stages[number].act, &self.relaxing) {
+            relaxing.apply(part, places, None, p);
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn change_state(&self, number: usize, places: Range<usize>, q: &mut [f64], p: &mut [f64]) {
         let &Stage { act, weight, .. } = &self.stages[number];
-        if let Act::RelaxBetween(part) = act {
-            (self.relax)(part, places, Some((self.stretch * weight * self.h, q)), p);
+        if let (Act::RelaxBetween(part), Some(relaxing)) = (act, &self.relaxing) {
+            relaxing.apply(part, places, Some((self.stretch * weight * self.h, q)), p);
         }
     }
 }
