@@ -30,16 +30,19 @@ pub enum StepPromise {
     ListedRates,
     /// The constants of a step have derivatives only where its scheme takes them along.
     PlainConstants,
+    /// Friction and noise of a bath are parts of steps with a bath.
+    Bath,
 }
 
 impl StepPromise {
-    pub(super) const ALL: [Self; 3] = [Self::Windows, Self::ListedRates, Self::PlainConstants];
+    pub(super) const ALL: [Self; 4] = [Self::Windows, Self::ListedRates, Self::PlainConstants, Self::Bath];
 }
 
 messages! { StepPromise:
     Self::Windows => "a system whose steps go window by window has windows";
     Self::ListedRates => "friction and noise are taken together with drifts only where rates and masses are lists";
     Self::PlainConstants => "the constants of a step have derivatives only where its scheme takes them along";
+    Self::Bath => "friction and noise of a bath are parts of steps with a bath";
 }
 
 messages! { InternalError:

@@ -88,6 +88,7 @@ mod tests {
             StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 },
             StepFailure::Internal(StepPromise::ListedRates),
             StepFailure::Internal(StepPromise::PlainConstants),
+            StepFailure::Internal(StepPromise::Bath),
             StepFailure::NonFinite,
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
@@ -114,7 +115,9 @@ mod tests {
                 assert_eq!(read.words(), failure.words());
             }
         }
-        for nonsense in [[99, 0, 0], [u64::MAX, 0, 0], [INTERNAL, 3, 0], [0, 1 << 32, 0]] {
+        for nonsense in
+            [[99, 0, 0], [u64::MAX, 0, 0], [INTERNAL, StepPromise::ALL.len() as u64, 0], [0, 1 << 32, 0]]
+        {
             assert_eq!(StepFailure::from_words(nonsense), None);
             let mut untouched = all[0];
             assert_eq!(Tape::read(nonsense.to_vec(), |tape| untouched.pass(tape)), None);

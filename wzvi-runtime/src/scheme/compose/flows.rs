@@ -25,7 +25,7 @@ use crate::algebra::scalar::{Constant, Of, Over, Parameters as _, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::solve::Effort;
 use crate::algebra::state::Vector;
-use crate::error::{ConfigError, StepFailure};
+use crate::error::{ConfigError, StepFailure, StepPromise};
 use crate::scheme::elements::{Flow, PairColumns, Slopes, add_slopes, check_new, nothing};
 use crate::scheme::gauss::{Field, gather};
 use crate::scheme::plan::{KeptEnergy, Plan};
@@ -168,8 +168,9 @@ impl<F: Field, K: Constant, const SQUARES: bool> FlowsOf<'_, F, K, SQUARES> {
                 let (q, p, lost_p) = (q.as_ref(), p.as_mut(), lost_p.as_mut());
                 self.kick::<S, C>(Origin { t, h }, stage.is_end, q, p, force.as_mut(), lost_p, memory);
             }
-            // The bath takes them.
-            Act::Relax(_) | Act::RelaxBetween(_) => {}
+            Act::Relax(_) | Act::RelaxBetween(_) => {
+                return Err(StepFailure::Internal(StepPromise::Bath));
+            }
         }
         Ok(())
     }

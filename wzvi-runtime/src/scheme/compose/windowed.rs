@@ -83,6 +83,7 @@ impl Memory {
     ) -> Result<Taken<'m>, StepFailure> {
         let Givens { t, h, stretch, q, p, dw } = givens;
         let degrees = q.len();
+        debug_assert_eq!(relaxing.is_some(), RELAXES, "O parts have a bath");
         check_lengths(system, self.plan.degrees() == Some(degrees), [degrees, p.len(), dw.len()])?;
         self.scale(stages, dw);
         let Self { plan, scaled } = self;
