@@ -1,10 +1,11 @@
 //! What the scenes of `examples/` rely on, at small sizes: chains, rings, points, lattices and networks whose sums stay
 //! loops.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use fixtures::steps::asymmetry;
 use fixtures::stiff::Fput;
+use fixtures::wave;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 
@@ -69,10 +70,6 @@ struct Network {
     strength: Vec<f64>,
 }
 
-fn wave(n: usize, size: f64, phase: f64) -> Vec<f64> {
-    (0..n).map(|i| size * (1.7 * i as f64 + phase).sin()).collect()
-}
-
 fn network() -> Network {
     let edges = vec![[0, 4], [4, 2], [2, 0], [5, 1], [1, 3], [3, 4]];
     Network { edges, strength: vec![1.0, 0.5, 2.0, 1.5, 0.7, 1.1] }
@@ -122,26 +119,6 @@ fn modes_of_a_linear_chain_rotate() {
     }
 }
 
-/// Springs that pull as they push keep the symmetry of the chain.
-#[test]
-fn even_modes_stay_empty() {
-    const N: usize = 15;
-    let start =
-        Field::new((0..N).map(|i| (PI * (i + 1) as f64 / 16.0).sin()).collect::<Vec<_>>(), vec![0.0; N]);
-    for end in [
-        after::<_, Midpoint>(&Fput { alpha: 0.0, beta: 8.0 }, &start, 0.1, 100),
-        after::<_, DeltaPlus>(&Fput { alpha: 0.0, beta: 8.0 }, &start, 0.1, 100),
-    ] {
-        let mode =
-            |k: usize| -> f64 { (0..N).map(|i| end.q[i] * (PI * (k * (i + 1)) as f64 / 16.0).sin()).sum() };
-        for k in [2, 4, 6] {
-            assert!(mode(k).abs() < ROUNDING, "mode {k}: {}", mode(k));
-        }
-        // The others do not: mode 3 has its share.
-        assert!(mode(3).abs() > 1e-3, "{}", mode(3));
-    }
-}
-
 /// From rest, the mean energy over all signs of the increments is `σ² h/2 Σ_k 1/(1 + ω_k² h²/4)`.
 #[test]
 fn pushes_heat_a_ring_as_much_as_the_step_takes_up() {
@@ -165,32 +142,6 @@ fn pushes_heat_a_ring_as_much_as_the_step_takes_up() {
     }
 }
 
-/// Momentum and angular momentum are bilinear: every scheme keeps them.
-#[test]
-fn bodies_keep_momentum_and_angular_momentum() {
-    let (system, start) = bodies();
-    let conserved = |state: &Field| -> [f64; 6] {
-        let mut sums = [0.0; 6];
-        for i in 0..4 {
-            let (q, p) = (&state.q.as_slice()[3 * i..3 * i + 3], &state.p.as_slice()[3 * i..3 * i + 3]);
-            for k in 0..3 {
-                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-                sums[k] += p[k];
-                sums[3 + k] += q[a] * p[b] - q[b] * p[a];
-            }
-        }
-        sums
-    };
-    let before = conserved(&start);
-    for end in
-        [after::<_, DeltaPlus>(&system, &start, 0.02, 100), after::<_, Midpoint>(&system, &start, 0.02, 100)]
-    {
-        for (a, b) in conserved(&end).into_iter().zip(before) {
-            assert!((a - b).abs() < ROUNDING, "{a} {b}");
-        }
-    }
-}
-
 /// A torus has no beginning: shifted fields take shifted steps.
 #[test]
 fn a_torus_looks_the_same_from_every_site() {
@@ -205,45 +156,6 @@ fn a_torus_looks_the_same_from_every_site() {
         let there = Field::new(shifted(there.q.as_slice()), shifted(there.p.as_slice())).at(there.t);
         assert!(apart(&there, &here) < ROUNDING, "h = {h}: {}", apart(&there, &here));
     }
-}
-
-/// Names of sites and the order of edges mean nothing.
-#[test]
-fn a_network_does_not_depend_on_its_names() {
-    const NAMES: [usize; 6] = [3, 0, 5, 1, 2, 4];
-    let system = network();
-    let renamed = Network {
-        edges: system.edges.iter().rev().map(|&[a, b]| [NAMES[b], NAMES[a]]).collect(),
-        strength: system.strength.iter().rev().copied().collect(),
-    };
-    let rename = |x: &[f64]| {
-        let mut named = vec![0.0; 6];
-        NAMES.iter().zip(x).for_each(|(&name, &x)| named[name] = x);
-        named
-    };
-    let start = Field::new(wave(6, 1.2, 0.3), wave(6, 0.8, 1.0));
-    let other = Field::new(rename(start.q.as_slice()), rename(start.p.as_slice()));
-    for h in [0.1, 1.5] {
-        let (end, other) =
-            (after::<_, Midpoint>(&system, &start, h, 5), after::<_, Midpoint>(&renamed, &other, h, 5));
-        let named = Field::new(rename(end.q.as_slice()), rename(end.p.as_slice())).at(end.t);
-        assert!(apart(&named, &other) < ROUNDING, "h = {h}: {}", apart(&named, &other));
-    }
-}
-
-/// `Midpoint` is its own adjoint: a step back undoes a step.
-#[test]
-fn steps_back_undo_steps() {
-    fn undone<H: Discretized<Midpoint, Vector = DVector<f64>>>(system: &H, start: &Field, h: f64) {
-        let there = after::<_, Midpoint>(system, start, h, 8);
-        let back = after::<_, Midpoint>(system, &there, -h, 8);
-        assert!(apart(&back, start) < ROUNDING, "{}", apart(&back, start));
-    }
-    undone(&Fput { alpha: 0.0, beta: 2.0 }, &Field::new(wave(8, 0.7, 0.0), wave(8, 0.5, 1.0)), 0.1);
-    undone(&Torus::square(4, 1.0), &Field::new(wave(16, 0.7, 0.0), wave(16, 0.5, 1.0)), 0.1);
-    undone(&network(), &Field::new(wave(6, 0.7, 0.0), wave(6, 0.5, 1.0)), 0.1);
-    let (system, start) = bodies();
-    undone(&system, &start, 0.02);
 }
 
 #[test]
@@ -314,23 +226,4 @@ fn clusters_have_the_energies_of_the_literature() {
     assert!((LennardJones.energy(&state) + 44.326801).abs() < 5e-7);
     // Slopes are sums of 78 terms up to 50.
     assert!(LennardJones.energy_gradient(&state).q.amax() < ROUNDING);
-}
-
-/// A wave around a ring stays one: `2 atan(ω h/2)` with the frequency of its own number.
-#[test]
-fn waves_go_around_a_ring() {
-    const N: usize = 12;
-    let ring = Ring { k: 2.5, sigma: 0.0, sites: N };
-    for (number, h) in [(1, 0.3), (5, 2.0)] {
-        let omega = (1.0 + 4.0 * ring.k * (PI * f64::from(number) / N as f64).sin().powi(2)).sqrt();
-        let phase = |i: usize| TAU * f64::from(number) * i as f64 / N as f64;
-        let at = |turned: f64| -> Field {
-            let q: Vec<f64> = (0..N).map(|i| (phase(i) - turned).cos()).collect();
-            let p: Vec<f64> = (0..N).map(|i| omega * (phase(i) - turned).sin()).collect();
-            State::new(q, p)
-        };
-        let end = after::<_, Midpoint>(&ring, &at(0.0), h, 7);
-        let expected = at(7.0 * 2.0 * (0.5 * omega * h).atan());
-        assert!(apart(&end, &expected) < ROUNDING, "{}", apart(&end, &expected));
-    }
 }

@@ -116,39 +116,3 @@ fn runs_of_any_size_go_on_from_a_checkpoint() {
         }
     }
 }
-
-#[hamiltonian(
-    drift = |q: &[f64], p: &[f64]| {
-        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
-            + q.windows(2).map(|w| 0.5 * (w[1] - w[0]).powi(2)).sum::<f64>() + 0.25 * q[0].powi(4)
-    },
-    noise = [|q, p, k| 0.3 * q[k] * p[k]; self.sites],
-    embedding = [Midpoint],
-)]
-struct Shaken {
-    sites: usize,
-}
-
-#[test]
-fn ensembles_run_path_by_path() {
-    let shaken = Shaken { sites: 5 };
-    let start = State::new(wave(5, 0.5, 0.1), wave(5, 0.5, 0.2));
-    let run = |threads: usize| {
-        shaken
-            .ensemble::<Midpoint>(0.05)
-            .start(start.clone())
-            .paths(40)
-            .seed(3)
-            .steps(20)
-            .threads(threads)
-            .run()
-            .unwrap()
-    };
-    let (one, two) = (run(1), run(2));
-    assert!(one.failures().is_empty());
-    let last = |statistics: &wzvi::ensemble::Statistics| {
-        (statistics.mean("q[3]").unwrap(), statistics.variance("q[3]").unwrap())
-    };
-    assert_eq!(last(&one), last(&two));
-    assert!(last(&one).1 > 1e-6, "the noise does something");
-}
