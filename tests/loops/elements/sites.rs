@@ -1,6 +1,6 @@
 //! Sites that are not coupled go as a small system goes at each of them.
 
-use fixtures::steps::numbers;
+use fixtures::steps::{distance, numbers};
 use fixtures::wave;
 use wzvi::nalgebra::{DVector, SVector};
 use wzvi::prelude::*;
@@ -25,13 +25,6 @@ fn steps<E, H: Discretized<E>>(
 
 /// Twenty steps of order one, a few dozen roundings each.
 const ROUNDING: f64 = 1e-13;
-
-fn assert_close(a: &[f64], b: &[f64]) {
-    assert_eq!(a.len(), b.len());
-    for (a, b) in a.iter().zip(b) {
-        assert!((a - b).abs() < ROUNDING, "{a} {b}");
-    }
-}
 
 /// Points of two components, with parameters and noises of their own, in time.
 #[hamiltonian(
@@ -85,7 +78,7 @@ fn every_site_has_its_own_parameters_and_increments() {
         let alone = steps::<Midpoint, _>(&one, &mut state, 0.05, &[*dw.get(i).unwrap_or(&0.0)], 20);
         let n = 2 * sites;
         let of_all = [found[2 * i], found[2 * i + 1], found[n + 2 * i], found[n + 2 * i + 1]];
-        assert_close(&alone, &of_all);
+        assert!(distance(&alone, &of_all) < ROUNDING);
     }
 }
 
@@ -105,7 +98,7 @@ fn sites_that_start_from_a_guess_end_at_the_same_solution() {
     go_on(&mut state, 5);
     let from_zero = steps::<Midpoint, _>(&Quartic, &mut state.clone(), 0.1, &[], 5);
     go_on(&mut state, 5);
-    assert_close(&numbers(&state), &from_zero);
+    assert!(distance(&numbers(&state), &from_zero) < ROUNDING);
     // Energies are kept to second order, for ever.
     let start = Quartic.energy(&state);
     go_on(&mut state, 1000);
@@ -132,7 +125,7 @@ fn one_increment_may_act_at_all_sites() {
     for i in 0..4 {
         let mut one = State::<DVector<f64>>::new(vec![q[i]], vec![p[i]]);
         let alone = steps::<Midpoint, _>(&Shared { s: 0.3 }, &mut one, 0.1, &[0.2], 20);
-        assert_close(&alone, &[found[i], found[4 + i]]);
+        assert!(distance(&alone, &[found[i], found[4 + i]]) < ROUNDING);
     }
 }
 
@@ -177,9 +170,7 @@ fn linear_chains_are_factored_once() {
         let by_chain = steps::<Midpoint, _>(&chain, &mut list, h, &dw, 20);
         let by_block = steps::<Midpoint, _>(&block, &mut fixed, h, &dw, 20);
         let size = by_block.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
-        for (a, b) in by_chain.iter().zip(&by_block) {
-            assert!((a - b).abs() < ROUNDING * size, "{a} {b}");
-        }
+        assert!(distance(&by_chain, &by_block) < ROUNDING * size);
         // One solution, and one more for what rounding left.
         let mut stepper = chain.stepper::<Midpoint>(h).unwrap();
         for _ in 0..5 {

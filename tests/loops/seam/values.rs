@@ -9,10 +9,11 @@ use std::array::from_fn;
 use wzvi::prelude::*;
 use wzvi::scalar::{Dual, Rounded, Scalar};
 use wzvi::state::Vector;
-use wzvi::system::Segment;
 
 use fixtures::Uniform as Random;
+use fixtures::extremes::state;
 use fixtures::schemes::Scheme;
+use fixtures::steps::segment;
 
 use crate::random::{every_random_array, every_random_system, inline, sweep};
 
@@ -57,13 +58,6 @@ fn gradient<S: Scalar, const N: usize>(system: &impl Hamiltonian, term: usize, z
     slopes
 }
 
-fn state<V: Vector, const N: usize>(z: &[f64; N], t: f64) -> State<V> {
-    let mut state = State { q: V::zeros(N / 2), p: V::zeros(N / 2), t };
-    state.q.components_mut().copy_from_slice(&z[..N / 2]);
-    state.p.components_mut().copy_from_slice(&z[N / 2..]);
-    state
-}
-
 /// Energies, gradients and rates of every term.
 fn compare_values<const N: usize, A, B>(a: &A, b: &B, random: &mut Random, to: &mut Comparison<'_>)
 where
@@ -75,7 +69,8 @@ where
         let (z, t): ([f64; N], f64) = (from_fn(|_| 2.0 * random.draw()), random.draw());
         let exact = lifted(z);
         let (q, p) = exact.split_at(N / 2);
-        let (of_a, of_b) = (state::<A::Vector, N>(&z, t), state::<B::Vector, N>(&z, t));
+        let (x, y) = z.split_at(N / 2);
+        let (of_a, of_b) = (state::<A::Vector>(x, y).at(t), state::<B::Vector>(x, y).at(t));
         let of_drift = gradient(a, 0, exact, t);
         for term in 0..=a.noises() {
             to.rounded("energy", a.evaluate(term, q, p, t), b.evaluate(term, q, p, t));
@@ -215,15 +210,6 @@ fn compare_lagrangians<E: Scheme, const N: usize, A: Discretized<E>, B: Discreti
     }
 }
 
-fn segment<V: Vector>(nodes: [&[f64]; 3], [t, h]: [f64; 2]) -> Segment<V> {
-    let [q0, q1, p] = nodes.map(|from| {
-        let mut vector = V::zeros(from.len());
-        vector.components_mut().copy_from_slice(from);
-        vector
-    });
-    Segment { q0, q1, p, t, h }
-}
-
 /// One step of numbers of any kind.
 fn step<E, S: Scalar, const N: usize, H: Discretized<E>>(
     system: &H,
@@ -248,6 +234,16 @@ fn bounds<E, const N: usize, H: Discretized<E>>(
     step::<E, Rounded, N, H>(system, at, lifted(z), &dw).map(|x| x.error)
 }
 
+fn momentum<E, const N: usize, H: Discretized<E>>(
+    system: &H,
+    ends: [[f64; N]; 2],
+    [t, h]: [f64; 2],
+    dw: &[f64],
+) -> Vec<f64> {
+    let [before, after] = ends.map(|z| state(&z[..N / 2], &z[N / 2..]));
+    system.step_momentum(&before.at(t), &after.at(t + h), h, dw).components().to_vec()
+}
+
 fn compare_steps<E: Scheme, const N: usize, A: Discretized<E>, B: Discretized<E>>(
     a: &A,
     b: &B,
@@ -259,13 +255,10 @@ fn compare_steps<E: Scheme, const N: usize, A: Discretized<E>, B: Discretized<E>
     for i in 0..N {
         to.close("step", by_a[i], by_b[i], bounds[i]);
     }
-    let [t, h] = at;
-    let (before, after) = (state::<A::Vector, N>(&z, t), state(&by_a, t + h));
-    let of_a = a.step_momentum(&before, &after, h, dw);
-    let (before, after) = (state::<B::Vector, N>(&z, t), state(&by_b, t + h));
-    let of_b = b.step_momentum(&before, &after, h, dw);
+    let of_a = momentum::<E, N, A>(a, [z, by_a], at, dw);
+    let of_b = momentum::<E, N, B>(b, [z, by_b], at, dw);
     for i in 0..N / 2 {
-        to.close("momentum", of_a.components()[i], of_b.components()[i], 4.0 * bounds[N / 2 + i]);
+        to.close("momentum", of_a[i], of_b[i], 4.0 * bounds[N / 2 + i]);
     }
 }
 
