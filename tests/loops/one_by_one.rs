@@ -1,6 +1,7 @@
 //! Steps in vector instructions beside the same steps number by number.
 
 pub(crate) use fixtures::rounding::numbers;
+use fixtures::steps::steps_after;
 use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
@@ -63,12 +64,8 @@ pub(crate) fn later_allocations<E, H: Discretized<E>>(
     h: f64,
     steps: u32,
 ) -> u64 {
-    let mut stepper = system.stepper::<E>(h).unwrap();
-    stepper.step(state, &[]).unwrap();
-    let counted = allocation_counter::measure(|| {
-        (0..steps).for_each(|_| assert!(stepper.step(state, &[]).is_ok()));
-    });
-    counted.count_total
+    let mut later = steps_after::<E, H>(1, system, state, h);
+    allocation_counter::measure(|| later(steps)).count_total
 }
 
 /// By a scheme of one part, and by one whose parts share their forces.

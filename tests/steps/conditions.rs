@@ -217,53 +217,55 @@ fn edges_of_two_coordinates() {
     }
 }
 
-#[test]
-fn sides_of_neighbours() {
+/// Steps of eight sites from random states, up to half of `size`: those that are taken go by the force on a site of the mid-points, to so many roundings. How many.
+fn taken_of<H>(
+    system: &H,
+    starts: u32,
+    size: f64,
+    force: impl Fn(&[f64], usize) -> f64,
+    roundings: f64,
+) -> u32
+where
+    H: Discretized<Midpoint, Vector = wzvi::nalgebra::DVector<f64>>,
+{
     const SITES: usize = 8;
     let (mut number, mut taken) = (numbers(), 0);
-    for n in 0..400 {
-        let [q, p] = [0, 1].map(|_| (0..SITES).map(|_| 0.2 * number()).collect::<Vec<f64>>());
+    for n in 0..starts {
+        let [q, p] = [0, 1].map(|_| (0..SITES).map(|_| size * number()).collect::<Vec<f64>>());
         let mut state = State::new(q.clone(), p.clone());
-        if Pushes.stepper::<Midpoint>(H).unwrap().step(&mut state, &[]).is_err() {
+        if system.stepper::<Midpoint>(self::H).unwrap().step(&mut state, &[]).is_err() {
             continue;
         }
         taken += 1;
+        let middle: Vec<f64> = (0..SITES).map(|i| 0.5 * (q[i] + state.q[i])).collect();
         for i in 0..SITES {
-            let next = (i + 1) % SITES;
-            let force = if 0.5 * (q[next] + state.q[next]) > 0.0 { 20.0 } else { -20.0 };
-            // Momenta are up to two.
-            let error = state.p[i] - p[i] - H * force;
-            assert!(error.abs() <= 4.0 * ROUNDING, "{n}, site {i}: {error}");
-            let error = state.q[i] - q[i] - 0.5 * H * (p[i] + state.p[i]);
-            assert!(error.abs() <= 4.0 * ROUNDING, "{n}, site {i}: {error}");
+            let of_p = state.p[i] - p[i] - self::H * force(&middle, i);
+            let of_q = state.q[i] - q[i] - 0.5 * self::H * (p[i] + state.p[i]);
+            let error = of_p.abs().max(of_q.abs());
+            assert!(error <= roundings * ROUNDING, "{n}, site {i}: {of_q} {of_p}");
         }
     }
+    taken
+}
+
+#[test]
+fn sides_of_neighbours() {
+    let force = |middle: &[f64], i: usize| if middle[(i + 1) % middle.len()] > 0.0 { 20.0 } else { -20.0 };
+    // Momenta are up to two.
+    let taken = taken_of(&Pushes, 400, 0.2, force, 4.0);
     // Where the ring pushes itself back and forth there is no solution: 1553 of 4000 starts, or none is found.
     assert!(taken >= 240, "{taken}");
 }
 
 #[test]
 fn edges_along_a_chain() {
-    const SITES: usize = 8;
     let sign = |x: f64| if x > 0.0 { 1.0 } else { -1.0 };
-    let (mut number, mut taken) = (numbers(), 0);
-    for n in 0..200 {
-        let [q, p] = [0, 1].map(|_| (0..SITES).map(|_| number()).collect::<Vec<f64>>());
-        let mut state = State::new(q.clone(), p.clone());
-        if Strings.stepper::<Midpoint>(H).unwrap().step(&mut state, &[]).is_err() {
-            continue;
-        }
-        taken += 1;
-        let middle: Vec<f64> = (0..SITES).map(|i| 0.5 * (q[i] + state.q[i])).collect();
-        for i in 0..SITES {
-            let left = if i > 0 { sign(middle[i] - middle[i - 1]) } else { 0.0 };
-            let right = if i + 1 < SITES { sign(middle[i + 1] - middle[i]) } else { 0.0 };
-            let error = state.p[i] - p[i] + H * (left - right);
-            assert!(error.abs() <= 2.0 * ROUNDING, "{n}, site {i}: {error}");
-            let error = state.q[i] - q[i] - 0.5 * H * (p[i] + state.p[i]);
-            assert!(error.abs() <= 2.0 * ROUNDING, "{n}, site {i}: {error}");
-        }
-    }
+    let force = |middle: &[f64], i: usize| {
+        let left = if i > 0 { sign(middle[i] - middle[i - 1]) } else { 0.0 };
+        let right = if i + 1 < middle.len() { sign(middle[i + 1] - middle[i]) } else { 0.0 };
+        right - left
+    };
+    let taken = taken_of(&Strings, 200, 1.0, force, 2.0);
     // A bond whose mid-point would be shorter than h²/2 without its own tension has none with it. Lengths have the density 1 at zero: of
     // seven bonds 0.07 are so, 14 chains in 200 with a deviation of 3.7, of which five are allowed.
     assert!(taken >= 200 - 14 - 19, "{taken}");

@@ -48,28 +48,25 @@ fn failure<E, H: Discretized<E>>(system: &H, h: f64, bad: &State<H::Vector>, dw:
 
 #[test]
 fn what_is_not_finite_is_refused() {
+    fn check<E, H: Discretized<E>>(system: &H, h: f64, start: &State<H::Vector>, dw: &[f64]) {
+        assert_eq!(failure::<E, H>(system, h, start, dw), StepFailure::NonFiniteInput, "{start:?} {dw:?}");
+    }
     let payload = f64::from_bits(0x7ff8_0000_dead_beef);
     for x in [f64::NAN, payload, f64::INFINITY, f64::NEG_INFINITY] {
         for (q, p) in [(x, -0.0), (-0.0, x), (x, x)] {
-            let cause = failure::<Midpoint, _>(&KUBO, 0.1, &state(&[q], &[p]), &[0.1]);
-            assert_eq!(cause, StepFailure::NonFiniteInput);
-            let cause = failure::<Uncorrected<DeltaPlus>, _>(&KUBO, 0.1, &state(&[q], &[p]), &[0.1]);
-            assert_eq!(cause, StepFailure::NonFiniteInput);
+            let start = state(&[q], &[p]);
+            check::<Midpoint, _>(&KUBO, 0.1, &start, &[0.1]);
+            check::<Uncorrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[0.1]);
             for h in [0.1, -0.1] {
-                let cause = failure::<Midpoint, _>(&PENDULUM, h, &state(&[q], &[p]), &[]);
-                assert_eq!(cause, StepFailure::NonFiniteInput);
-                let cause = failure::<DeltaPlus, _>(&PENDULUM, h, &state(&[q], &[p]), &[]);
-                assert_eq!(cause, StepFailure::NonFiniteInput);
+                check::<Midpoint, _>(&PENDULUM, h, &start, &[]);
+                check::<DeltaPlus, _>(&PENDULUM, h, &start, &[]);
             }
-            let cause =
-                failure::<Midpoint, _>(&Ring { k: 2.0 }, 0.1, &state(&[0.0, q, -0.0], &[p, 1.0, 1.0]), &[]);
-            assert_eq!(cause, StepFailure::NonFiniteInput);
+            check::<Midpoint, _>(&Ring { k: 2.0 }, 0.1, &state(&[0.0, q, -0.0], &[p, 1.0, 1.0]), &[]);
         }
         let start = state(&[-0.0], &[0.5]);
-        assert_eq!(failure::<Midpoint, _>(&KUBO, 0.1, &start, &[x]), StepFailure::NonFiniteInput);
-        assert_eq!(failure::<Corrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[x]), StepFailure::NonFiniteInput);
-        let cause = failure::<Midpoint, _>(&KUBO, 0.1, &state(&[-0.0], &[0.5]).at(x), &[0.1]);
-        assert_eq!(cause, StepFailure::NonFiniteInput, "time {x}");
+        check::<Midpoint, _>(&KUBO, 0.1, &start, &[x]);
+        check::<Corrected<DeltaPlus>, _>(&KUBO, 0.1, &start, &[x]);
+        check::<Midpoint, _>(&KUBO, 0.1, &start.at(x), &[0.1]);
     }
 }
 
@@ -105,18 +102,23 @@ fn compositions_name_the_number_that_is_wrong() {
     }
 }
 
+fn is_singular<E>(h: f64, start: &SystemState<Stretch>, dw: f64)
+where
+    Stretch: Discretized<E>,
+{
+    let cause = failure::<E, _>(&STRETCH, h, start, &[dw]);
+    assert!(matches!(cause, StepFailure::Singular { .. }), "{h:e}, {dw:e}: {cause}");
+}
+
 #[test]
 fn poles_are_singular() {
     let start = state(&[1.0], &[0.5]);
     // sigma = 1/2: 1 + sigma dW / 2 and 1 + sigma dW vanish exactly.
-    let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[-4.0]);
-    assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
-    let cause = failure::<Uncorrected<DeltaPlus>, _>(&STRETCH, 0.1, &start, &[-2.0]);
-    assert!(matches!(cause, StepFailure::Singular { .. }), "{cause}");
+    is_singular::<Midpoint>(0.1, &start, -4.0);
+    is_singular::<Uncorrected<DeltaPlus>>(0.1, &start, -2.0);
     // The other pole of the mid-point, at any size of the step.
     for (h, dw) in [0.1, 1e-8, 1e-100, 1e-200, 1e-300].into_iter().flat_map(|h| [(h, 4.0), (h, -4.0)]) {
-        let cause = failure::<Midpoint, _>(&STRETCH, h, &start, &[dw]);
-        assert!(matches!(cause, StepFailure::Singular { .. }), "{h:e}: {cause}");
+        is_singular::<Midpoint>(h, &start, dw);
     }
     // Next to a pole the step exists: q' = q (1 + x)/(1 - x), p' = p (1 - x)/(1 + x) with x = sigma dW / 2.
     for dw in [-4.0 + 1e-6, 4.0 - 1e-6, -3.0, 1.0] {
@@ -184,8 +186,7 @@ fn huge_increments_fail_or_stay_finite() {
     }
     // Beyond its poles the mid-point of the stretch tends to -1, by 8/dw; what is absurd is refused.
     for dw in [1e20, -1e200, 1e300] {
-        let cause = failure::<Midpoint, _>(&STRETCH, 0.1, &start, &[dw]);
-        assert!(matches!(cause, StepFailure::Singular { .. }), "{dw:e}: {cause:?}");
+        is_singular::<Midpoint>(0.1, &start, dw);
     }
     for dw in [1e12, -1e13] {
         let mut state = start;

@@ -57,17 +57,8 @@ struct Pushed;
 
 #[test]
 fn the_order_is_that_of_the_scheme() {
-    let start = State::new([0.12, 0.25], [0.3, -0.2]);
-    let exact =
-        HenonHeiles.simulate::<Composed<Verlet, KahanLi8>>(0.02).start(start).until(4.0).run().unwrap();
-    let error = |h: f64| {
-        let path = HenonHeiles.simulate::<Rk4>(h).start(start).until(4.0).run().unwrap();
-        (path.last().q - exact.last().q).norm()
-    };
-    // The next term of the error is smaller by h.
-    let order = (error(0.1) / error(0.05)).log2();
-    assert!((order - 4.0).abs() < 0.15, "{order}");
-    assert_eq!(<HenonHeiles as Discretized<Rk4>>::PLAN.order, 4);
+    let start: [&[f64]; 2] = [&[0.12, 0.25], &[0.3, -0.2]];
+    fixtures::steps::has_order::<Rk4, _>(&HenonHeiles, start, (4.0, 40), 4, 0.15);
 }
 
 #[test]
@@ -90,10 +81,7 @@ fn increments_move_the_step_hamiltonian() {
 #[test]
 fn steps_allocate_nothing() {
     fn check<H: Discretized<Rk4>>(system: &H, mut state: State<H::Vector>) {
-        let dw = vec![0.02; system.noises()];
-        let mut stepper = system.stepper::<Rk4>(0.01).unwrap();
-        let mut steps = |n: u32| (0..n).for_each(|_| assert!(stepper.step(&mut state, &dw).is_ok()));
-        steps(2);
+        let mut steps = fixtures::steps::steps_after::<Rk4, _>(2, system, &mut state, 0.01);
         assert_eq!(measure(|| steps(100)).count_total, 0);
     }
     check(&Kubo { a: 0.7, sigma: 0.9 }, State::new([0.3], [0.8]));

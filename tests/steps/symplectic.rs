@@ -7,6 +7,7 @@
 use std::array::from_fn;
 
 use fixtures::schemes::Scheme;
+use fixtures::steps::{advance, asymmetry, distance};
 use fixtures::{Uniform as Random, larger};
 use wzvi::nalgebra::{DMatrix, DVector};
 use wzvi::prelude::*;
@@ -216,34 +217,6 @@ impl<const N: usize> Equations<'_, N> {
     }
 }
 
-#[inline(never)]
-fn advance<E, S: wzvi::scalar::Scalar, const N: usize, H: Discretized<E>>(
-    system: &H,
-    [t, h]: [f64; 2],
-    mut z: [S; N],
-    dw: &[f64],
-) -> [S; N] {
-    let dw = fixtures::steps::constants::<S>(dw);
-    let prepared = system.prepare(h).unwrap();
-    let (q, p) = z.split_at_mut(N / 2);
-    system.advance(&prepared, t, h, q, p, &dw, &mut Default::default()).unwrap();
-    z
-}
-
-/// The largest entry of `MᵀJM - J` against `|M|²` (entries are at least 1 in some place of a symplectic matrix).
-fn symplectic_defect<const N: usize>(m: [[f64; N]; N]) -> f64 {
-    let d = N / 2;
-    let mut defect = 0.0_f64;
-    for a in 0..N {
-        for b in 0..N {
-            let product: f64 = (0..d).map(|i| m[i][a] * m[d + i][b] - m[d + i][a] * m[i][b]).sum();
-            let expected = f64::from(b == a + d) - f64::from(a == b + d);
-            defect = larger(defect, (product - expected).abs());
-        }
-    }
-    defect / largest(m.iter().flatten()).powi(2)
-}
-
 fn check_scheme<E: Scheme, const N: usize, H: Discretized<E>>(
     system: &H,
     random: &mut Random,
@@ -255,12 +228,12 @@ fn check_scheme<E: Scheme, const N: usize, H: Discretized<E>>(
         let t = random.draw();
         let h = if case % 4 == 3 { -h } else { h };
         let dw = increments(random, h, system.noises());
-        let dual = |j: usize| advance::<E, Dual<1>, N, H>(system, [t, h], along(z, j), &dw);
-        let defect = symplectic_defect(by_columns(&dual));
+        let defect = asymmetry::<E, H>(system, [&z[..N / 2], &z[N / 2..]], [t, h], &dw, 1.0);
         assert!(defect <= SYMPLECTIC, "not symplectic by {defect:.1e} at {z:?}, t = {t}, {dw:?}");
 
-        let dual = dual(0);
-        let got = advance::<E, f64, N, H>(system, [t, h], z, &dw);
+        let dual = along(z, 0);
+        let dual = advance::<E, Dual<1>, H>(system, [&dual[..N / 2], &dual[N / 2..]], [t, h], &dw);
+        let got = advance::<E, f64, H>(system, [&z[..N / 2], &z[N / 2..]], [t, h], &dw);
         let scale = 1.0_f64.max(largest(&got));
         // The residual comes from the values of the Hamiltonians alone; the slopes only steer the iteration (and enter
         // the counter-term; `check_gradient` has verified them).
@@ -379,7 +352,6 @@ with_schemes!(
 /// What all of these measure by.
 #[test]
 fn no_difference_hides_one_that_is_not_a_number() {
-    use fixtures::steps::distance;
     assert_eq!(distance(&[1.0, 2.0, 5.0], &[1.0, 5.0, 4.0]), 3.0);
     for place in 0..3 {
         let mut numbers = [1.0; 3];

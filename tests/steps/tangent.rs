@@ -2,6 +2,7 @@
 
 use fixtures::are_refused;
 use fixtures::small::{DoubleWell, Kepler, Kubo};
+use fixtures::steps::form_apart;
 use fixtures::stiff::another_solution_is_named_or_there_is_none;
 use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
@@ -51,13 +52,9 @@ struct Scaled {
 
 /// The largest entry of `Mᵀ J M - J`.
 fn defect(matrix: &DMatrix<f64>) -> f64 {
-    let d = matrix.nrows() / 2;
-    let form = DMatrix::from_fn(2 * d, 2 * d, |row, column| match (row + d == column, column + d == row) {
-        (true, _) => 1.0,
-        (_, true) => -1.0,
-        _ => 0.0,
-    });
-    (matrix.transpose() * &form * matrix - form).amax()
+    let columns: Vec<Vec<f64>> =
+        matrix.column_iter().map(|column| column.iter().copied().collect()).collect();
+    form_apart(&columns, 1.0)
 }
 
 fn check<E>(h: f64)

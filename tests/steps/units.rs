@@ -69,33 +69,37 @@ fn exponent(random: &mut Uniform) -> i32 {
     (100.0 * random.draw()) as i32
 }
 
-/// Four steps of one scheme in units of one and in those of these exponents: the bits of both, in units of one.
-fn in_both_units<E>([a, b, e, tau]: [i32; 4], h: f64, q: [f64; 2], p: [f64; 2])
+/// Units of both coordinates, of energy and of time, as powers of two.
+type Units = [i32; 4];
+
+type Plane = State<SVector<f64, 2>>;
+
+fn coupled([a, b, e, tau]: Units) -> Coupled {
+    Coupled { ux: power(-a), uy: power(-b), upx: power(a - e), upy: power(b - e), energy: power(e - tau) }
+}
+
+fn in_units([x, y, px, py]: [f64; 4], [a, b, e, _]: Units) -> Plane {
+    State::new([x * power(a), y * power(b)], [px * power(e - a), py * power(e - b)])
+}
+
+/// In units of one.
+fn bits(state: &Plane, [a, b, e, _]: Units) -> [u64; 4] {
+    let (q, p) = (state.q, state.p);
+    [q[0] * power(-a), q[1] * power(-b), p[0] * power(a - e), p[1] * power(b - e)].map(f64::to_bits)
+}
+
+/// Four steps of one scheme in units of one and in others: the bits of both, in units of one.
+fn in_both_units<E>(units: Units, h: f64, start: [f64; 4])
 where
     Coupled: Discretized<E> + Hamiltonian<Vector = SVector<f64, 2>>,
 {
-    let run = |[a, b, e, tau]: [i32; 4]| {
-        let system = Coupled {
-            ux: power(-a),
-            uy: power(-b),
-            upx: power(a - e),
-            upy: power(b - e),
-            energy: power(e - tau),
-        };
-        let mut state =
-            State::new([q[0] * power(a), q[1] * power(b)], [p[0] * power(e - a), p[1] * power(e - b)]);
-        let mut stepper = wzvi::step::Stepper::<_, E>::new(&system, h * power(tau)).unwrap();
+    let run = |units: Units| {
+        let (system, mut state) = (coupled(units), in_units(start, units));
+        let mut stepper = wzvi::step::Stepper::<_, E>::new(&system, h * power(units[3])).unwrap();
         let outcome: Vec<_> = (0..4).map(|_| stepper.step(&mut state, &[]).map_err(|_| ())).collect();
-        let bits = [
-            state.q[0] * power(-a),
-            state.q[1] * power(-b),
-            state.p[0] * power(a - e),
-            state.p[1] * power(b - e),
-        ];
-        (outcome, bits.map(f64::to_bits))
+        (outcome, bits(&state, units))
     };
-    let (one, other) = (run([0; 4]), run([a, b, e, tau]));
-    assert_eq!(one, other, "units 2^{:?}, h = {h}, q = {q:?}, p = {p:?}", [a, b, e, tau]);
+    assert_eq!(run([0; 4]), run(units), "units 2^{units:?}, h = {h}, start {start:?}");
 }
 
 #[test]
@@ -104,11 +108,11 @@ fn small_steps_have_the_same_bits_in_all_units() {
     for _ in 0..40 {
         let exponents = std::array::from_fn(|_| exponent(&mut random));
         let h = 0.5 + 0.49 * random.draw();
-        let [q, p] = std::array::from_fn(|_| [2.0 * random.draw(), 2.0 * random.draw()]);
-        in_both_units::<Midpoint>(exponents, h, q, p);
-        in_both_units::<Lambda<1, 3>>(exponents, h, q, p);
-        in_both_units::<Gauss<2>>(exponents, h, q, p);
-        in_both_units::<Gauss<4>>(exponents, h, q, p);
+        let start = std::array::from_fn(|_| 2.0 * random.draw());
+        in_both_units::<Midpoint>(exponents, h, start);
+        in_both_units::<Lambda<1, 3>>(exponents, h, start);
+        in_both_units::<Gauss<2>>(exponents, h, start);
+        in_both_units::<Gauss<4>>(exponents, h, start);
     }
 }
 
@@ -131,19 +135,16 @@ fn a_charge_moves_in_all_units() {
 
 #[test]
 fn a_mass_has_no_smallest_value() {
-    for exponent in [0, -60, -100, -300, 300] {
+    let run = |exponent: i32| {
         let system = Metric { mass: power(exponent), stiffness: power(exponent) };
         let mut state = State::new([0.7], [0.4 * power(exponent)]);
         let mut stepper = system.stepper::<Midpoint>(0.1).unwrap();
         let taken: Vec<_> =
             (0..10).map(|_| stepper.step(&mut state, &[]).map_err(|error| error.to_string())).collect();
-        let mut one = State::new([0.7], [0.4]);
-        let system = Metric { mass: 1.0, stiffness: 1.0 };
-        let mut stepper = system.stepper::<Midpoint>(0.1).unwrap();
-        let other: Vec<_> =
-            (0..10).map(|_| stepper.step(&mut one, &[]).map_err(|error| error.to_string())).collect();
-        assert_eq!(taken, other, "{exponent}");
-        assert_eq!((state.q[0], state.p[0] * power(-exponent)), (one.q[0], one.p[0]), "{exponent}");
+        (taken, state.q[0], state.p[0] * power(-exponent))
+    };
+    for exponent in [-60, -100, -300, 300] {
+        assert_eq!(run(exponent), run(0), "{exponent}");
     }
 }
 
@@ -172,42 +173,22 @@ fn a_chain_has_the_same_bits_in_all_units() {
 /// In lanes beside each other, each with units of its own.
 #[test]
 fn lanes_have_the_same_bits_in_all_units() {
-    fn run<E>(units: &[[i32; 3]], tau: i32, h: f64, starts: &[[f64; 4]]) -> Vec<Option<[u64; 4]>>
+    fn run<E>(units: &[Units], h: f64, starts: &[[f64; 4]]) -> Vec<Option<[u64; 4]>>
     where
         Coupled: Discretized<E> + Hamiltonian<Vector = SVector<f64, 2>>,
     {
-        let systems: Vec<Coupled> = units
-            .iter()
-            .map(|&[a, b, e]| Coupled {
-                ux: power(-a),
-                uy: power(-b),
-                upx: power(a - e),
-                upy: power(b - e),
-                energy: power(e - tau),
-            })
-            .collect();
-        let states = units.iter().zip(starts).map(|(&[a, b, e], [x, y, px, py])| {
-            State::new([x * power(a), y * power(b)], [px * power(e - a), py * power(e - b)])
-        });
-        let states: Vec<_> = states.collect();
+        let systems = || units.iter().map(|&units| coupled(units));
+        let starts: Vec<Plane> =
+            starts.iter().zip(units).map(|(start, &units)| in_units(*start, units)).collect();
         let ends = std::sync::Mutex::new(vec![None; units.len()]);
-        let ensemble = wzvi::ensemble::Ensemble::<Coupled, E>::new(&systems[0], h * power(tau)).steps(4);
-        let see = |path: u64, state: &State<SVector<f64, 2>>| {
-            let [a, b, e] = units[path as usize];
-            let bits = [
-                state.q[0] * power(-a),
-                state.q[1] * power(-b),
-                state.p[0] * power(a - e),
-                state.p[1] * power(b - e),
-            ];
+        let see = |path: u64, state: &Plane| {
             if state.t != 0.0 {
-                ends.lock().unwrap()[path as usize] = Some(bits.map(f64::to_bits));
+                ends.lock().unwrap()[path as usize] = Some(bits(state, units[path as usize]));
             }
         };
-        // Moved, so that paths have theirs; one of them prepares the run.
-        let list =
-            systems.iter().map(|&Coupled { ux, uy, upx, upy, energy }| Coupled { ux, uy, upx, upy, energy });
-        let run = ensemble.systems_from(list).starts_from(states).allow_losses(1.0).inspect(see);
+        let (first, h) = (coupled(units[0]), h * power(units[0][3]));
+        let run = wzvi::ensemble::Ensemble::<Coupled, E>::new(&first, h).steps(4);
+        let run = run.systems_from(systems()).starts_from(starts).allow_losses(1.0).inspect(see);
         match run.run_in::<8>() {
             Ok(_) | Err(wzvi::Error::Step(_)) => {}
             Err(error) => panic!("{error}"),
@@ -216,20 +197,14 @@ fn lanes_have_the_same_bits_in_all_units() {
     }
     let mut random = Uniform(29);
     for _ in 0..8 {
-        let units: Vec<[i32; 3]> = (0..8).map(|_| std::array::from_fn(|_| exponent(&mut random))).collect();
-        let tau = exponent(&mut random);
+        let mut units: Vec<Units> = (0..8).map(|_| std::array::from_fn(|_| exponent(&mut random))).collect();
+        // One time for all.
+        let tau = units[0][3];
+        units.iter_mut().for_each(|units| units[3] = tau);
         let starts: Vec<[f64; 4]> = (0..8).map(|_| std::array::from_fn(|_| 2.0 * random.draw())).collect();
         let h = 0.5 + 0.49 * random.draw();
-        let ones = [[0; 3]; 8];
-        assert_eq!(
-            run::<Midpoint>(&ones, 0, h, &starts),
-            run::<Midpoint>(&units, tau, h, &starts),
-            "{units:?} {tau}"
-        );
-        assert_eq!(
-            run::<Gauss<2>>(&ones, 0, h, &starts),
-            run::<Gauss<2>>(&units, tau, h, &starts),
-            "{units:?} {tau}"
-        );
+        let ones = [[0; 4]; 8];
+        assert_eq!(run::<Midpoint>(&ones, h, &starts), run::<Midpoint>(&units, h, &starts), "{units:?}");
+        assert_eq!(run::<Gauss<2>>(&ones, h, &starts), run::<Gauss<2>>(&units, h, &starts), "{units:?}");
     }
 }

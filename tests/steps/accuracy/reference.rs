@@ -7,6 +7,8 @@
 //! ```
 
 pub(crate) use fixtures::extremes::state;
+/// With one quadrature point.
+pub(crate) use fixtures::schemes::Scheme as Point;
 use wzvi::error::StepFailure;
 use wzvi::prelude::*;
 use wzvi::system::{At, Discretized, Scheme, SchemeOf};
@@ -30,27 +32,6 @@ pub(crate) struct Gradients {
 pub(crate) trait Terms: Hamiltonian {
     /// Of the drift for `m = 0`, of noise `m - 1` otherwise.
     fn term(&self, m: usize, q: &[Real], p: &[Real]) -> Gradients;
-}
-
-/// The quadrature point of a scheme.
-pub(crate) trait Point {
-    const L: f64;
-}
-
-impl Point for DeltaPlus {
-    const L: f64 = 0.0;
-}
-
-impl Point for Midpoint {
-    const L: f64 = 0.5;
-}
-
-impl Point for DeltaMinus {
-    const L: f64 = 1.0;
-}
-
-impl<E: Point> Point for Uncorrected<E> {
-    const L: f64 = E::L;
 }
 
 /// One step to compare.
@@ -126,12 +107,12 @@ fn neighbours(case: &Case) -> Vec<Case> {
 
 /// `Δq` and `Δp`, by Newton's method from `start` with difference quotients.
 fn solve<E: Point, H: Terms>(system: &H, case: &Case, start: &[Real]) -> Vec<Real> {
-    let d = case.q.len();
+    let (d, l) = (case.q.len(), E::L[0]);
     // The unknowns are Δq and Δp, with P = p_i + (1 - l) Δp.
     let mut x = start.to_vec();
     let residual = |x: &[Real]| -> Vec<Real> {
-        let q: Vec<Real> = (0..d).map(|i| &x[i] * E::L + case.q[i]).collect();
-        let p: Vec<Real> = (0..d).map(|i| &x[d + i] * (1.0 - E::L) + case.p[i]).collect();
+        let q: Vec<Real> = (0..d).map(|i| &x[i] * l + case.q[i]).collect();
+        let p: Vec<Real> = (0..d).map(|i| &x[d + i] * (1.0 - l) + case.p[i]).collect();
         let mut rest = x.to_vec();
         for (m, c) in [case.h].iter().chain(&case.dw).enumerate() {
             let term = system.term(m, &q, &p);

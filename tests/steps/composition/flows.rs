@@ -8,7 +8,7 @@ use wzvi::system::Segment;
 use super::counted::{Counted, sines};
 use super::{HenonHeiles, Pendulum, check_gradient, check_symplectic_and_symmetric};
 use fixtures::extremes::state;
-use fixtures::steps::{apart, lanes_apart, order, refused};
+use fixtures::steps::{apart, has_order, lanes_apart, refused};
 
 /// Separable, with time in the force, with noises of both kinds.
 #[hamiltonian(
@@ -275,26 +275,11 @@ impl wzvi::compose::Partitioned for Own {
 /// On a force that reads the time. Between steps of these sizes an order of `n` shows as `n` to within 0.25.
 #[test]
 fn tables_have_their_orders() {
-    macro_rules! orders {
-        ($($table:ty, $order:literal, $steps:literal);+) => {$(
-            type Scheme = Composed<Verlet, $table>;
-            assert_eq!(<Duffing as Discretized<Scheme>>::PLAN.order, $order);
-            let measured = order::<Scheme, _>(&Duffing, [&[0.9], &[0.4]], 1.6, $steps);
-            assert!((measured - f64::from($order)).abs() < 0.25, "{}: {measured}", stringify!($table));
-        )+};
-    }
-    {
-        orders!(Srkn6, 6, 7);
-    }
-    {
-        orders!(Aba864, 4, 8);
-    }
-    {
-        orders!(Aba1064, 4, 8);
-    }
-    {
-        orders!(wzvi::compose::Table<Own>, 4, 6);
-    }
+    let start: [&[f64]; 2] = [&[0.9], &[0.4]];
+    has_order::<Composed<Verlet, Srkn6>, _>(&Duffing, start, (1.6, 7), 6, 0.25);
+    has_order::<Composed<Verlet, Aba864>, _>(&Duffing, start, (1.6, 8), 4, 0.25);
+    has_order::<Composed<Verlet, Aba1064>, _>(&Duffing, start, (1.6, 8), 4, 0.25);
+    has_order::<Composed<Verlet, wzvi::compose::Table<Own>>, _>(&Duffing, start, (1.6, 6), 4, 0.25);
     assert_eq!(evaluations::<Composed<Verlet, Srkn6>>(), [14, 14]);
     assert_eq!(evaluations::<Composed<Verlet, Aba864>>(), [7, 7]);
 }

@@ -3,6 +3,7 @@
 use allocation_counter::measure;
 use fixtures::extremes::{HenonHeiles, Metric, PENDULUM, Ring, state};
 use fixtures::small::KUBO;
+use fixtures::steps::steps_after;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
 
@@ -67,46 +68,34 @@ struct Chain<const N: usize>;
 )]
 struct Relativistic<const N: usize>;
 
-/// Allocations of 100 steps after two from a new state: the first keeps a copy of what the steps before left, the second makes
-/// room for a copy of what the first one left.
-fn later_allocations<E, H: Discretized<E>>(system: &H, q: &[f64], p: &[f64], h: f64) -> u64 {
-    allocations_after::<2, E, H>(system, q, p, h)
-}
-
-/// Allocations of 100 steps after so many from a new state.
-fn allocations_after<const STEPS: usize, E, H: Discretized<E>>(
-    system: &H,
-    q: &[f64],
-    p: &[f64],
-    h: f64,
-) -> u64 {
-    let mut stepper = system.stepper::<E>(h).unwrap();
+/// Asserts that 100 steps allocate nothing after some from a new state: the first keeps a copy of what the steps before left, the second
+/// makes room for a copy of what the first one left.
+fn none_after<E, H: Discretized<E>>(before: u32, system: &H, [q, p]: [&[f64]; 2], h: f64) {
     let mut state = state::<H::Vector>(q, p);
-    let dw = vec![0.02; system.noises()];
-    (0..STEPS).for_each(|_| assert!(stepper.step(&mut state, &dw).is_ok()));
-    measure(|| (0..100).for_each(|_| assert!(stepper.step(&mut state, &dw).is_ok()))).count_total
+    let mut steps = steps_after::<E, H>(before, system, &mut state, h);
+    assert_eq!(measure(|| steps(100)).count_total, 0, "{}", std::any::type_name::<(E, H)>());
 }
 
 /// Also where a step has stages or parts, in loops, and where it is stiff.
 #[test]
 fn steps_of_high_order_allocate_nothing() {
-    let (q, p) = ([0.3, 0.1], [0.1, 0.2]);
-    assert_eq!(allocations::<Gauss<3>, _>(&Coupled, &q, &p)[0], 0);
-    assert_eq!(later_allocations::<Verlet, _>(&Coupled, &q, &p, 0.01), 0);
-    assert_eq!(later_allocations::<Composed<Midpoint, KahanLi6>, _>(&Coupled, &q, &p, 0.01), 0);
-    assert_eq!(later_allocations::<Composed<Verlet, Chin4>, _>(&StiffWell, &[1e-3], &[0.1], 1e-3), 0);
-    assert_eq!(later_allocations::<Composed<Gauss<3>, Yoshida4>, _>(&Coupled, &q, &p, 0.01), 0);
+    let start: [&[f64]; 2] = [&[0.3, 0.1], &[0.1, 0.2]];
+    assert_eq!(allocations::<Gauss<3>, _>(&Coupled, start[0], start[1])[0], 0);
+    none_after::<Verlet, _>(2, &Coupled, start, 0.01);
+    none_after::<Composed<Midpoint, KahanLi6>, _>(2, &Coupled, start, 0.01);
+    none_after::<Composed<Verlet, Chin4>, _>(2, &StiffWell, [&[1e-3], &[0.1]], 1e-3);
+    none_after::<Composed<Gauss<3>, Yoshida4>, _>(2, &Coupled, start, 0.01);
     let (q, p) = (std::array::from_fn::<_, 40, _>(|i| 0.1 * (i as f64).sin()), [0.0; 40]);
-    assert_eq!(later_allocations::<Gauss<4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    let start: [&[f64]; 2] = [&q, &p];
+    none_after::<Gauss<4>, _>(2, &Chain::<40>, start, 0.01);
     // Far from the origin the forces have rounding that momenta do not settle below. The first of these steps makes room to look closely.
-    let far = q.map(|q| q + 1e6);
-    assert_eq!(allocations_after::<100, Gauss<4>, _>(&Relativistic::<40>, &far, &p, 0.01), 0);
-    assert_eq!(later_allocations::<Verlet, _>(&Chain::<40>, &q, &p, 0.01), 0);
-    assert_eq!(later_allocations::<Composed<Verlet, TakahashiImada4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
-    assert_eq!(later_allocations::<Composed<Midpoint, Suzuki4>, _>(&Chain::<40>, &q, &p, 0.01), 0);
+    none_after::<Gauss<4>, _>(100, &Relativistic::<40>, [&q.map(|q| q + 1e6), &p], 0.01);
+    none_after::<Verlet, _>(2, &Chain::<40>, start, 0.01);
+    none_after::<Composed<Verlet, TakahashiImada4>, _>(2, &Chain::<40>, start, 0.01);
+    none_after::<Composed<Midpoint, Suzuki4>, _>(2, &Chain::<40>, start, 0.01);
     assert_eq!(allocations::<Composed<Verlet, Srkn6>, _>(&Chain::<40>, &q, &p), [0; 2]);
     assert_eq!(allocations::<Composed<Verlet, Aba864>, _>(&Parted, &q[..4], &p[..4]), [0; 2]);
-    assert_eq!(later_allocations::<Gauss<4>, _>(&StiffWell, &[1e-3], &[0.1], 0.5), 0);
+    none_after::<Gauss<4>, _>(2, &StiffWell, [&[1e-3], &[0.1]], 0.5);
 }
 
 /// A run allocates its buffers once, for 10 steps as for 10 000, also where it records each step.

@@ -137,6 +137,20 @@ fn masses_over_thirty_decades_go_as_in_the_unrolled_step() {
     }
 }
 
+/// So many steps of `h`, all of which are taken.
+fn go<H: Discretized<Midpoint>>(
+    system: &H,
+    state: &mut State<H::Vector>,
+    h: f64,
+    steps: u32,
+    what: impl Fn() -> String,
+) {
+    let mut stepper = system.stepper::<Midpoint>(h).unwrap();
+    for n in 0..steps {
+        stepper.step(state, &[]).unwrap_or_else(|error| panic!("{}, step {n}: {error}", what()));
+    }
+}
+
 /// The step of a linear system, scaled by 10^k, is the scaled step.
 #[test]
 fn linear_systems_are_homogeneous() {
@@ -146,10 +160,7 @@ fn linear_systems_are_homogeneous() {
             let q = (0..8).map(|i| scale * (1.3 * f64::from(i)).sin()).collect::<Vec<_>>();
             let p = (0..8).map(|i| scale * (0.7 * f64::from(i)).cos()).collect::<Vec<_>>();
             let mut state = State::new(q, p);
-            let mut stepper = chain.stepper::<Midpoint>(0.1).unwrap();
-            for n in 0..5 {
-                stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{scale:e}, step {n}: {error}"));
-            }
+            go(&chain, &mut state, 0.1, 5, || format!("{scale:e}"));
             state
         };
         let one = step(1.0);
@@ -174,10 +185,7 @@ fn a_stiff_lattice_is_homogeneous() {
     let lattice = Lattice { side: 64, k: 1e4 };
     let step = |scale: f64| {
         let mut state = State::new(wave(4096, scale, 0.0), wave(4096, scale, 1.0));
-        let mut stepper = lattice.stepper::<Midpoint>(0.01).unwrap();
-        for n in 0..2 {
-            stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{scale:e}, step {n}: {error}"));
-        }
+        go(&lattice, &mut state, 0.01, 2, || format!("{scale:e}"));
         state
     };
     let one = step(1.0);
@@ -200,12 +208,7 @@ fn chains_at_rest_far_from_the_origin() {
             let amplitude = 10.0_f64.powi(exponent);
             let q: Vec<f64> = (0..8).map(|i| place + amplitude * (1.3 * f64::from(i)).sin()).collect();
             let mut state = State::new(q.clone(), vec![0.0; 8]);
-            let mut stepper = chain.stepper::<Midpoint>(0.05).unwrap();
-            for n in 0..STEPS {
-                stepper
-                    .step(&mut state, &[])
-                    .unwrap_or_else(|error| panic!("{place:e}, 1e{exponent}, step {n}: {error}"));
-            }
+            go(&chain, &mut state, 0.05, STEPS, || format!("{place:e}, 1e{exponent}"));
             let moved = distance(state.q.as_slice(), &q);
             // Rounding of places gives the whole chain a speed: a random walk of kicks of h k ε |place|.
             let kick = 5.0 * f64::EPSILON * place.abs();
