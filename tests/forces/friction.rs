@@ -5,6 +5,8 @@ use fixtures::steps::{apart, asymmetry, distance, numbers as components};
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
+use crate::principle::same_by;
+
 /// Two coupled masses with one rate.
 macro_rules! coupled {
     ($name:ident, $strategy:ident) => {
@@ -112,12 +114,8 @@ fn conformal_steps_solve_their_equations() {
 #[test]
 fn conformal_loops_do_what_straight_lines_do() {
     let (a, b) = (CoupledInline { m: 1.4, gamma: 0.7 }, CoupledLoops { m: 1.4, gamma: 0.7 });
-    macro_rules! same {
-        ($($scheme:ty),*) => {
-            $(crate::principle::same::<$scheme, _, _>(&a, &b, [&[0.6, -0.3], &[0.4, 0.9]], &[]);)*
-        };
-    }
-    same!(DeltaPlus, DeltaMinus, Midpoint, Lambda<1, 3>, Verlet, Gauss<2>, Gauss<3>);
+    let start: [&[f64]; 2] = [&[0.6, -0.3], &[0.4, 0.9]];
+    same_by!(&a, &b, start, &[], DeltaPlus, DeltaMinus, Midpoint, Lambda<1, 3>, Verlet, Gauss<2>, Gauss<3>);
 }
 
 #[hamiltonian(
@@ -190,9 +188,7 @@ fn other_friction_is_the_force_that_it_is() {
     macro_rules! same {
         ($($a:ident $b:ident),*) => {$(
             let (a, b) = ($a { m: 1.4, gamma: 0.7 }, $b { m: 1.4, gamma: 0.7 });
-            crate::principle::same::<DeltaPlus, _, _>(&a, &b, start, &[]);
-            crate::principle::same::<Midpoint, _, _>(&a, &b, start, &[]);
-            crate::principle::same::<Gauss<2>, _, _>(&a, &b, start, &[]);
+            same_by!(&a, &b, start, &[], DeltaPlus, Midpoint, Gauss<2>);
         )*};
     }
     same!(List ListForce, ListLoops ListForce, Place PlaceForce, PlaceLoops PlaceForce, Matrix MatrixForce, MatrixLoops MatrixForce);

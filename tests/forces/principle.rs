@@ -13,28 +13,26 @@ pub(crate) fn same<E, A: Discretized<E>, B: Discretized<E>>(a: &A, b: &B, start:
     assert!(gap < 4e-14, "{}: {gap:e}", std::any::type_name::<E>());
 }
 
+/// The same by several schemes.
+macro_rules! same_by {
+    ($a:expr, $b:expr, $start:expr, $dw:expr, $($scheme:ty),*) => {
+        $($crate::principle::same::<$scheme, _, _>($a, $b, $start, $dw);)*
+    };
+}
+pub(crate) use same_by;
+
 #[test]
 fn loops_do_what_straight_lines_do() {
     let (a, b) = (DrivenInline { drag: 0.4, push: 0.9 }, DrivenLoops { drag: 0.4, push: 0.9 });
     let start: [&[f64]; 2] = [&[0.7], &[-0.6]];
-    same::<DeltaPlus, _, _>(&a, &b, start, &[]);
-    same::<DeltaMinus, _, _>(&a, &b, start, &[]);
-    same::<Midpoint, _, _>(&a, &b, start, &[]);
-    same::<Lambda<1, 3>, _, _>(&a, &b, start, &[]);
-    same::<Verlet, _, _>(&a, &b, start, &[]);
-    same::<Gauss<2>, _, _>(&a, &b, start, &[]);
-    same::<Gauss<3>, _, _>(&a, &b, start, &[]);
+    same_by!(&a, &b, start, &[], DeltaPlus, DeltaMinus, Midpoint, Lambda<1, 3>, Verlet, Gauss<2>, Gauss<3>);
 
     let mass = [1.0, 0.5, 2.0, 1.5, 0.8];
     let a = ChainInline { mass, drag: 0.3, sigma: 0.2 };
     let b = ChainLoops { mass: mass.to_vec(), drag: 0.3, sigma: 0.2 };
     let start: [&[f64]; 2] = [&[0.1, -0.2, 0.4, 0.0, 0.3], &[0.5, -0.4, 0.2, 0.9, -0.7]];
     let dw = [0.2, -0.1, 0.3, 0.15, -0.25];
-    same::<Midpoint, _, _>(&a, &b, start, &dw);
-    same::<DeltaPlus, _, _>(&a, &b, start, &dw);
-    same::<DeltaMinus, _, _>(&a, &b, start, &dw);
-    same::<Verlet, _, _>(&a, &b, start, &dw);
-    same::<Gauss<2>, _, _>(&a, &b, start, &dw);
+    same_by!(&a, &b, start, &dw, Midpoint, DeltaPlus, DeltaMinus, Verlet, Gauss<2>);
 }
 
 /// The segment between two states.

@@ -27,41 +27,30 @@ type Uneven = Splitting<(O, B<1, 4>, A<1, 2>, B<1, 2>, A, B<1, 4>, O)>;
 #[test]
 #[allow(clippy::excessive_precision, reason = "as the reference has them")]
 fn harmonic_laws_are_those_of_the_reference() {
-    fn row<W: Letters>(order: u32, exact: [f64; 5]) -> (&'static str, u32, HarmonicLaw, [f64; 5]) {
-        let law = HarmonicLaw::of::<W>(2.0_f64.sqrt() * 0.3, 1.3 * 0.3);
-        (std::any::type_name::<W>(), order, law, exact)
+    fn row<W: Letters>(exact: [f64; 5]) -> (&'static str, HarmonicLaw, [f64; 5]) {
+        (std::any::type_name::<W>(), HarmonicLaw::of::<W>(2.0_f64.sqrt() * 0.3, 1.3 * 0.3), exact)
     }
+    // Of drifts that are together, and of friction that acts twice.
+    let (coth, twice) = (1.012642984794805959, 0.993690502447383570);
     let rows = [
-        row::<(B, A, O, A, B)>(2, [1.0, 0.0, 0.955, 1.012642984794805959, 1.012642984794805959]),
-        row::<(A, B, O, B, A)>(
-            2,
-            [1.0, 0.0, 1.047120418848167539, 1.012642984794805959, 1.012642984794805959],
-        ),
-        row::<(O, B, A, B, O)>(
-            2,
-            [1.047120418848167539, 0.0, 1.0, 1.012642984794805959, 1.012642984794805959],
-        ),
-        row::<(O, A, B, A, O)>(2, [0.955, 0.0, 1.0, 1.012642984794805959, 1.012642984794805959]),
-        row::<(B, O, A, O, B)>(
-            2,
-            [
-                1.066151722282911735,
-                -0.03079558970439541,
-                1.001779049501905335,
-                1.012642984794805959,
-                0.993690502447383570,
-            ],
-        ),
-        row::<(A, O, B, O, A)>(
-            2,
-            [1.019072822272874579, 0.0, 1.046197778000825692, 1.012642984794805959, 0.993690502447383570],
-        ),
-        row::<(B, A, O, A)>(1, [1.0, 0.15, 1.0, 1.012642984794805959, 1.012642984794805959]),
-        row::<(O, B, A, B)>(1, [1.047120418848167539, 0.0, 1.0, 1.012642984794805959, 1.012642984794805959]),
-        row::<Gjf>(2, [1.0, 0.0, 0.955, 1.0, 1.0]),
-        row::<GjI>(2, [1.0, 0.0, 0.955561831093790229, 1.0, 1.0]),
+        row::<(B, A, O, A, B)>([1.0, 0.0, 0.955, coth, coth]),
+        row::<(A, B, O, B, A)>([1.0, 0.0, 1.047120418848167539, coth, coth]),
+        row::<(O, B, A, B, O)>([1.047120418848167539, 0.0, 1.0, coth, coth]),
+        row::<(O, A, B, A, O)>([0.955, 0.0, 1.0, coth, coth]),
+        row::<(B, O, A, O, B)>([
+            1.066151722282911735,
+            -0.03079558970439541,
+            1.001779049501905335,
+            coth,
+            twice,
+        ]),
+        row::<(A, O, B, O, A)>([1.019072822272874579, 0.0, 1.046197778000825692, coth, twice]),
+        row::<(B, A, O, A)>([1.0, 0.15, 1.0, coth, coth]),
+        row::<(O, B, A, B)>([1.047120418848167539, 0.0, 1.0, coth, coth]),
+        row::<Gjf>([1.0, 0.0, 0.955, 1.0, 1.0]),
+        row::<GjI>([1.0, 0.0, 0.955561831093790229, 1.0, 1.0]),
     ];
-    for (word, _, law, exact) in rows {
+    for (word, law, exact) in rows {
         let HarmonicLaw { q, qp, p, diffusion, mobility } = law;
         let ours = [q, qp / 2.0_f64.sqrt(), p, diffusion, mobility];
         for (ours, exact) in ours.into_iter().zip(exact) {
@@ -97,37 +86,19 @@ fn orders_and_symmetry_are_found() {
 /// between them.
 #[test]
 fn words_say_how_fast_a_free_particle_diffuses() {
-    fn excess<W: Letters>(x: f64) -> f64 {
-        (HarmonicLaw::of::<W>(0.1, x).diffusion - 1.0) / (x * x)
-    }
-    type Together = (B, A, O, A, B);
-    type Twice = (O, A, O, A, B);
-    type Between = (O, B, A, O, A, B, O);
-    let rows = [
-        (
-            <Spring as Discretized<Splitting<Together>>>::EQUATIONS,
-            "(γh/2) coth(γh/2)",
-            excess::<Together>(0.01),
-            1.0 / 12.0,
-        ),
-        (
-            <Spring as Discretized<Splitting<Twice>>>::EQUATIONS,
-            "HarmonicLaw::of",
-            excess::<Twice>(0.01),
-            1.0 / 48.0,
-        ),
-        (
-            <Spring as Discretized<Splitting<Between>>>::EQUATIONS,
-            "HarmonicLaw::of",
-            excess::<Between>(0.01),
-            1.0 / 36.0,
-        ),
-    ];
-    for (text, said, excess, coefficient) in rows {
+    fn check<W: Letters>(said: &str, coefficient: f64)
+    where
+        Spring: Discretized<Splitting<W>>,
+    {
+        let text = <Spring as Discretized<Splitting<W>>>::EQUATIONS;
         let line = text.lines().find(|line| line.contains("diffuses")).expect("a fact");
         // The next power of the series is x² = 1e-4 of it, times less than one.
+        let excess = (HarmonicLaw::of::<W>(0.1, 0.01).diffusion - 1.0) / 1e-4;
         assert!(line.contains(said) && (excess / coefficient - 1.0).abs() < 1e-3, "{line} {excess}");
     }
+    check::<(B, A, O, A, B)>("(γh/2) coth(γh/2)", 1.0 / 12.0);
+    check::<(O, A, O, A, B)>("HarmonicLaw::of", 1.0 / 48.0);
+    check::<(O, B, A, O, A, B, O)>("HarmonicLaw::of", 1.0 / 36.0);
 }
 
 /// The named words are words.
@@ -198,12 +169,10 @@ fn paths_of_a_word_have_its_law() {
         spring.k.sqrt() * h,
         spring.gamma * h,
     );
-    let run = spring.ensemble::<Uneven>(h).start(State::new([0.0], [0.0])).paths(40_000).seed(5).steps(40);
-    let run = run.observe("q", |s| s.q[0] * s.q[0]).observe("p", |s| s.p[0] * s.p[0]).run().unwrap();
-    for (name, scale, exact) in [("q", spring.k / spring.kt, law.q), ("p", 1.0 / spring.kt, law.p)] {
-        let (mean, error) = (run.mean(name).unwrap() * scale, run.standard_error(name).unwrap() * scale);
-        // Forty steps are twenty decay times of the momentum; four standard errors.
-        assert!((mean - exact).abs() < 4.0 * error, "{name}: {mean} ± {error}, {exact}");
+    let found = fixtures::bath::stationary::<Uneven, _>(&spring, h);
+    for (found, exact) in [(found.m11 * spring.k, law.q), (found.m22, law.p)] {
+        // Sums of some hundred terms.
+        assert!((found / spring.kt - exact).abs() < 1e-12, "{found} {exact}");
     }
     // It is not the Gibbs measure: the test sees the difference.
     assert!((law.p - 1.0).abs() > 0.02 || (law.q - 1.0).abs() > 0.02, "{law:?}");

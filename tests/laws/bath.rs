@@ -3,55 +3,7 @@
 use wzvi::nalgebra::SVector;
 use wzvi::prelude::*;
 
-use fixtures::bath::{Chain, Oscillator};
-
-type Matrix = [[f64; 2]; 2];
-
-/// `A X Aᵀ`
-fn congruent(a: &Matrix, x: &Matrix) -> Matrix {
-    let entry = |i: usize, j: usize| {
-        let pairs = (0..2).flat_map(|k| (0..2).map(move |l| (k, l)));
-        pairs.map(|(k, l)| a[i][k] * x[k][l] * a[j][l]).sum()
-    };
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
-}
-
-/// The stationary covariance of `(q, p)` of steps of a linear system: their matrices are steps with unit data, and
-/// `Σ = A Σ Aᵀ + h B Bᵀ` is summed by doubling (R. A. Smith).
-fn stationary<E>(system: &Oscillator, h: f64) -> Matrix
-where
-    Oscillator: Discretized<E, Vector = SVector<f64, 1>>,
-{
-    let mut stepper = system.stepper::<E>(h).expect("steps");
-    let drawn = Discretized::<E>::increments(system, 1);
-    let mut step = |q: f64, p: f64, which: Option<usize>| {
-        let dw: Vec<f64> = (0..drawn).map(|i| if which == Some(i) { h.sqrt() } else { 0.0 }).collect();
-        let mut state = State::new([q], [p]);
-        stepper.step(&mut state, &dw).expect("a step");
-        [state.q[0], state.p[0]]
-    };
-    let (of_q, of_p) = (step(1.0, 0.0, None), step(0.0, 1.0, None));
-    let mut map = [[of_q[0], of_p[0]], [of_q[1], of_p[1]]];
-    let mut covariance = [[0.0; 2]; 2];
-    for which in 0..drawn {
-        let noise = step(0.0, 0.0, Some(which));
-        for i in 0..2 {
-            for j in 0..2 {
-                covariance[i][j] += noise[i] * noise[j];
-            }
-        }
-    }
-    for _ in 0..60 {
-        let more = congruent(&map, &covariance);
-        for i in 0..2 {
-            for j in 0..2 {
-                covariance[i][j] += more[i][j];
-            }
-        }
-        map = std::array::from_fn(|i| std::array::from_fn(|j| (0..2).map(|k| map[i][k] * map[k][j]).sum()));
-    }
-    covariance
-}
+use fixtures::bath::{Chain, Oscillator, stationary};
 
 /// Step sizes with `x = h² k / 4m` below 1, and frictions on both sides of the critical one.
 const CASES: [(f64, f64); 4] = [(0.1, 0.3), (0.8, 0.3), (0.8, 5.0), (1.1, 60.0)];
@@ -68,14 +20,14 @@ where
     for (h, gamma) in CASES {
         let system = oscillator(gamma);
         let Oscillator { m, k, kt, .. } = system;
-        let covariance = stationary::<E>(&system, h);
+        let covariance = stationary::<E, _>(&system, h);
         let expected = expected(h * h * k / (4.0 * m));
-        let got = [covariance[0][0] * k / kt, covariance[1][1] / (m * kt)];
+        let got = [covariance.m11 * k / kt, covariance.m22 / (m * kt)];
         for (got, expected) in got.iter().zip(expected) {
             // Some roundings of a step, times the steps that the slowest motion lasts: up to a hundred.
             assert!((got - expected).abs() < 1e-13 * expected, "{h} {gamma} {got} {expected}");
         }
-        assert!(covariance[0][1].abs() < 1e-13, "{h} {gamma} {covariance:?}");
+        assert!(covariance.m12.abs() < 1e-13, "{h} {gamma} {covariance:?}");
     }
 }
 

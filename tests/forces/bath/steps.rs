@@ -1,5 +1,6 @@
 //! Steps against references, and their limits.
 
+use wzvi::nalgebra::{Matrix2, Vector2};
 use wzvi::prelude::*;
 use wzvi::step::StepInfo;
 
@@ -115,56 +116,30 @@ fn large_friction_forgets_exactly() {
     assert!((state.p[0] / expected - 1.0).abs() < 8.0 * f64::EPSILON);
 }
 
-/// `E` and `R √h⁻¹` of the O part of a free system at a place, by its columns: nothing else moves momenta.
-fn map_at<H, const D: usize>(system: &H, h: f64, place: [f64; D], masses: [f64; D]) -> [[[f64; D]; D]; 2]
+/// `E` and `R √h⁻¹` of the O part of a free system of these masses at a place, by their columns: nothing else moves momenta.
+fn map_at<H>(system: &H, h: f64, place: [f64; 2], mass: &Matrix2<f64>) -> [Matrix2<f64>; 2]
 where
-    H: Discretized<Baoab> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
+    H: Discretized<Baoab, Vector = Vector2<f64>>,
 {
-    map_by(system, h, place, |p| std::array::from_fn(|i| p[i] / masses[i]))
-}
-
-/// The same, of a system with these velocities.
-fn map_by<H, const D: usize>(
-    system: &H,
-    h: f64,
-    place: [f64; D],
-    velocities: impl Fn([f64; D]) -> [f64; D],
-) -> [[[f64; D]; D]; 2]
-where
-    H: Discretized<Baoab> + Hamiltonian<Vector = wzvi::nalgebra::SVector<f64, D>>,
-{
+    let (place, inverse) = (Vector2::from(place), mass.try_inverse().expect("masses"));
     let mut stepper = system.stepper::<Baoab>(h).expect("steps");
-    let mut step = |p: [f64; D], dw: [f64; D]| {
+    let mut step = |p: Vector2<f64>, dw: Vector2<f64>| {
         // It acts in the middle of the step.
-        let q: [f64; D] = std::array::from_fn(|i| place[i] - 0.5 * h * velocities(p)[i]);
-        let mut state = State::new(q, p);
-        stepper.step(&mut state, &dw).expect("a step");
+        let mut state = State { q: place - inverse * p * (0.5 * h), p, t: 0.0 };
+        stepper.step(&mut state, dw.as_slice()).expect("a step");
         state.p
     };
-    let (mut decay, mut deviation) = ([[0.0; D]; D], [[0.0; D]; D]);
-    for j in 0..D {
-        let unit: [f64; D] = std::array::from_fn(|i| f64::from(u8::from(i == j)));
-        let (of_p, of_dw) = (step(unit, [0.0; D]), step([0.0; D], unit.map(|x| x * h.sqrt())));
-        for i in 0..D {
-            (decay[i][j], deviation[i][j]) = (of_p[i], of_dw[i]);
-        }
-    }
-    [decay, deviation]
+    let (units, zero) = ([Vector2::x(), Vector2::y()], Vector2::zeros());
+    let decay = units.map(|unit| step(unit, zero));
+    let deviation = units.map(|unit| step(zero, unit * h.sqrt()));
+    [decay, deviation].map(|columns| Matrix2::from_columns(&columns))
 }
 
 /// `|E M Eᵀ kT + R Rᵀ - kT M|`, largest entry relative to `kT` and the root of the masses.
-fn imbalance([decay, deviation]: [[[f64; 2]; 2]; 2], mass: [[f64; 2]; 2], kt: f64) -> f64 {
-    let mut worst = 0.0_f64;
-    for i in 0..2 {
-        for j in 0..2 {
-            let pairs = (0..2).flat_map(|k| (0..2).map(move |l| (k, l)));
-            let kept: f64 = pairs.map(|(k, l)| kt * decay[i][k] * mass[k][l] * decay[j][l]).sum();
-            let new: f64 = (0..2).map(|k| deviation[i][k] * deviation[j][k]).sum();
-            let scale = kt * (mass[i][i] * mass[j][j]).sqrt();
-            worst = larger(worst, (kept + new - kt * mass[i][j]).abs() / scale);
-        }
-    }
-    worst
+fn imbalance([decay, deviation]: [Matrix2<f64>; 2], mass: &Matrix2<f64>, kt: f64) -> f64 {
+    let left = kt * decay * mass * decay.transpose() + deviation * deviation.transpose() - kt * mass;
+    let roots = mass.diagonal().map(f64::sqrt);
+    left.component_div(&(kt * roots * roots.transpose())).iter().fold(0.0, |worst, x| larger(worst, x.abs()))
 }
 
 #[test]
@@ -177,52 +152,31 @@ fn fluctuations_balance_dissipation() {
             [[1.0, 2.0], [2.0, 4.0]],
             [[1e4, -3e3], [-3e3, 1e3]],
         ] {
-            let system = Coupled { m, n, k: 0.0, damping, kt: 1.7 };
-            let [decay, deviation] = map_at(&system, 0.25, [0.0; 2], [m, n]);
+            let (system, mass) = (Coupled { m, n, k: 0.0, damping, kt: 1.7 }, Matrix2::new(m, 0.0, 0.0, n));
+            let [decay, deviation] = map_at(&system, 0.25, [0.0; 2], &mass);
             // Some roundings of numbers of the size of 1.
-            let imbalance = imbalance([decay, deviation], [[m, 0.0], [0.0, n]], 1.7);
+            let imbalance = imbalance([decay, deviation], &mass, 1.7);
             assert!(imbalance < 30.0 * f64::EPSILON, "{m} {n} {damping:?} {imbalance:e}");
             // The factor is the lower one, with a diagonal that is not negative.
-            assert!(deviation[0][1] == 0.0 && deviation[0][0] >= 0.0 && deviation[1][1] >= 0.0);
+            assert!(deviation.m12 == 0.0 && deviation.m11 >= 0.0 && deviation.m22 >= 0.0);
         }
     }
     // M⁻¹ with the rows (a, b), (b, c), and one rate.
     let (a, b, c, gamma) = (2.0, -0.6, 0.5, 0.8);
-    let determinant = a * c - b * b;
-    let mass = [[c / determinant, -b / determinant], [-b / determinant, a / determinant]];
-    let linked = Linked { a, b, c, k: 0.0, gamma, kt: 1.7 };
-    let velocities = |p: [f64; 2]| [a * p[0] + b * p[1], b * p[0] + c * p[1]];
-    let (constant, place) = (map_by(&linked, 0.25, [0.3, 0.1], velocities), [0.0, 0.1]);
-    assert!(imbalance(constant, mass, 1.7) < 30.0 * f64::EPSILON);
+    let mass = Matrix2::new(a, b, b, c).try_inverse().expect("masses");
+    let constant = map_at(&Linked { a, b, c, k: 0.0, gamma, kt: 1.7 }, 0.25, [0.3, 0.1], &mass);
+    assert!(imbalance(constant, &mass, 1.7) < 30.0 * f64::EPSILON);
     let rough = RoughLinked { a, b, c, k: 0.0, gamma, kt: 1.7 };
-    let [at_place, there] = [place, [0.5, 0.1]].map(|place| map_by(&rough, 0.25, place, velocities));
-    assert!(imbalance(there, mass, 1.7) < 30.0 * f64::EPSILON);
-    for (a, b) in at_place.iter().flatten().flatten().zip(constant.iter().flatten().flatten()) {
-        assert!((a - b).abs() < 8.0 * f64::EPSILON);
-    }
-    // Against the series of the exponential function, and of what it leaves, for little friction.
-    let damping = [[0.9e-3, 0.2e-3], [0.2e-3, 0.4e-3]];
-    let (masses, h) = ([0.3, 7.0], 0.25);
-    let system = Coupled { m: masses[0], n: masses[1], k: 0.0, damping, kt: 1.0 };
-    let [decay, _] = map_at(&system, h, [0.0; 2], masses);
-    let rate: [[f64; 2]; 2] =
-        std::array::from_fn(|i| std::array::from_fn(|j| -h * damping[i][j] / masses[j]));
-    let (mut term, mut sum) = ([[1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]]);
-    for order in 1..12 {
-        term = std::array::from_fn(|i| {
-            std::array::from_fn(|j| (0..2).map(|k| term[i][k] * rate[k][j]).sum::<f64>() / f64::from(order))
-        });
-        for i in 0..2 {
-            for j in 0..2 {
-                sum[i][j] += term[i][j];
-            }
-        }
-    }
-    for i in 0..2 {
-        for j in 0..2 {
-            assert!((decay[i][j] - sum[i][j]).abs() < 10.0 * f64::EPSILON, "{decay:?} {sum:?}");
-        }
-    }
+    let [at_place, there] = [[0.0, 0.1], [0.5, 0.1]].map(|place| map_at(&rough, 0.25, place, &mass));
+    assert!(imbalance(there, &mass, 1.7) < 30.0 * f64::EPSILON);
+    assert!((0..2).all(|i| (at_place[i] - constant[i]).amax() < 8.0 * f64::EPSILON));
+    // Against the exponential function, for little friction.
+    let (damping, h) = ([[0.9e-3, 0.2e-3], [0.2e-3, 0.4e-3]], 0.25);
+    let (system, mass) =
+        (Coupled { m: 0.3, n: 7.0, k: 0.0, damping, kt: 1.0 }, Matrix2::new(0.3, 0.0, 0.0, 7.0));
+    let [decay, _] = map_at(&system, h, [0.0; 2], &mass);
+    let exact = (Matrix2::from(damping) * mass.try_inverse().expect("masses") * -h).exp();
+    assert!((decay - exact).amax() < 10.0 * f64::EPSILON, "{decay} {exact}");
 }
 
 #[test]
@@ -244,18 +198,15 @@ fn sites_without_friction_are_left_alone() {
 
 #[test]
 fn friction_of_a_place_is_that_of_a_constant_there() {
-    let (place, masses) = ([0.0, -0.7], [0.6, 2.0]);
+    let mass = Matrix2::new(0.6, 0.0, 0.0, 2.0);
     // Of rank one at the origin of x, if y is 0.
-    for place in [place, [0.4, 0.3], [0.0, 0.0]] {
+    for place in [[0.0, -0.7], [0.4, 0.3], [0.0, 0.0]] {
         let rough = RoughPlane { m: 0.6, n: 2.0, k: 0.0, kt: 1.1 };
         let damping = RoughPlane::friction(place[0], place[1]);
         let flat = Coupled { m: 0.6, n: 2.0, k: 0.0, damping, kt: 1.1 };
-        let maps = [map_at(&rough, 0.2, place, masses), map_at(&flat, 0.2, place, masses)];
-        let [there, here] = maps.map(|map| map.into_iter().flatten().flatten().collect::<Vec<f64>>());
-        for (there, here) in there.iter().zip(&here) {
-            // The place itself is rounded.
-            assert!((there - here).abs() < 10.0 * f64::EPSILON, "{maps:?}");
-        }
+        let (there, here) = (map_at(&rough, 0.2, place, &mass), map_at(&flat, 0.2, place, &mass));
+        // The place itself is rounded.
+        assert!((0..2).all(|i| (there[i] - here[i]).amax() < 10.0 * f64::EPSILON), "{there:?} {here:?}");
     }
     let (x, h) = (0.4, 0.2);
     let rough = Rough { m: 0.6, gamma: 0.5, edge: 9.0, kt: 1.1 };
