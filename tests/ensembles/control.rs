@@ -1,7 +1,7 @@
 //! Runs that end by themselves: standard errors that are small enough, antithetic pairs, deadlines and Ctrl-C.
 
 use fixtures::edge::Edge;
-use fixtures::small::{KUBO, Kubo, TwoAdditive};
+use fixtures::small::{Kubo, TwoAdditive, kubo_levels, kubo_run};
 use fixtures::stepped::every_split;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
@@ -19,7 +19,7 @@ fn kubo(seed: u64) -> Ensemble<'static, Kubo, Midpoint> {
 }
 
 fn kubo_from_start(seed: u64) -> Ensemble<'static, Kubo, Midpoint> {
-    let run = KUBO.ensemble::<Midpoint>(0.05).start(State::new([0.0], [1.0])).seed(seed);
+    let run = kubo_run(0.05).seed(seed);
     run.observe("q", |state| state.q[0]).observe("p", |state| state.p[0])
 }
 
@@ -117,7 +117,7 @@ fn the_error_of_pairs_is_their_own() {
 fn pairs_are_the_same_in_every_split() {
     let run = || kubo(8).paths(1234).antithetic().record_every(7).quantiles();
     let one = run().threads(1).run_in::<2>().unwrap();
-    for threads in [1, 3] {
+    for threads in [1, 3, 8] {
         assert!(run().threads(threads).run().unwrap() == one);
     }
     assert!(run().run_in::<8>().unwrap() == one);
@@ -204,7 +204,7 @@ fn a_handle_stops_from_another_thread() {
     assert_eq!(run.mean("q"), kubo(2).paths(done).run().unwrap().mean("q"));
     let later = kubo(2).paths(1000).handle(&handle).run().unwrap();
     assert!(later.is_partial() && later.last().unwrap().count() == 0);
-    let levels = KUBO.multilevel::<Midpoint>(0.1).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    let levels = kubo_levels(0.1).seed(1).until(1.0);
     let levels = levels.observe("q", |state| state.q[0]).target(1e-9).handle(&handle).run().unwrap();
     assert!(levels.is_partial() && levels.levels().is_empty());
 }
@@ -357,7 +357,7 @@ fn unknown_names_are_errors() {
     let lean = kubo(3).paths(4).covariances(false).run().unwrap();
     assert!(lean.covariance("q", "p").unwrap_err().to_string().contains(".covariances(true)"));
     assert_eq!(lean.variance("q"), run.variance("q"));
-    assert_eq!(lean.tables().iter().find(|table| table.name() == "covariances").unwrap().rows(), 2 * 2);
+    assert_eq!(fixtures::table(&lean.tables(), "covariances").rows(), 2 * 2);
 }
 
 /// More than memory holds is refused before it is asked for.

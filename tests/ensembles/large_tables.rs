@@ -1,18 +1,15 @@
 //! Tables of many kept paths are written row by row, not made whole in memory.
 
 use allocation_counter::measure;
+use fixtures::small::Rotation;
 use wzvi::ensemble::Statistics;
 use wzvi::prelude::*;
-
-/// A rotation.
-#[hamiltonian(drift = |q, p| 0.5 * (q * q + p * p), embedding = Midpoint)]
-pub struct Oscillator;
 
 const PATHS: u64 = 130_000;
 
 fn statistics() -> Statistics {
-    let run =
-        Oscillator.ensemble::<Midpoint>(0.1).starts(|draw| State::new([draw.normal()], [draw.normal()]));
+    let rotation = Rotation { omega: 1.0 };
+    let run = rotation.ensemble::<Midpoint>(0.1).starts(|draw| State::new([draw.normal()], [draw.normal()]));
     let run = run.paths(PATHS).steps(1).threads(1).observe("q", |state| state.q[0]);
     run.first_passage("zero", |state| state.q[0]).keep_paths(1 << 30).run().expect("an ensemble")
 }
@@ -44,7 +41,7 @@ fn files_of_kept_paths_take_the_memory_of_a_part() {
     let whole = measure(|| tables = statistics.tables());
     println!("tables in memory {} bytes", whole.bytes_max);
     for name in ["paths", "path_passages"] {
-        let table = tables.iter().find(|table| table.name() == name).expect("a table");
+        let table = fixtures::table(&tables, name);
         for (column, _) in table.columns() {
             assert_eq!(entries(name, column), table.rows(), "{column}");
         }

@@ -1,8 +1,7 @@
 //! Errors of what is rare, of heavy tails and of rates; observables of each path's own system.
 
 use fixtures::small::{WALKER, Walker};
-use fixtures::walkers;
-use wzvi::ensemble::Column;
+use fixtures::{column, table, walkers};
 use wzvi::prelude::*;
 
 #[test]
@@ -11,15 +10,10 @@ fn an_event_that_was_never_seen_has_no_error_bound() {
     let run = run.first_passage("far", |state| state.p[0] - 50.0).run().expect("an ensemble");
     assert!(run.nodes().last().expect("the end").error_bound(0).is_nan());
     let tables = run.tables();
-    let column = |table: &str, name: &str| {
-        let table = tables.iter().find(|known| known.name() == table).expect("a table");
-        let (_, column) = table.columns().iter().find(|(known, _)| known == name).expect("a column");
-        let Column::Number(numbers) = column else { panic!("numbers") };
-        numbers.clone()
-    };
-    assert!(column("moments", "error_bound").iter().all(|bound| bound.is_nan()));
-    assert!(column("passages", "rate_error").iter().all(|error| error.is_nan()));
-    assert_eq!(column("passages", "rate"), [0.0]);
+    let numbers = |of: &str, name: &str| column(table(&tables, of), name).to_vec();
+    assert!(numbers("moments", "error_bound").iter().all(|bound| bound.is_nan()));
+    assert!(numbers("passages", "rate_error").iter().all(|error| error.is_nan()));
+    assert_eq!(numbers("passages", "rate"), [0.0]);
 }
 
 #[test]

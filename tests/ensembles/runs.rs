@@ -3,7 +3,7 @@
 mod lanes;
 
 use fixtures::edge::Edge;
-use fixtures::small::{DoubleWell, KUBO, Kubo};
+use fixtures::small::{DoubleWell, KUBO, Kubo, kubo_run};
 use fixtures::stepped::{every_split, stepped};
 use std::sync::Mutex;
 
@@ -35,10 +35,7 @@ fn default_observables_have_the_names_of_the_closure() {
 
 #[test]
 fn every_split_gives_the_same_bits() {
-    let start = || State::new([0.0], [1.0]);
-    let all = every_split(|| {
-        KUBO.ensemble::<Midpoint>(0.05).start(start()).paths(1101).seed(3).steps(37).record_every(10)
-    });
+    let all = every_split(|| kubo_run(0.05).paths(1101).seed(3).steps(37).record_every(10));
     assert_eq!(all.nodes().len(), 5);
     assert!(all.nodes().iter().all(|node| node.count() == 1101));
     let well = DoubleWell { sigma: 0.3 };
@@ -96,17 +93,9 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
 /// weak error of the scheme, about `0.4 h`, is one of them.
 #[test]
 fn kubo_has_its_exact_moments() {
-    let run = KUBO
-        .ensemble::<Midpoint>(0.01)
-        .start(State::new([0.0], [1.0]))
-        .paths(20_000)
-        .seed(1)
-        .until(1.0)
-        .observe("q", |state| state.q[0])
-        .observe("p", |state| state.p[0])
-        .observe("observable2", |state| state.q[0].powi(2) + state.p[0].powi(2))
-        .run()
-        .unwrap();
+    let run = kubo_run(0.01).paths(20_000).seed(1).until(1.0);
+    let run = run.observe("q", |state| state.q[0]).observe("p", |state| state.p[0]);
+    let run = run.observe("observable2", |state| state.q[0].powi(2) + state.p[0].powi(2)).run().unwrap();
     let decay = (-0.5f64).exp();
     for (name, exact) in [("q", decay * 1.5f64.sin()), ("p", decay * 1.5f64.cos())] {
         let (mean, error) = (run.mean(name).unwrap(), run.standard_error(name).unwrap());
@@ -127,7 +116,7 @@ fn kubo_has_its_exact_moments() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let base = || KUBO.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2);
+    let base = || kubo_run(0.01).paths(4).seed(1).steps(2);
     assert!(base().run().is_ok());
     let config = |outcome: Result<Statistics, Error>| matches!(outcome, Err(Error::Config(_)));
     assert!(
@@ -136,11 +125,9 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(base().truncation(wzvi::noise::Truncation::On(0.5)).run(), Err(Error::Noise(_))));
     let short = base().noise(Increments::from([0.1])).run();
     assert!(matches!(short, Err(Error::Noise(_))), "{short:?}");
-    let without_seed =
-        KUBO.ensemble::<Midpoint>(0.01).start(State::new([0.0], [1.0])).paths(4).steps(2).run();
+    let without_seed = kubo_run(0.01).paths(4).steps(2).run();
     assert!(matches!(without_seed, Err(Error::Config(ConfigError::Missing(_)))));
-    let zero_step =
-        KUBO.ensemble::<Midpoint>(0.0).start(State::new([0.0], [1.0])).paths(4).seed(1).steps(2).run();
+    let zero_step = kubo_run(0.0).paths(4).seed(1).steps(2).run();
     assert_eq!(zero_step, Err(Error::Config(ConfigError::StepSize(0.0))));
     let edge = Edge { a: 1.0, sigma: 0.0 };
     let all_fail =
@@ -148,28 +135,16 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(all_fail, Err(Error::Step(error)) if error.step == 0), "{all_fail:?}");
 }
 
-/// Every noise drives an ensemble: path `n` has path `n` of the noise, to the last bit and in every split; given numbers are those of all.
+/// Given numbers are those of all paths, in every split, and a seed is that of the noise with a name.
 #[test]
-fn every_noise_drives_an_ensemble() {
-    fn check<N: Noise + wzvi::noise::Paths + Clone + Send + Sync>(noise: &N) {
-        let run = || {
-            let run = KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
-            run.noise(noise.clone()).keep_paths(1 << 20)
-        };
-        let one = every_split(run);
-        for path in [0, 1, 36] {
-            let mut noise = noise.clone();
-            noise.set_path(path);
-            let alone = stepped::<Midpoint, _>(&KUBO, 0.1, State::new([0.0], [1.0]), noise, 20);
-            let end = one.paths().unwrap().at(path as usize, 1).unwrap();
-            assert_eq!(end[..2], [alone.nodes[20].q[0], alone.nodes[20].p[0]]);
-        }
+fn given_numbers_and_seeds_drive_an_ensemble() {
+    let (run, given) = (|| kubo_run(0.1).paths(37).steps(20), Increments::from([0.3, -0.1].repeat(10)));
+    let all = every_split(|| run().noise(given.clone()).keep_paths(1 << 20));
+    let alone = stepped::<Midpoint, _>(&KUBO, 0.1, State::new([0.0], [1.0]), given.clone(), 20);
+    let end = [alone.nodes[20].q[0], alone.nodes[20].p[0]];
+    for path in [0, 1, 36] {
+        assert_eq!(all.paths().unwrap().at(path, 1).unwrap()[..2], end);
     }
-    check(&Wiener::seed(7));
-    check(&StepNormals::seed(7));
-    check(&WongZakai::averaged(0.2).seed(7));
-    check(&Increments::from([0.3, -0.1].repeat(10)));
-    let run = || KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(37).steps(20);
     assert!(run().seed(7).run().unwrap() == run().noise(StepNormals::seed(7)).run().unwrap());
     let antithetic = run().noise(StepNormals::seed(7).antithetic()).paths(36).run().unwrap();
     assert!(antithetic == run().seed(7).antithetic().paths(36).run().unwrap());
@@ -271,10 +246,10 @@ fn every_runner_takes_the_same_steps() {
             states.iter().map(|state| [state.q[0], state.p[0]]).collect()
         };
         let ensemble = || {
-            let run = KUBO.ensemble::<Midpoint>(0.1).start(start()).paths(37).steps(STEPS).record_every(1);
+            let run = kubo_run(0.1).paths(37).steps(STEPS).record_every(1);
             run.noise(noise(0))
         };
-        let kept = ensemble().keep_paths(1 << 20).run().unwrap();
+        let kept = every_split(|| ensemble().keep_paths(1 << 20));
         let halved = ensemble().retry(Retry::halving(4)).keep_paths(1 << 20).run().unwrap();
         assert!(kept.paths() == halved.paths());
         let shown = Mutex::new(vec![Vec::new(); 37]);
@@ -339,13 +314,13 @@ impl wzvi::noise::Paths for Fails {
 #[test]
 fn a_noise_that_fails_ends_the_run() {
     for threads in [1, 2, 5] {
-        let run = KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
+        let run = kubo_run(0.1).paths(5000).steps(10);
         let outcome = run.noise(Fails { path: 0, from: 1300 }).threads(threads).run();
         let expected = NoiseError::Exhausted { step: 3, available: 1300 };
         // What is asked for before the first step is the last increment of path 0.
         assert_eq!(outcome.unwrap_err(), Error::Noise(expected));
     }
-    let run = KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(5000).steps(10);
+    let run = kubo_run(0.1).paths(5000).steps(10);
     let (path, error) = run.noise(Fails { path: 0, from: 1300 }).replay(4000).unwrap();
     assert_eq!(path.steps(), 3);
     assert_eq!(error, Some(Error::Noise(NoiseError::Exhausted { step: 3, available: 4000 })));

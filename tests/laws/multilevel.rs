@@ -3,19 +3,14 @@
 
 use fixtures::are_refused;
 use fixtures::edge::Edge;
-use fixtures::small::{DoubleWell, KUBO, Kubo, TwoAdditive, WALKER};
-use wzvi::ensemble::{InstructionSet, LevelError, LevelFailure};
+use fixtures::small::{DoubleWell, KUBO, Kubo, TwoAdditive, WALKER, kubo_levels, kubo_run};
+use wzvi::ensemble::{InstructionSet, LevelError, LevelFailure, Multilevel, Observed};
 use wzvi::error::Error;
 use wzvi::noise::{Truncation, clip_bound};
 use wzvi::prelude::*;
 
-fn kubo(
-    h: f64,
-    target: f64,
-    seed: u64,
-) -> wzvi::ensemble::Multilevel<'static, Kubo, Midpoint, wzvi::ensemble::Observed> {
-    let run = KUBO.multilevel::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(seed).until(1.0);
-    run.observe("q", |state| state.q[0]).target(target)
+fn kubo(h: f64, target: f64, seed: u64) -> Multilevel<'static, Kubo, Midpoint, Observed> {
+    kubo_levels(h).seed(seed).until(1.0).observe("q", |state| state.q[0]).target(target)
 }
 
 /// `E q` of Kubo's oscillator after `steps` steps to `t = 1`: each turns `p + iq` by the factor `(1 + iθ)/(1 - iθ)` with
@@ -158,8 +153,7 @@ fn every_split_gives_the_same_bits() {
 #[test]
 fn an_ensemble_has_the_same_bits_on_every_set_of_instructions() {
     let run = || {
-        let run =
-            KUBO.ensemble::<Midpoint>(0.05).start(State::new([0.0], [1.0])).seed(9).until(1.0).paths(1101);
+        let run = kubo_run(0.05).seed(9).until(1.0).paths(1101);
         run.observe("q", |state| state.q[0]).record_every(7).keep_paths(1 << 20)
     };
     let one = run().threads(1).instructions(InstructionSet::Baseline).run().unwrap();
@@ -173,7 +167,7 @@ fn an_ensemble_has_the_same_bits_on_every_set_of_instructions() {
 fn the_coarsest_level_is_the_ensemble() {
     let estimate = kubo(0.25, 1e-2, 9).run().unwrap();
     let run = |h: f64, paths| {
-        let run = KUBO.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(9).until(1.0);
+        let run = kubo_run(h).seed(9).until(1.0);
         run.paths(paths).observe("q", |state| state.q[0]).run().unwrap().mean("q").unwrap()
     };
     let levels = estimate.levels();
@@ -197,7 +191,7 @@ fn a_path_that_fails_is_an_error_with_its_level() {
         let text = Error::from(error).to_string();
         assert!(text.contains("level 0") && text.contains("smaller step size"), "{text}");
     }
-    let logarithm = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(9).until(1.0);
+    let logarithm = kubo_levels(0.25).seed(9).until(1.0);
     let outcome = logarithm.observe("observable0", |state| state.q[0].ln()).target(1e-2).run();
     let Err(Error::Level(LevelError { level: 0, cause: LevelFailure::NonFinite(value), .. })) = outcome
     else {
@@ -210,7 +204,7 @@ fn a_path_that_fails_is_an_error_with_its_level() {
 /// goes farther.
 #[test]
 fn a_path_may_fail_on_a_finer_level_only() {
-    let run = |seed| KUBO.ensemble::<Midpoint>(0.5).start(State::new([0.0], [1.0])).seed(seed).until(0.5);
+    let run = |seed| kubo_run(0.5).seed(seed).until(0.5);
     let found = (0..50).find_map(|seed| {
         let coarsest = run(seed).paths(1024).observe("q", |state| state.q[0]).quantiles().run().unwrap();
         let least = coarsest.quantile("q", 0.0).unwrap();
@@ -218,7 +212,7 @@ fn a_path_may_fail_on_a_finer_level_only() {
             let state: &State<wzvi::nalgebra::SVector<f64, 1>> = state;
             if state.q[0] < least { f64::NAN } else { state.q[0] }
         };
-        let levels = KUBO.multilevel::<Midpoint>(0.5).start(State::new([0.0], [1.0])).seed(seed).until(0.5);
+        let levels = kubo_levels(0.5).seed(seed).until(0.5);
         levels.observe("q", defined).target(1e-2).run().err()
     });
     let Some(Error::Level(LevelError { level, h, cause, .. })) = found else { panic!("{found:?}") };
@@ -231,8 +225,7 @@ fn a_path_may_fail_on_a_finer_level_only() {
 
 #[test]
 fn limits_are_kept_and_said() {
-    let few =
-        KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0).paths(1000);
+    let few = kubo_levels(0.25).seed(1).until(1.0).paths(1000);
     let estimate = few.observe("observable0", |state| state.q[0]).target(1e-3).run().unwrap();
     assert!(!estimate.met_target() && !estimate.is_partial());
     // In whole blocks.
@@ -240,7 +233,7 @@ fn limits_are_kept_and_said() {
     let coarse = kubo(0.25, 1e-3, 1).finest(2).run().unwrap();
     assert!(!coarse.met_target() && coarse.levels().len() == 3 && coarse.bias() > 5e-4);
     assert!(coarse.to_string().contains("target not met"));
-    let stopped = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    let stopped = kubo_levels(0.25).seed(1).until(1.0);
     let stopped =
         stopped.stop_when(|| true).observe("observable0", |state| state.q[0]).target(1e-3).run().unwrap();
     assert!(stopped.is_partial() && stopped.mean().is_nan() && stopped.levels().is_empty());
@@ -248,7 +241,7 @@ fn limits_are_kept_and_said() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let base = || KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).seed(1).until(1.0);
+    let base = || kubo_levels(0.25).seed(1).until(1.0);
     let q = |state: &State<_>| -> f64 {
         let state: &State<wzvi::nalgebra::SVector<f64, 1>> = state;
         state.q[0]
@@ -261,11 +254,11 @@ fn what_makes_no_sense_is_refused() {
     are_refused(base().observe("q", q).target(1e-2).paths(0).run(), "paths");
     are_refused(base().observe("q", q).until(0.0).target(1e-2).run(), "step");
     are_refused(base().observe("q", q).threads(0).target(1e-2).run(), "threads");
-    let unseeded = KUBO.multilevel::<Midpoint>(0.25).start(State::new([0.0], [1.0])).until(1.0);
+    let unseeded = kubo_levels(0.25).until(1.0);
     are_refused(unseeded.observe("q", q).target(1e-2).run(), "seed");
     // Another time than asked for.
     let ends = |h: f64, end: f64| {
-        let run = KUBO.multilevel::<Midpoint>(h).start(State::new([0.0], [1.0])).seed(1).until(end);
+        let run = kubo_levels(h).seed(1).until(end);
         run.observe("q", q).target(2e-2).run()
     };
     are_refused(ends(0.3, 1.0), "1.2");
@@ -334,10 +327,7 @@ fn a_constant_is_not_certain() {
 /// An ensemble that is asked for an error is the same run, and says what it cannot do in it.
 #[test]
 fn an_ensemble_becomes_a_multilevel_run() {
-    let ensemble = || {
-        let start = State::new([0.0], [1.0]);
-        KUBO.ensemble::<Midpoint>(0.25).start(start).seed(3).until(1.0).observe("q", |state| state.q[0])
-    };
+    let ensemble = || kubo_run(0.25).seed(3).until(1.0).observe("q", |state| state.q[0]);
     let begun = ensemble().multilevel(0.02).run().unwrap();
     let same = kubo(0.25, 0.02, 3).run().unwrap();
     assert_eq!((begun.mean(), begun.standard_error()), (same.mean(), same.standard_error()));

@@ -1,7 +1,7 @@
 //! Settings and inputs that make no sense are typed errors, at the first call that can know.
 
-use fixtures::are_refused;
 use fixtures::small::KUBO;
+use fixtures::{are_refused, table};
 use wzvi::error::{ConfigError, NoiseError, PathError, StepFailure};
 use wzvi::increments::Interval;
 use wzvi::prelude::*;
@@ -155,14 +155,12 @@ fn states_and_tables_for_people() {
     let run = STILL.ensemble::<Midpoint>(0.1).start(start()).systems(sweep).paths(3).seed(1).until(0.2);
     let tables = run.observe("omega", |state| state.q[0]).keep_paths(1 << 20).run().unwrap().tables();
     let columns = |name: &str| -> Vec<String> {
-        let table = tables.iter().find(|table| table.name() == name).unwrap();
-        table.columns().iter().map(|(name, _)| name.clone()).collect()
+        table(&tables, name).columns().iter().map(|(name, _)| name.clone()).collect()
     };
     assert_eq!(columns("run").last().unwrap(), "sigma");
     assert_eq!(columns("paths"), ["path", "time", "omega_", "omega"]);
     let mut text = Vec::new();
-    let paths = tables.iter().find(|table| table.name() == "paths").unwrap();
-    paths.write_csv(&mut text).unwrap();
+    table(&tables, "paths").write_csv(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
     assert!(text.lines().nth(1).unwrap().starts_with("0,0.0,1.0,"), "{text}");
     assert!(text.lines().last().unwrap().starts_with("2,0.2,3.0,"), "{text}");

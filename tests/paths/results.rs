@@ -1,12 +1,11 @@
 //! Results that other programs read: tables of paths with the names of the closure, errors and facts as people see them.
 
-use fixtures::folder;
 use fixtures::small::Kepler;
+use fixtures::{column, folder};
 use std::fs;
 use std::process::Command;
 
 use wzvi::prelude::*;
-use wzvi::table::Column;
 
 #[hamiltonian(
     drift = |angle, momentum, time| 0.5 * momentum * momentum - time.cos() * angle.cos(),
@@ -71,11 +70,7 @@ fn every_number_is_that_of_the_path() {
     let system = Shaken { sigma: 0.3 };
     let table = path.table().energies(&system).increments().into_table();
     assert_eq!(table.rows(), path.len());
-    let column = |name: &str| {
-        let (_, column) = table.columns().iter().find(|(known, _)| known == name).unwrap();
-        let Column::Number(entries) = column else { panic!("{name} has no numbers") };
-        entries.clone()
-    };
+    let column = |name: &str| column(&table, name);
     assert!(column("time").iter().copied().eq(path.times()));
     assert!(column("angle").iter().eq(path.iter().map(|state| &state.q[0])));
     assert!(column("momentum").iter().eq(path.iter().map(|state| &state.p[0])));
