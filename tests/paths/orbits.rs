@@ -120,30 +120,16 @@ fn stable_linear_motions_are_never_suspected() {
         let system = Modes { a, b, c, quartic: 0.0 };
         let start = State::new([random() - 0.5, random() - 0.5], [random() - 0.5, random() - 0.5]);
         let limit = 2.0 * (0.1 + 0.895 * random()) / fastest;
-        let watched = [
-            system.simulate::<Verlet>(limit).start(start).steps(2000).run().map(|path| path.iterations()),
-            system.simulate::<DeltaPlus>(limit).start(start).steps(2000).run().map(|path| path.iterations()),
-            // Stable up to ωh = 1.57.
-            system
-                .simulate::<Composed<Verlet, Yoshida4>>(0.75 * limit)
-                .start(start)
-                .steps(2000)
-                .run()
-                .map(|path| path.iterations()),
-            // Stable while `h² ω² (1/2 - l)² < 1`.
-            system
-                .simulate::<Lambda<1, 4>>(limit)
-                .start(start)
-                .steps(2000)
-                .run()
-                .map(|path| path.iterations()),
-            system
-                .simulate::<Midpoint>(100.0 * random() / fastest)
-                .start(start)
-                .steps(2000)
-                .run()
-                .map(|path| path.iterations()),
-        ];
+        macro_rules! watched {
+            ($($scheme:ty, $h:expr);+) => {[$(
+                system.simulate::<$scheme>($h).start(start).steps(2000).run().map(|path| path.iterations())
+            ),+]};
+        }
+        // The composition is stable up to ωh = 1.57, the asymmetric scheme while `h² ω² (1/2 - l)² < 1`.
+        let watched = watched!(
+            Verlet, limit; DeltaPlus, limit; Composed<Verlet, Yoshida4>, 0.75 * limit; Lambda<1, 4>, limit;
+            Midpoint, 100.0 * random() / fastest
+        );
         for (scheme, iterations) in watched.into_iter().enumerate() {
             let iterations = iterations.unwrap_or_else(|error| panic!("{case}, {scheme}: {error}"));
             // What a composition keeps nearly may come and go.
