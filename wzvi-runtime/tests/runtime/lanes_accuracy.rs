@@ -77,28 +77,17 @@ type Exact = fn(&Real) -> Real;
 
 /// The largest error over some ranges.
 fn measure(name: &str, function: One, exact: Exact, ranges: &[Range], bound: f64) {
-    let mut arguments = Arguments(name.len() as u64);
-    let (mut worst, mut at) = (0.0, 0.0);
-    for &range in ranges {
-        for _ in 0..samples().div_ceil(L) {
-            let x: [f64; L] = std::array::from_fn(|_| range.draw(&mut arguments));
-            let y = function(Lanes::new(x));
-            for i in 0..L {
-                let error = ulps(y[i], &exact(&Real::from(x[i])));
-                if error.is_nan() || error > worst {
-                    (worst, at) = (error, x[i]);
-                }
-            }
-        }
-    }
-    println!("{name}: {worst:.3} ulp at {at:e}");
-    assert!(worst <= bound, "{name}({at:e}) is off by {worst} units");
+    let pairs: Vec<_> = ranges.iter().map(|&range| [range; 2]).collect();
+    measure_two(name, |x, _| function(x), |x, _| exact(x), &pairs, bound);
 }
 
-type Two = fn(Lanes<L>, Lanes<L>) -> Lanes<L>;
-type ExactTwo = fn(&Real, &Real) -> Real;
-
-fn measure_two(name: &str, function: Two, exact: ExactTwo, ranges: &[[Range; 2]], bound: f64) {
+fn measure_two(
+    name: &str,
+    function: impl Fn(Lanes<L>, Lanes<L>) -> Lanes<L>,
+    exact: impl Fn(&Real, &Real) -> Real,
+    ranges: &[[Range; 2]],
+    bound: f64,
+) {
     let mut arguments = Arguments(name.len() as u64);
     let (mut worst, mut at) = (0.0, (0.0, 0.0));
     for &[first, second] in ranges {

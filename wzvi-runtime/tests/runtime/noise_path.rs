@@ -30,8 +30,6 @@ fn times() -> Vec<f64> {
     times
 }
 
-const STEP: Interval = Interval { start: 0.0, h: 0.1, step: 0 };
-
 #[test]
 fn the_order_of_queries_changes_no_bit() {
     let times = times();
@@ -194,15 +192,10 @@ fn errors_say_what_is_wrong() {
     }
     for eps in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(ask(&mut WongZakai::averaged(eps), step), NoiseError::Window(_)));
-        assert!(WongZakai::averaged(eps).increments(&STEP, &mut [0.0]).is_err());
         assert!(WongZakai::averaged(eps).value(0, 1.0).is_err());
     }
     for k in [0.0, 0.99, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(ask(&mut Wiener::seed(0).truncated(k), step), NoiseError::Truncation(_)));
-        assert!(matches!(
-            Wiener::seed(0).truncated(k).increments(&STEP, &mut [0.0]),
-            Err(NoiseError::Truncation(_))
-        ));
     }
     for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(ask(&mut Wiener::seed(0).unit(unit), step), NoiseError::Unit(_)));
