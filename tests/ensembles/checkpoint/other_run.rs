@@ -51,31 +51,20 @@ fn another_scheme_step_or_observable() {
     let file = folder!("other-scheme").join("run");
     let start = || State::new([1.0], [0.5]);
     let run = || EDGE.ensemble::<DeltaPlus>(0.05).start(start()).paths(600).seed(7).steps(4);
-    run().observe("observable0", |state| state.q[0]).checkpoint(Checkpoint::to(&file)).run().unwrap();
-    let observed = "what the observables and events are on path 0 (checksum)";
-    assert_eq!(fields(&file, run().observe("observable0", |state| state.p[0])), [observed]);
+    let observed = |of: fn(&SystemState<Edge>) -> f64| run().observe("observable0", of);
+    let of_q = || observed(|state| state.q[0]);
+    of_q().checkpoint(Checkpoint::to(&file)).run().unwrap();
+    let values = ["what the observables and events are on path 0 (checksum)"];
+    assert_eq!(fields(&file, observed(|state| state.p[0])), values);
     // The same value at the start, but not a step later: q is 1 there.
-    assert_eq!(fields(&file, run().observe("observable0", |state| state.q[0].powi(2))), [observed]);
-    assert_eq!(
-        fields(&file, run().observe("observable0", |state| state.q[0] * (1.0 + 1e-12 * state.t))),
-        [observed]
-    );
-    assert_eq!(fields(&file, run().observe("observable0", |state| state.q[0]).quantiles()), ["quantiles"]);
-    assert_eq!(
-        fields(&file, run().observe("observable0", |state| state.q[0]).keep_paths(1 << 30)),
-        ["paths are kept"]
-    );
+    assert_eq!(fields(&file, observed(|state| state.q[0].powi(2))), values);
+    assert_eq!(fields(&file, observed(|state| state.q[0] * (1.0 + 1e-12 * state.t))), values);
+    assert_eq!(fields(&file, of_q().quantiles()), ["quantiles"]);
+    assert_eq!(fields(&file, of_q().keep_paths(1 << 30)), ["paths are kept"]);
     assert_eq!(fields(&file, run()), ["the observables"]);
-    assert_eq!(
-        fields(&file, run().observe("observable0", |state| state.q[0]).antithetic()),
-        ["noise antithetic"]
-    );
+    assert_eq!(fields(&file, of_q().antithetic()), ["noise antithetic"]);
     let scheme = EDGE.ensemble::<Midpoint>(0.05).start(start()).paths(600).seed(7).steps(4);
-    assert!(
-        fields(&file, scheme.observe("observable0", |state| state.q[0])).contains(&"the scheme".to_owned())
-    );
+    assert!(fields(&file, scheme.observe("observable0", |state| state.q[0])).contains(&"the scheme".into()));
     let step = EDGE.ensemble::<DeltaPlus>(0.051).start(start()).paths(600).seed(7).steps(4);
-    assert!(
-        fields(&file, step.observe("observable0", |state| state.q[0])).contains(&"the step size".to_owned())
-    );
+    assert!(fields(&file, step.observe("observable0", |state| state.q[0])).contains(&"the step size".into()));
 }
