@@ -85,11 +85,18 @@ fn systems(words: &[&str]) -> String {
             squares(p),
         );
     }
-    let around = all(&|word| format!("const {word}: {real} = 1.0; struct {word} {{}}"), "\n");
+    // Names that the generated code derives from those of its coordinates and fields.
+    let derived =
+        ["node_momentum", "delta_momentum", "delta_coordinate", "coordinate_squared", "rate_squared"];
+    let constant = |word: &&str| format!("const {word}: {real} = 1.0; struct {word} {{}}\n");
+    let around: String = words.iter().chain(&derived).map(constant).collect();
+    let timed = small("rate * (1.0 + time)").replace("momentum|", "momentum, time|");
+    let corrected = "[::renamed::embedding::Corrected<::renamed::embedding::DeltaPlus>, ";
+    let more = schemes.replace('[', corrected);
     text += &format!(
-        "mod around {{\nuse ::core::iter::Iterator as _;\n{around}\n#[::renamed::hamiltonian({}, {schemes})]\nstruct Small0 {{ rate: {real} }}\n\
-         #[::renamed::hamiltonian({}, {schemes})]\nstruct Large0 {{ rate: {real} }}\n}}\n\n",
-        small("rate"),
+        "mod around {{\nuse ::core::iter::Iterator as _;\n{around}\n\
+         #[::renamed::hamiltonian({timed}, invariant = |_, _| 1.0, {more})]\nstruct Small0 {{ rate: {real} }}\n\
+         #[::renamed::hamiltonian({}, {more})]\nstruct Large0 {{ rate: {real} }}\n}}\n\n",
         large("rate"),
     );
     let types = all(&|word| word.to_owned(), ", ");

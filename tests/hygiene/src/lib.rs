@@ -5,7 +5,6 @@
 #![deny(non_snake_case, single_use_lifetimes, missing_debug_implementations, elided_lifetimes_in_paths)]
 
 mod attributes;
-mod constants;
 /// Written by `tests/compiler/hygiene.rs`.
 #[allow(warnings, non_snake_case, clippy::all, clippy::pedantic)]
 mod golden {
@@ -49,7 +48,6 @@ pub fn run() -> ::core::result::Result<f64, ::renamed::Error> {
     let mut stepper = kubo.stepper::<Corrected<DeltaPlus>>(0.1)?;
     stepper.step(&mut state, &[0.1])?;
     names::run(state.t);
-    constants::run();
     macros::run();
     attributes::run();
     reexport::run();
