@@ -23,8 +23,8 @@ pub(crate) mod single;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Index, Mul, Neg, Not, Sub};
 
-use crate::algebra::scalar::{Mask, Number, Scalar};
-use crate::algebra::solve::{Effort, Equations, lanes, larger, together};
+use crate::algebra::scalar::{Mask, Number, Scalar, larger};
+use crate::algebra::solve::{Effort, Equations, lanes, together};
 use crate::error::StepFailure;
 use crate::ground::numbers::{Numbers, Tape};
 

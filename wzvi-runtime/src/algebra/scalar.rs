@@ -418,6 +418,12 @@ impl Scalar for f64 {
     }
 }
 
+/// The larger of two; NaN if either is, unlike `f64::max`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -31,7 +31,7 @@ pub use graph::reverse_cuthill_mckee;
 pub(crate) use krylov::power_of_two;
 pub use krylov::{Krylov, Operator};
 pub use newton::Equations;
-pub(crate) use newton::{astray, larger};
+pub(crate) use newton::astray;
 pub use sparse::Sparse;
 
 /// How numbers of any type are solved for that have one verdict.

@@ -195,3 +195,21 @@ impl<V: Vector> State<V> {
         self
     }
 }
+
+/// Copies without allocating, unless the length changes.
+#[inline]
+pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
+    let (old, new) = (into.components_mut(), from.components());
+    if old.len() == new.len() {
+        old.copy_from_slice(new);
+    } else {
+        into.clone_from(from);
+    }
+}
+
+/// Copies a state without allocating, unless its length changes.
+pub(crate) fn copy_state<V: Vector>(into: &mut State<V>, from: &State<V>) {
+    into.t = from.t;
+    copy(&mut into.q, &from.q);
+    copy(&mut into.p, &from.p);
+}

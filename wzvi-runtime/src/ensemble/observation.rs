@@ -4,13 +4,13 @@ use super::group::Group;
 use super::job::Job;
 use super::pace::Pace;
 use super::starts::Systems;
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::StoppedError;
 use crate::path::Error;
 use crate::path::recording::Recorded;
 use crate::path::section::{Crossing, Sections, Watch, first_zero};
 use crate::path::steps::Advance;
-use crate::scheme::dense::{DenseOutput, copy_state};
+use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
 use crate::statistics::{Passage, PathFailure, Seen, Statistics, crossing};
 

@@ -1,10 +1,10 @@
 //! What a run looks for between its nodes: recorded times and crossings of sections.
 
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, copy_state};
 use crate::path::recording::Moment;
 use crate::path::section::{Sections, Watch};
 use crate::path::trajectory::Recorder;
-use crate::scheme::dense::{DenseOutput, copy_state};
+use crate::scheme::dense::DenseOutput;
 
 /// Looks into the steps of one path.
 pub(crate) struct Between<'s, 'a, V> {

@@ -9,10 +9,10 @@ use std::marker::PhantomData;
 use crate::algebra::carry::{Carry, Plain};
 use crate::algebra::few::List;
 use crate::algebra::memory::{Iteration, Method, Request, StepMemory, Threads};
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, copy, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure};
 use crate::scheme::continuation::Hard;
-use crate::scheme::dense::{DenseOutput, copy, copy_state};
+use crate::scheme::dense::DenseOutput;
 use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{
     At, CarryOf, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,

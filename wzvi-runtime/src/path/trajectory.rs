@@ -8,7 +8,7 @@ mod table;
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::algebra::solve::larger;
+use crate::algebra::scalar::larger;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sum;
 use crate::error::{FileError, PathError, UnknownName};

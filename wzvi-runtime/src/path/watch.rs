@@ -24,9 +24,8 @@
 //! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps would have the same phase in each test.
 
 use crate::algebra::scalar::{Dual, Rounded};
-use crate::algebra::state::{State, Vector, dot};
+use crate::algebra::state::{State, Vector, copy_state, dot};
 use crate::error::{StepError, StepFailure};
-use crate::scheme::dense::copy_state;
 use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass};
 use crate::scheme::system::{Discretized, Hamiltonian};
 

@@ -17,7 +17,7 @@
 mod hermite;
 mod slopes;
 
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, copy, copy_state};
 use crate::scheme::plan::{NoiseClass, Plan};
 use crate::scheme::system::{Discretized, MemoryOf, PreparedOf, Scheme, SchemeOf};
 use hermite::Hermite;
@@ -229,22 +229,4 @@ impl Samples {
             }));
         }
     }
-}
-
-/// Copies without allocating, unless the length changes.
-#[inline]
-pub(crate) fn copy<V: Vector>(into: &mut V, from: &V) {
-    let (old, new) = (into.components_mut(), from.components());
-    if old.len() == new.len() {
-        old.copy_from_slice(new);
-    } else {
-        into.clone_from(from);
-    }
-}
-
-/// Copies a state without allocating, unless its length changes.
-pub(crate) fn copy_state<V: Vector>(into: &mut State<V>, from: &State<V>) {
-    into.t = from.t;
-    copy(&mut into.q, &from.q);
-    copy(&mut into.p, &from.p);
 }

@@ -13,8 +13,8 @@
 use super::convergence::{Convergence, Verdict};
 use super::dense::{Factor, is_definite};
 use super::effort::{Doubt, Effort};
-use super::newton::{Equations, astray, larger};
-use crate::algebra::scalar::Scalar;
+use super::newton::{Equations, astray};
+use crate::algebra::scalar::{Scalar, larger};
 use crate::error::StepFailure;
 
 /// Whole corrections that are tried unconditionally.

@@ -4,8 +4,7 @@
 //! SIAM J. Sci. Stat. Comput. 7, 1986; restarted, with a preconditioner from the right, so that the residual that it watches is
 //! the true one.
 
-use super::newton::larger;
-use crate::algebra::scalar::Scalar;
+use crate::algebra::scalar::{Scalar, larger};
 use crate::error::StepFailure;
 
 /// Vectors of the basis before a restart.

@@ -23,7 +23,7 @@ use super::convergence::{Convergence, Verdict};
 use super::damped::{Dense, Room, damped};
 use super::dense::{Factor, SymmetricFactor, is_definite};
 use super::effort::Effort;
-use crate::algebra::scalar::{Mask, Rounded, Scalar};
+use crate::algebra::scalar::{Mask, Rounded, Scalar, larger};
 use crate::error::StepFailure;
 
 /// A determinant above this fraction of its two products has lost three digits at most, which Newton's method makes up.
@@ -44,12 +44,6 @@ pub trait Equations<S, const N: usize>: Copy {
 pub(super) fn beyond<const N: usize>(residual: [Rounded; N], relative: [f64; N]) -> f64 {
     let left = residual.iter().zip(relative).filter(|(residual, _)| !residual.is_below(1.0));
     left.fold(0.0, |most, (_, size)| larger(most, size))
-}
-
-/// The larger of two; NaN if either is, unlike `f64::max`.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
 }
 
 /// [`beyond`] of all lanes.

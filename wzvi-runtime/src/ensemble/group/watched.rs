@@ -1,9 +1,8 @@
 //! The energy of paths beside each other: each is watched as if it were alone.
 
 use super::{Group, Systems};
-use crate::algebra::state::State;
+use crate::algebra::state::{State, copy_state};
 use crate::path::watch::{Motion, Watch, keeps_energy, next_look};
-use crate::scheme::dense::copy_state;
 use crate::scheme::system::Discretized;
 
 /// The size of the motion of each path, from the steps that a single path looks at: so both divide a step alike.

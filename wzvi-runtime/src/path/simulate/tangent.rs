@@ -7,14 +7,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{Simulation, Unobserved};
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::{ConfigError, StepError, StepFailure, wrong};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::retry::Subdivision;
 use crate::path::steps::Step;
 use crate::scheme::continuation::is_near;
-use crate::scheme::dense::copy_state;
 use crate::scheme::system::{
     At, Discretized, Hamiltonian, Lift, MemoryOf, PreparedOf, Scheme, SchemeOf, anew, as_they_are,
 };

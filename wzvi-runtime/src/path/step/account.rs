@@ -9,8 +9,8 @@
 //! With a bath, whose noise makes momenta rough inside the step, the force is that in the middle and works along the way `Δq`, and explicit time is
 //! `H(t + h) - H(t)` there.
 
-use crate::algebra::state::{State, Vector, dot};
-use crate::scheme::dense::{DenseOutput, copy_state};
+use crate::algebra::state::{State, Vector, copy_state, dot};
+use crate::scheme::dense::DenseOutput;
 use crate::scheme::gauss::quadrature;
 use crate::scheme::system::{Discretized, Exchange, Gradient, Hamiltonian};
 

@@ -9,9 +9,8 @@
 //! interpolates the rates (at inner points up to the term with `δ`), connects the nodes, and has the rates of the nodes at its ends. For `n = 2`
 //! it is Hermite's cubic, with an error of order 4; with `n` points and rates evaluated on a polynomial of order `n` it has order `n + 1`.
 
-use super::copy_state;
 use super::slopes::{Slopes, Weights, legendre, weights};
-use crate::algebra::state::{State, Vector};
+use crate::algebra::state::{State, Vector, copy_state};
 use crate::scheme::system::{Gradient, Hamiltonian};
 
 /// The Lobatto points of a step, and the projection of the rates there to coefficients.

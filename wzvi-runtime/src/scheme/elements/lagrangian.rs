@@ -5,8 +5,7 @@ use super::hamiltonian::fits;
 use super::rounding::lift;
 use super::step::{Step, decay};
 use super::{Elements, Memory, PairColumns, Point, Quadrature, Slopes, Stage, Unknowns, slopes};
-use crate::algebra::scalar::{Rounded, Scalar};
-use crate::algebra::solve::larger;
+use crate::algebra::scalar::{Rounded, Scalar, larger};
 use crate::algebra::state::{State, Vector};
 use crate::scheme::system::{Hamiltonian, LagrangianGradient, Segment};
 

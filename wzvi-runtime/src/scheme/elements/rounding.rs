@@ -7,8 +7,7 @@ use super::Elements;
 use super::memory::{Lists, Work};
 use super::passes::largest;
 use super::step::Step;
-use crate::algebra::scalar::{Rounded, Scalar};
-use crate::algebra::solve::larger;
+use crate::algebra::scalar::{Rounded, Scalar, larger};
 
 /// The state and the scratch of the step; allocated at the first use.
 #[derive(Debug, Default)]

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::LINE;
 use super::layout::Windows;
-use crate::algebra::solve::larger;
+use crate::algebra::scalar::larger;
 use crate::algebra::threads::each;
 use crate::scheme::elements::change::Change;
 use crate::scheme::elements::step::nothing;
