@@ -156,6 +156,19 @@ fn forces_are_derivatives_of_the_energy() {
     }
 }
 
+/// Rotors of which each turns all others, and a force that a stepper accounts for.
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| {
+        p.iter().map(|p| 0.5 * p * p).sum::<f64>()
+            + (0..q.len()).map(|i| (0..i).map(|j| k * (1.0 - (q[i] - q[j]).cos())).sum::<f64>()).sum::<f64>()
+    },
+    force = |q: &[f64], p: &[f64], t| (0..q.len()).map(|i| -0.1 * q[i] * t),
+    embedding = Verlet,
+)]
+struct Pushed {
+    k: f64,
+}
+
 /// One step of Euler's.
 struct Euler;
 
@@ -181,6 +194,13 @@ impl OneStep for Euler {
 #[test]
 fn steps_allocate_nothing() {
     let (system, mut state) = (cluster(100), State::new(numbers(300, 0.2), numbers(300, 1.1)));
+    let (pushed, mut angles) = (Pushed { k: 0.01 }, State::new(numbers(70, 0.2), numbers(70, 1.1)));
+    assert_eq!(later_allocations::<Composed<Verlet, KahanLi8>, _>(&pushed, &mut angles, H, 10), 0);
+    let run = |steps| {
+        let run = pushed.simulate::<Verlet>(H).start(angles.clone()).steps(steps).record_every(0);
+        allocation_counter::measure(|| assert!(run.run().is_ok())).count_total
+    };
+    assert_eq!(run(1000), run(100));
     let mut later = [
         later_allocations::<DeltaPlus, _>,
         later_allocations::<Verlet, _>,

@@ -200,16 +200,36 @@ fn an_empty_system_has_no_energy_and_no_run() {
 )]
 struct Springs;
 
+/// Wells in space, whose sums run over all points that there are.
+#[hamiltonian(
+    drift = |q: &[[f64; 3]], p: &[[f64; 3]]| {
+        p.iter().map(|p| 0.5 * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2])).sum::<f64>()
+            + q.iter().map(|q| 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2])).sum::<f64>()
+    },
+    embedding = [DeltaPlus, Midpoint, Verlet, Gauss<2>],
+)]
+struct Wells;
+
 #[test]
-fn no_step_moves_an_empty_state() {
+fn no_step_moves_a_state_of_another_size() {
+    fn refuses<E, H>(system: &H, length: usize, expected: usize)
+    where
+        H: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+    {
+        let mut state = State::new(vec![0.5; length], vec![0.25; length]);
+        let error = system.stepper::<E>(0.1).unwrap().step(&mut state, &[]).unwrap_err();
+        assert_eq!(error.cause, StepFailure::Dimension { expected, got: length });
+        assert_eq!(state, State::new(vec![0.5; length], vec![0.25; length]));
+    }
     fn of<E>()
     where
         Springs: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
+        Wells: Discretized<E, Vector = wzvi::nalgebra::DVector<f64>>,
     {
-        let mut state = State::new(Vec::<f64>::new(), Vec::<f64>::new());
-        let error = Springs.stepper::<E>(0.1).unwrap().step(&mut state, &[]).unwrap_err();
-        assert_eq!(error.cause, StepFailure::Dimension { expected: 1, got: 0 });
-        assert_eq!(state.t, 0.0);
+        refuses::<E, _>(&Springs, 0, 1);
+        [(1, 3), (2, 3), (4, 6), (8, 9), (3001, 3003)]
+            .into_iter()
+            .for_each(|(length, expected)| refuses::<E, _>(&Wells, length, expected));
     }
     of::<DeltaPlus>();
     of::<Midpoint>();

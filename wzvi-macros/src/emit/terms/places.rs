@@ -8,13 +8,14 @@ use quote::quote;
 
 use crate::diagnostics::promised;
 use crate::emit::count;
+use crate::emit::plan::degrees;
 use crate::model::{Atom, Bounds, Element, Index, Loop, Operation, Slot, System, Table, Term};
 
 /// The largest `isize` on the smallest machine, and the most numbers of a state there.
 const LARGEST: i128 = i32::MAX as i128;
 const MOST_DEGREES: i128 = LARGEST / size_of::<f64>() as i128;
 
-/// `Elements::PLACES` and `Elements::entries`; empty if all places are proven.
+/// `Elements::PLACES` and `Elements::entries`; empty if all places are proven, unless states of points may have a component too many.
 pub(super) fn emit(system: &System) -> TokenStream {
     let mut places = Places { system, arms: BTreeMap::new() };
     let mut nests = TokenStream::new();
@@ -26,7 +27,7 @@ pub(super) fn emit(system: &System) -> TokenStream {
         let index = places.index(index, loops);
         nests.extend(places.in_loops(loops, &quote!(__wzvi::elements::places::Slot::Unsigned(#index),)));
     }
-    if nests.is_empty() {
+    if nests.is_empty() && (system.components == 1 || degrees(system).is_some()) {
         return nests;
     }
     let components = count(usize::try_from(system.components).unwrap_or(1));

@@ -1,5 +1,6 @@
 //! Sums of elements as a Hamiltonian: values and slopes of one term from those of the part that it belongs to.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use super::{Elements, PairColumns, Point, Slopes, check, places, slopes};
@@ -41,6 +42,18 @@ pub(crate) fn forces<H: Elements, S: Scalar>(
 ) {
     slopes(system, (FORCE, 1.0), at, Slopes::BY_COORDINATES, into, &mut [], columns);
     into.iter_mut().for_each(|slope| *slope = -*slope);
+}
+
+thread_local! {
+    /// The columns of queries, which have no memory of their own. Steps have theirs.
+    static COLUMNS: Cell<PairColumns> = const { Cell::new(PairColumns::EMPTY) };
+}
+
+/// Asks with the columns of this thread; with others where they are in use, or already destroyed.
+fn with_columns(ask: impl FnOnce(&mut PairColumns)) {
+    let mut columns = COLUMNS.try_with(Cell::take).unwrap_or_default();
+    ask(&mut columns);
+    COLUMNS.try_with(|kept| kept.set(columns)).unwrap_or_default();
 }
 
 /// For users and for schemes that need no more than a Hamiltonian. States that do not fit give NaN.
@@ -105,7 +118,7 @@ impl<H: Elements> Hamiltonian for H {
         if is_known {
             let (dw, (part, acting)) = ([S::from_f64(1.0)], part_of(term));
             let at = Point { acting, ..Point::new([q, p], Scalar::from_f64(t), &[], &dw) };
-            slopes(self, (part, 1.0), &at, Slopes::ALL, by_q, by_p, &mut PairColumns::default());
+            with_columns(|columns| slopes(self, (part, 1.0), &at, Slopes::ALL, by_q, by_p, columns));
         }
     }
 
@@ -119,7 +132,7 @@ impl<H: Elements> Hamiltonian for H {
         by_p.fill(start);
         if is_known {
             let at = Point { acting: 0..dw.len(), ..Point::new([q, p], state.t, &[], dw) };
-            slopes(self, (NOISE, 1.0), &at, Slopes::ALL, by_q, by_p, &mut PairColumns::default());
+            with_columns(|columns| slopes(self, (NOISE, 1.0), &at, Slopes::ALL, by_q, by_p, columns));
         }
     }
 
@@ -128,7 +141,7 @@ impl<H: Elements> Hamiltonian for H {
         into.fill(S::from_f64(if is_known { 0.0 } else { f64::NAN }));
         if is_known && H::FACTS.kind.is_forced {
             let at = Point::new([q, p], Scalar::from_f64(t), &[], &[]);
-            forces(self, &at, into, &mut PairColumns::default());
+            with_columns(|columns| forces(self, &at, into, columns));
         }
     }
 

@@ -28,6 +28,10 @@ struct Columns<'a, U> {
 #[derive(Clone, Debug, Default)]
 pub struct PairColumns(Vec<f64>);
 
+impl PairColumns {
+    pub(in crate::scheme::elements) const EMPTY: Self = Self(Vec::new());
+}
+
 /// Numbers in a line of the cache.
 const LINE: usize = 8;
 
