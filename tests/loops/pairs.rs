@@ -3,13 +3,11 @@
 //!
 //! The reference for bits is the same generated step on [`Lanes<1>`], which takes no vector registers.
 
-use wzvi::embedding::{OneStep, Own, TakahashiImada4};
-use wzvi::error::StepFailure;
+use fixtures::own::RungeKutta4;
+use wzvi::embedding::{Own, TakahashiImada4};
 use wzvi::lanes::Lanes;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
-use wzvi::scalar::Scalar;
-use wzvi::system::{Scratch, StepField};
 
 use crate::one_by_one::{H, check, check_others, check_scheme, later_allocations, numbers};
 
@@ -169,27 +167,6 @@ struct Pushed {
     k: f64,
 }
 
-/// One step of Euler's.
-struct Euler;
-
-impl OneStep for Euler {
-    const ORDER: u32 = 1;
-    const IS_CONSISTENT: bool = false;
-    fn step<S: Scalar>(
-        field: &impl StepField<S>,
-        [q, p]: [&mut [S]; 2],
-        scratch: &mut Scratch<S>,
-    ) -> Result<(), StepFailure> {
-        let [dq, dp] = scratch.lists(q.len());
-        field.at(0.0, [q, p], [&mut *dq, &mut *dp]);
-        [q, p]
-            .into_iter()
-            .zip([dq, dp])
-            .for_each(|(x, dx)| x.iter_mut().zip(dx).for_each(|(x, dx)| *x = *x + *dx));
-        Ok(())
-    }
-}
-
 /// The columns belong to the stepper: they are there after the first step, in any thread.
 #[test]
 fn steps_allocate_nothing() {
@@ -208,7 +185,7 @@ fn steps_allocate_nothing() {
         later_allocations::<Gauss<2>, _>,
         later_allocations::<Composed<Verlet, KahanLi8>, _>,
         later_allocations::<Composed<Verlet, TakahashiImada4>, _>,
-        later_allocations::<Own<Euler>, _>,
+        later_allocations::<Own<RungeKutta4>, _>,
     ]
     .map(|allocations| allocations(&system, &mut state, 0.01 * H, 10));
     let mut stepper = system.stepper::<Verlet>(H).unwrap();

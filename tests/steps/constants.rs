@@ -9,7 +9,7 @@ use wzvi::prelude::*;
 use wzvi::simulate::Tangent;
 use wzvi::state::Vector;
 
-use crate::own::RungeKutta4;
+use fixtures::own::RungeKutta4;
 
 /// A driven chain of any size with noise at its ends; the parameters are in loops, beside the time and in a comparison.
 #[hamiltonian(

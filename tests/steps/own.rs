@@ -2,45 +2,13 @@
 
 use allocation_counter::measure;
 use fixtures::bath::Oscillator;
+use fixtures::own::RungeKutta4;
 use fixtures::small::{DoubleWell, HenonHeiles, Kubo};
-use wzvi::embedding::{OneStep, Own};
+use wzvi::embedding::Own;
 use wzvi::error::{ConfigError, StepFailure};
 use wzvi::prelude::*;
 use wzvi::scalar::{Dual, Scalar};
-use wzvi::system::{Scratch, StepField};
-
-/// The classical scheme of Runge and Kutta.
-pub(super) struct RungeKutta4;
-
-impl OneStep for RungeKutta4 {
-    const ORDER: u32 = 4;
-    const IS_CONSISTENT: bool = true;
-
-    fn step<S: Scalar>(
-        field: &impl StepField<S>,
-        [q, p]: [&mut [S]; 2],
-        scratch: &mut Scratch<S>,
-    ) -> Result<(), StepFailure> {
-        let [dq, dp, at_q, at_p, sum_q, sum_p] = scratch.lists(q.len());
-        at_q.copy_from_slice(q);
-        at_p.copy_from_slice(p);
-        sum_q.fill(S::from_f64(0.0));
-        sum_p.fill(S::from_f64(0.0));
-        for (c, next, weight) in
-            [(0.0, 0.5, 1.0 / 6.0), (0.5, 0.5, 1.0 / 3.0), (0.5, 1.0, 1.0 / 3.0), (1.0, 0.0, 1.0 / 6.0)]
-        {
-            field.at(c, [at_q, at_p], [dq, dp]);
-            for i in 0..q.len() {
-                (sum_q[i], sum_p[i]) = (sum_q[i] + dq[i] * weight, sum_p[i] + dp[i] * weight);
-                (at_q[i], at_p[i]) = (q[i] + dq[i] * next, p[i] + dp[i] * next);
-            }
-        }
-        for i in 0..q.len() {
-            (q[i], p[i]) = (q[i] + sum_q[i], p[i] + sum_p[i]);
-        }
-        Ok(())
-    }
-}
+use wzvi::system::Scratch;
 
 type Rk4 = Own<RungeKutta4>;
 

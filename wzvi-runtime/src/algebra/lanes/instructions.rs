@@ -48,6 +48,7 @@ impl InstructionSet {
     }
 
     /// Runs the kernel with these instructions, or with those of the baseline where the machine does not have them, and in builds with debug assertions.
+    // A function of its own would copy kernels that registers do not hold.
     #[inline]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(all(target_arch = "x86_64", not(debug_assertions)))]

@@ -146,8 +146,8 @@ impl<const RELAXES: bool> Word for Parts<'_, RELAXES> {
             Act::Flow(Half::First) => Move::Drift,
             Act::Relax(_) => Move::Momenta,
             Act::RelaxBetween(_) => Move::State,
-            _ if stage.is_end => Move::Kick(Kick::Plus),
-            _ => Move::Kick(Kick::Terms),
+            Act::Flow(Half::Second) | Act::Square(_) if stage.is_end => Move::Kick(Kick::Plus),
+            Act::Flow(Half::Second) | Act::Square(_) => Move::Kick(Kick::Terms),
         }
     }
 
