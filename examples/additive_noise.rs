@@ -5,7 +5,7 @@
 //! with `E[exact | increments]`, which has an error of its own, because it does not know the path within a step. Here the
 //! exact solution is computed on the same path, from its increments and areas; the remaining error is 5e-4 at t = 200.
 //!
-//! Run with `cargo run --release --example additive_noise`.
+//! Run with `cargo run --release --features svg --example additive_noise`.
 
 #[path = "support/plot.rs"]
 mod plot;

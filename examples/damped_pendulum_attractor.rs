@@ -8,7 +8,7 @@
 //! * **Energy**: the work of the drive minus the loss by friction is the change of the energy, to the error of the scheme.
 //! * **Dimension**: a motion of period three has the dimension 0; the attractor at `a = 1.5` lies between a curve and an area.
 //!
-//! `cargo run --release --example damped_pendulum_attractor`, a few seconds
+//! `cargo run --release --features svg --example damped_pendulum_attractor`, a few seconds
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -1,7 +1,7 @@
 //! The double pendulum: two starts 10⁻⁹ rad apart, the rate at which they separate (the largest Lyapunov exponent), and the
 //! energy meanwhile. The mass matrix depends on the angles, so that the mid-point step is implicit in all four unknowns.
 //!
-//! Run with `cargo run --release --example double_pendulum`.
+//! Run with `cargo run --release --features svg --example double_pendulum`.
 //!
 //! Units: both masses, both lengths and gravity are 1.
 

@@ -1,6 +1,6 @@
 //! The statistics of an ensemble in files for data frames: noise pushes a particle over the barrier of a double well.
 //!
-//! `cargo run --release --example ensemble_files` writes CSV, JSON and Parquet to
+//! `cargo run --release --features columnar --example ensemble_files` writes CSV, JSON and Parquet to
 //! `target/wzvi/ensemble_files`.
 
 use wzvi::prelude::*;

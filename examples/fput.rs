@@ -15,7 +15,7 @@
 //! * A chain of 1024 particles in equilibrium has independent springs: `Σ p²/N = T`, and the moments of the lengths are
 //!   those of `exp(-V(d)/T)`.
 //!
-//! Run with `cargo run --release --example fput`.
+//! Run with `cargo run --release --features svg --example fput`.
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -4,7 +4,7 @@
 //! Crossings are found on the dense output of long steps, so that points of the section are as exact as the steps themselves. The dimension of the
 //! set of points distinguishes the orbits: one for a curve, two for an area.
 //!
-//! Run with `cargo run --release --example henon_heiles`.
+//! Run with `cargo run --release --features svg --example henon_heiles`.
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -4,7 +4,7 @@
 //! Both embeddings conserve the angular momentum to rounding (it is bilinear in q and p) and the energy within bounds. The
 //! ellipse precesses, at a rate of order h² for both: the error of order h in `DeltaPlus` returns after each period.
 //!
-//! Run with `cargo run --release --example kepler`.
+//! Run with `cargo run --release --features svg --example kepler`.
 //!
 //! Units: the semi-major axis and the gravitational parameter are 1, so that the period is 2π.
 

@@ -12,7 +12,7 @@
 //! The energy is tested after each step only. It diffuses with the coefficient `s p`, and overshoots the barrier by `0.5826 s |p| √h` on average
 //! before the crossing is detected (M. Broadie, P. Glasserman, S. Kou, Math. Finance 7 (1997) 325). The mean time is longer accordingly.
 //!
-//! `cargo run --release --example kramers`, less than a minute
+//! `cargo run --release --features svg --example kramers`, less than a minute
 
 #[path = "support/energy_diffusion.rs"]
 mod energy_diffusion;

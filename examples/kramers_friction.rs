@@ -14,7 +14,7 @@
 //! `Gjf` allows long steps: the distribution of positions is right to order `h²`, exactly in a harmonic well, and the diffusion of a free particle is exact. Diffusion limits
 //! the rate where friction is strong. That of `Baoab` is too fast by `(γh/2) coth(γh/2)`, which is 8 % at the last of these frictions, and so is its rate.
 //!
-//! `cargo run --release --example kramers_friction`, less than a minute
+//! `cargo run --release --features svg --example kramers_friction`, less than a minute
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -5,7 +5,7 @@
 //! and `q² + p²` is a first integral. With the noise at the left end of a step (`DeltaPlus`), a spurious drift remains that
 //! does not vanish with h.
 //!
-//! Run with `cargo run --release --example kubo`.
+//! Run with `cargo run --release --features svg --example kubo`.
 
 #[path = "support/plot.rs"]
 mod plot;
@@ -61,6 +61,11 @@ type Scheme = (&'static str, usize);
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("Kubo oscillator, a = {}, σ = {}, from q = 0, p = 1", KUBO.a, KUBO.sigma);
+    println!(
+        "An oscillator whose frequency is noisy: it moves on a circle, at an angle that diffuses. A good step stays on\n\
+         the circle at the right angle. A step that treats the noise wrongly settles on the motion of another system,\n\
+         however short it is; below, \"consistent\" says what the compiler proved of each step, and the errors confirm it."
+    );
     one_path()?;
     limit()?;
     strong_errors()

@@ -7,7 +7,7 @@
 //! * **Specific heat**: `C = Var H/(kT)²` at each temperature agrees with the slope of `⟨H⟩` between neighbouring ones; 36 for a cold cluster, half of 39 momenta and 33 vibrations.
 //! * **Melting**: the peak of `C` is published near `kT = 0.29` (D. D. Frantz, J. Chem. Phys. 102, 3747, 1995, arXiv:chem-ph/9406001, by Monte Carlo).
 //!
-//! `cargo run --release --example langevin_lennard_jones`, less than a minute
+//! `cargo run --release --features svg --example langevin_lennard_jones`, less than a minute
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -11,7 +11,7 @@
 //!   radius; the lattice slows it by a² (A. Vilenkin, E. P. S. Shellard, *Cosmic Strings and Other Topological Defects*, chapter 6, for
 //!   loops of strings: the same equation in the plane).
 //!
-//! Run with `cargo run --release --example lattice_2d`.
+//! Run with `cargo run --release --features svg --example lattice_2d`.
 
 #[path = "support/plot.rs"]
 mod plot;

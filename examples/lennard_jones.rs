@@ -11,7 +11,7 @@
 //! * Near its minimum half of the energy is kinetic (equipartition). It melts where the distances fluctuate by more than
 //!   a tenth (R. S. Berry, T. L. Beck, H. L. Davis, J. Jellinek, *Adv. Chem. Phys.* 70 B, 75, 1988).
 //!
-//! Run with `cargo run --release --example lennard_jones`.
+//! Run with `cargo run --release --features svg --example lennard_jones`.
 
 #[path = "support/plot.rs"]
 mod plot;

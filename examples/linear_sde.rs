@@ -11,7 +11,7 @@
 //! | X12   | l0 = 0   | l1 = 1/2 | `Mixed<DeltaPlus, Midpoint>`                |
 //! | X2    | l0 = 1/2 | l1 = 1/2 | `Midpoint`                                  |
 //!
-//! Run with `cargo run --release --example linear_sde`.
+//! Run with `cargo run --release --features svg --example linear_sde`.
 
 #[path = "support/plot.rs"]
 mod plot;

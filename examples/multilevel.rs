@@ -5,7 +5,7 @@
 //! their levels by themselves. Plain runs take the step size with this bias, from the exact mean of the scheme, and stop when
 //! their standard error is small enough. Theory: steps `~ ε^-2` against `~ ε^-3` (M. B. Giles, Oper. Res. 56 (2008) 607).
 //!
-//! `cargo run --release --example multilevel`, less than a minute
+//! `cargo run --release --features svg --example multilevel`, less than a minute
 
 #[path = "support/plot.rs"]
 mod plot;

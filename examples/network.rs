@@ -11,7 +11,7 @@
 //! * The total momentum is kept to rounding: angles enter as differences.
 //! * A matrix of the network's pattern solves a step that is too large for the fixed point.
 //!
-//! Run with `cargo run --release --example network`.
+//! Run with `cargo run --release --features svg --example network`.
 
 #[path = "support/plot.rs"]
 mod plot;

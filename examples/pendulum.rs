@@ -1,7 +1,7 @@
 //! The pendulum, `H = p²/2 - cos q`: phase portrait with its separatrix, energy over a long time, the period against the
 //! exact one, and the cost of a step, for the two basic embeddings.
 //!
-//! Run with `cargo run --release --example pendulum`.
+//! Run with `cargo run --release --features svg --example pendulum`.
 //!
 //! Units: mass, length and gravity are 1, so that small swings have period 2π and energy is in units of m g l.
 

@@ -11,7 +11,7 @@
 //!   *Phys. Rev. B* 32, 8305, 1985, treat this equation).
 //! * Shaking the potential heats by `τ²/2 Σ sin² q_i`: at first only where the kink is, by `4 τ²/3`.
 //!
-//! Run with `cargo run --release --example sine_gordon`.
+//! Run with `cargo run --release --features svg --example sine_gordon`.
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -12,7 +12,7 @@
 //!   closer than some 17 astronomical units to Neptune, and 11 to Uranus (C. J. Cohen, E. C. Hubbard, *Astron. J.* 70, 10,
 //!   1965; J. G. Williams, G. S. Benson, *Astron. J.* 76, 167, 1971).
 //!
-//! Run with `cargo run --release --example solar_system`.
+//! Run with `cargo run --release --features svg --example solar_system`.
 
 #[path = "support/plot.rs"]
 mod plot;

@@ -17,7 +17,7 @@
 //! * **For weak damping**: a life time, `1/τ = γ J/kT ω/2π e^{-2ω²/kT}` with the action `J = 16 ω` of the separatrix (H. A. Kramers, Physica 7, 1940), to
 //!   corrections of the order `kT/2ω²`.
 //!
-//! `cargo run --release --example synchrotron`, less than a minute
+//! `cargo run --release --features svg --example synchrotron`, less than a minute
 
 #[path = "support/energy_diffusion.rs"]
 mod energy_diffusion;

@@ -136,7 +136,8 @@
 //! |---|---|---|
 //! | `noise` | yes | Wiener paths, Wong-Zakai approximations, normals from ChaCha8 |
 //! | `ensemble` | yes | many paths: lanes, threads, statistics |
-//! | `plot` | | `path.plot()`, figures as SVG and PNG |
+//! | `svg` | | `path.plot()`, `statistics.plot()`, figures as SVG |
+//! | `plot` | | the same as SVG and PNG |
 //! | `report` | | error against run time: tables, plots, one HTML page |
 //! | `serde` | | serialisation of states and paths |
 //! | `columnar` | | Parquet files |
@@ -182,7 +183,7 @@ pub use wzvi_runtime::nalgebra;
 pub use wzvi_runtime::noise;
 pub use wzvi_runtime::path::Error;
 pub use wzvi_runtime::path::{checkpoint, retry, section, series, simulate, step, trajectory};
-#[cfg(feature = "plot")]
+#[cfg(feature = "svg")]
 pub use wzvi_runtime::plot;
 #[cfg(feature = "report")]
 pub use wzvi_runtime::report;

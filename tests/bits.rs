@@ -1,7 +1,7 @@
 //! The bits of two hundred short runs: every scheme on small systems and on systems of any size, with noise and without, alone, in the lanes of
 //! ensembles, on threads, stopped and resumed.
 //!
-//! `data/bits.txt` has a checksum of each. A change that alters one says why in its message: `BITS=overwrite cargo test --test bits` renews the
+//! `data/bits.txt` has a checksum of each. A change that alters one says why in its message: `BITS=overwrite cargo test --workspace --test bits` renews the
 //! table. The Hamiltonians are made of arithmetic and roots, which have the same bits on every machine.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first error")]

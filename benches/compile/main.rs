@@ -1,13 +1,13 @@
 //! How long a system takes to compile: expansion and `rustc` together, by the size of the system and scene by scene.
 //!
-//! `cargo bench --bench compile` builds a chain of N = 32, 1024 and 10^6 sites, a constant of the program, that takes one
+//! `cargo bench --workspace --bench compile` builds a chain of N = 32, 1024 and 10^6 sites, a constant of the program, that takes one
 //! step of each of two schemes, and the scenes of `examples/` with many bodies or sites. What they depend on is built
 //! before; the best of two counts. Each build is forced by a `--cfg` that nothing asks for.
 //!
 //! On Linux the seconds are those of the processor, over all threads of `rustc`, so that other programs do not count;
 //! elsewhere those of the clock.
 //!
-//! A name after `--` picks: `cargo bench --bench compile -- chain`.
+//! A name after `--` picks: `cargo bench --workspace --bench compile -- chain`.
 
 mod build;
 

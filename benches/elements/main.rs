@@ -1,9 +1,9 @@
 //! Systems whose sums stay loops, beside steps written by hand: nanoseconds, instructions, and growth with the size.
 //!
-//! `cargo bench --bench elements` steps every problem in this process for the time of a step, and again under
+//! `cargo bench --workspace --bench elements` steps every problem in this process for the time of a step, and again under
 //! `valgrind --tool=callgrind` for the number of its instructions: two runs of different length, so that everything
 //! outside of the steps cancels. Without valgrind, or without a C compiler, what needs them is left out with a word.
-//! A name after `--` picks problems: `cargo bench --bench elements -- lattice`.
+//! A name after `--` picks problems: `cargo bench --workspace --bench elements -- lattice`.
 //!
 //! * `chain`: FPUT-beta, ends fixed, first mode of amplitude 1, β = 1/4, h = 0.05; also in C (`hand_ode.c`).
 //! * `bodies`: gravity between all pairs, softened, h = 0.01; also in C with `omp simd` (`hand_bodies.c`), and per pair.

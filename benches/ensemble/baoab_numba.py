@@ -2,7 +2,7 @@
 
     pip install numba && python benches/ensemble/baoab_numba.py
 
-One core, as the rows `Baoab` of `cargo bench --bench ensemble`, with the same systems, steps and friction, and numba's own normals.
+One core, as the rows `Baoab` of `cargo bench --workspace --bench ensemble`, with the same systems, steps and friction, and numba's own normals.
 """
 
 import time

@@ -1,6 +1,6 @@
 //! What an ensemble costs per path and step, beside a loop written by hand with the same normals, the normals alone, and C.
 //!
-//! `cargo bench --bench ensemble` measures everything in one run, on one core, and once on two. The C programs
+//! `cargo bench --workspace --bench ensemble` measures everything in one run, on one core, and once on two. The C programs
 //! (`hand_sde.c`, 8 lanes and a cheaper generator) are compiled with `gcc -O3 -march=native`, and left out where there is no
 //! gcc. Times are the shortest of many short repetitions, which alternate: what else the machine does, shows least in them.
 //! `-- Heiles 100000` takes so many starts of Hénon and Heiles, three times. With `RUSTFLAGS="-C target-cpu=native"` on an Intel processor with AVX-512 the compiler

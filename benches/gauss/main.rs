@@ -1,6 +1,6 @@
 //! `Gauss<S>` against the same steps written by hand for one system ([`by_hand`]), and how rounding grows over a million of them.
 //!
-//! `cargo bench --bench gauss`; `-- hand` and `-- brouwer` run one of both.
+//! `cargo bench --workspace --bench gauss`; `-- hand` and `-- brouwer` run one of both.
 
 #![allow(
     clippy::unwrap_used,

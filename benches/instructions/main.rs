@@ -1,6 +1,6 @@
 //! What a generated step costs against one written by hand for the same job.
 //!
-//! `cargo bench --bench instructions` runs every scene in this process for the time of a step, and again under
+//! `cargo bench --workspace --bench instructions` runs every scene in this process for the time of a step, and again under
 //! `valgrind --tool=callgrind` for the number of its instructions: two runs of different length, so that everything
 //! outside of the loop cancels. Without valgrind the counts are left out. `-- --check` fails where a generated step
 //! takes more than 1.1 times the instructions of the one by hand.

@@ -1,6 +1,6 @@
 //! How much error for how much time, for every scheme of high order.
 //!
-//! `cargo bench --bench order` measures all schemes on five systems: a table each, and one page, `target/wzvi/order/index.html`, with error
+//! `cargo bench --workspace --bench order` measures all schemes on five systems: a table each, and one page, `target/wzvi/order/index.html`, with error
 //! against time and against evaluations of the force. `-- pendulum kepler` measures these only; `-- --overlay pendulum=points.csv` lays
 //! points of other programs (name, seconds, error) over a figure.
 

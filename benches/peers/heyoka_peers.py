@@ -1,4 +1,4 @@
-"""The problems of `cargo bench --bench peers` by heyoka (`pip install heyoka`): the fastest of five runs each, compilation not included."""
+"""The problems of `cargo bench --workspace --bench peers` by heyoka (`pip install heyoka`): the fastest of five runs each, compilation not included."""
 
 import math
 import time

@@ -1,6 +1,6 @@
 //! Problems and figures that others published, run here.
 //!
-//! `cargo bench --bench peers` prints the tables of `docs/guide/peers.md`; a name after `--` picks, as in `-- pendulum`. Times of others are those of their machines.
+//! `cargo bench --workspace --bench peers` prints the tables of `docs/guide/peers.md`; a name after `--` picks, as in `-- pendulum`. Times of others are those of their machines.
 
 #![allow(clippy::print_stdout, reason = "a benchmark talks")]
 

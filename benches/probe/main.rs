@@ -1,6 +1,6 @@
 //! Timings of two dozen scenes, in nanoseconds, for comparing two builds: a change of the inside keeps each within 5 %.
 //!
-//! Run `cargo bench --bench probe` on an idle machine, the old and the new build alternating, and take the best of three.
+//! Run `cargo bench --workspace --bench probe` on an idle machine, the old and the new build alternating, and take the best of three.
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark stops at the first error")]
 use std::time::Instant;

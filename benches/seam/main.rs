@@ -3,11 +3,11 @@
 //! Each closure is compiled as the compiler chooses (`chosen`), in straight lines, in loops, with a const generic and for slices. The choice is right
 //! where `chosen` is close to the better of `lines` and `loops`.
 //!
-//! `cargo bench --bench seam` times paths alone and in ensembles of eight lanes, in nanoseconds per path, site and step; the last line of each closure has
+//! `cargo bench --workspace --bench seam` times paths alone and in ensembles of eight lanes, in nanoseconds per path, site and step; the last line of each closure has
 //! the largest ratio of `chosen` to the better one. `-- --counts` counts the instructions per site and step of a path alone under
 //! `valgrind --tool=callgrind`: two runs of different length, so that everything outside of the steps cancels.
 //!
-//! All closures take twenty minutes to compile, one takes a few: `cargo bench --bench seam --no-default-features --features chain`.
+//! All closures take twenty minutes to compile, one takes a few: `cargo bench --workspace --bench seam --no-default-features --features chain`.
 //!
 //! * `kubo`: oscillators with one multiplicative noise each, which are not coupled.
 //! * `chain`: Fermi-Pasta between walls.

@@ -1,6 +1,6 @@
 //! The pictures of the README and of the guide, into `docs/pictures` or the folder that is given.
 //!
-//! Run with `cargo run --release --example gallery`; `-- target/pictures` draws them somewhere else.
+//! Run with `cargo run --release --features plot --example gallery`; `-- target/pictures` draws them somewhere else.
 
 mod guide;
 mod systems;

@@ -1,4 +1,4 @@
-//! The whole paper on one page, measured: `cargo run --release --example paper`, then open `target/wzvi/paper/index.html`.
+//! The whole paper on one page, measured: `cargo run --release --features report --example paper`, then open `target/wzvi/paper/index.html`.
 //!
 //! J. Cresson, R. Safi, *Dynamics of stochastic Hamiltonian systems I: Wong-Zakai variational integrators*. Its figures with
 //! its parameters, and its open questions: the errors of the approximations of the noise, for each step size.

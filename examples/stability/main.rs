@@ -1,6 +1,6 @@
 //! Where the schemes hold and where they stop: one table of stiff and extreme cases, with their cost.
 //!
-//! Run with `cargo run --release --example stability`; the table is also written to `target/wzvi/stability/table.csv`
+//! Run with `cargo run --release --features report --example stability`; the table is also written to `target/wzvi/stability/table.csv`
 //! and, as a page, to `target/wzvi/stability/index.html`.
 //! `docs/guide/stability.md` explains each kind of failure, and what to do.
 

@@ -7,6 +7,8 @@ use std::process::{Command, Output};
 use super::root;
 
 const MOST_CRATES: usize = 20;
+/// For the first example: those of the default build, and of plots as SVG.
+const MOST_CRATES_OF_KUBO: usize = 35;
 
 const DETERMINISTIC: &str = r#"
 use wzvi::prelude::*;
@@ -44,6 +46,23 @@ fn the_default_build_is_small() {
     let crates = crates(&[]);
     assert!(crates.contains("wzvi") && crates.contains("nalgebra"), "{crates:?}");
     assert!(crates.len() <= MOST_CRATES, "{} crates: {crates:?}", crates.len());
+}
+
+/// The first command of the README builds what its example needs, build scripts included, and not what the tests need.
+#[test]
+fn the_first_example_is_built_from_few_crates() {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    assert!(
+        manifest.contains("default-members = [\".\"]"),
+        "a command without a package builds the tests, too"
+    );
+    assert!(
+        manifest.contains("name = \"kubo\"\nrequired-features = [\"svg\"]"),
+        "the features of the example"
+    );
+    let crates = crates(&["--features", "svg", "-e", "normal,build,dev"]);
+    assert!(crates.contains("plotters"), "{crates:?}");
+    assert!(crates.len() <= MOST_CRATES_OF_KUBO, "{} crates: {crates:?}", crates.len());
 }
 
 #[test]

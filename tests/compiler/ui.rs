@@ -1,4 +1,4 @@
-//! What the macro says of mistakes: `TRYBUILD=overwrite cargo test --test compiler ui -- --ignored` renews the messages.
+//! What the macro says of mistakes: `TRYBUILD=overwrite cargo test --workspace --test compiler ui -- --ignored` renews the messages.
 
 #[test]
 #[ignore = "calls Cargo, for minutes: part of .ci/run"]

@@ -329,7 +329,7 @@ fn settings() -> [u64; 2] {
         .map(|(name, else_is)| std::env::var(name).map_or(else_is, |number| number.parse().unwrap()))
 }
 
-/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 SEED=7 cargo test --release --test laws branches -- --nocapture` is 10^4 steps.
+/// No other branch as `Ok`, and at most 1 % refused that can be followed. `STEPS=167 SEED=7 cargo test --workspace --release --test laws branches -- --nocapture` is 10^4 steps.
 #[test]
 fn random_steps_continue_their_state() {
     let ([steps, seed], mut all) = (settings(), Counts::default());

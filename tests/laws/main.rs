@@ -1,6 +1,6 @@
 //! Laws of many paths, orders of convergence, long runs and large stiff systems: minutes without optimisation, moments with it.
 //!
-//! `cargo test --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
+//! `cargo test --workspace --release --test laws` runs them; other builds say that they are skipped, and Clippy reads them.
 //!
 //! Ensembles ask for eight lanes: code for the lanes of every machine takes a seventh longer to compile, and has the same results.
 
@@ -34,5 +34,5 @@ mod thermostats;
 
 #[cfg(debug_assertions)]
 #[test]
-#[ignore = "long without optimisation: cargo test --release --test laws"]
+#[ignore = "long without optimisation: cargo test --workspace --release --test laws"]
 fn laws() {}

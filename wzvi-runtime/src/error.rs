@@ -31,7 +31,7 @@ mod internal;
 #[cfg(feature = "ensemble")]
 mod level;
 mod noise;
-#[cfg(feature = "plot")]
+#[cfg(feature = "svg")]
 mod plot;
 #[cfg(feature = "report")]
 mod report;
@@ -57,7 +57,7 @@ pub use internal::{InternalError, StepPromise};
 #[cfg(feature = "ensemble")]
 pub use level::{LevelError, LevelFailure};
 pub use noise::NoiseError;
-#[cfg(feature = "plot")]
+#[cfg(feature = "svg")]
 pub use plot::PlotError;
 #[cfg(feature = "report")]
 pub use report::ReportError;

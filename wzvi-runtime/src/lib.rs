@@ -36,7 +36,7 @@ pub mod integrate;
 #[cfg(feature = "noise")]
 pub mod noise;
 pub mod path;
-#[cfg(feature = "plot")]
+#[cfg(feature = "svg")]
 pub mod plot;
 #[cfg(feature = "report")]
 pub mod report;

@@ -1,5 +1,5 @@
 //! Golden expansions: what the compiler writes for ten representative systems, pretty-printed, to be reviewed as
-//! differences. `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews the files; `cargo test --test compiler golden` compiles
+//! differences. `GOLDEN=overwrite cargo test -p wzvi-macros golden` renews the files; `cargo test --workspace --test compiler golden` compiles
 //! and runs them.
 
 #![allow(clippy::unwrap_used)]

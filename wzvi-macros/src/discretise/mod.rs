@@ -48,7 +48,7 @@ pub(crate) struct Scheme {
 /// The most unknowns of a block of a step in straight lines: six sites of which one half of the phase space is unknown, three where both are. For chains,
 /// rings and pairs with the mid-point a step of six sites takes 0.7 to 1.0 of the time of elements without loops, alone and in ensembles, and at eight
 /// 0.9 to 1.2. Where both halves are unknown, three sites take 0.9 to 1.2 of the time of loops, and four 1.4 to 1.7.
-/// (`cargo bench --bench seam` forces both ways beside the chosen one.)
+/// (`cargo bench --workspace --bench seam` forces both ways beside the chosen one.)
 const MOST_UNKNOWNS: usize = 6;
 
 /// Whether Newton's method with dense elimination costs more than iterations with no elimination, or a banded one.

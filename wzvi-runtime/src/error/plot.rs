@@ -17,6 +17,11 @@ pub enum PlotError {
         /// The message of the backend.
         cause: String,
     },
+    /// Its file is a PNG file, which the feature `plot` draws, and this build has the feature `svg` alone.
+    Pixels {
+        /// The file.
+        path: PathBuf,
+    },
     /// The name of its file ends neither in `.svg` nor in `.png`.
     Ending {
         /// The file.
@@ -27,6 +32,8 @@ pub enum PlotError {
 messages! { PlotError:
     Self::File(error) => "{error}";
     Self::Drawing { figure, cause } => "cannot draw the figure `{figure}`: {cause}";
+    Self::Pixels { path } => "cannot draw {}: PNG needs the feature `plot` of wzvi; with `svg` alone the name of a plot ends in .svg",
+        path.display();
     Self::Ending { path } => "cannot draw {}: the name of a plot ends in .svg or .png", path.display();
 }
 

@@ -72,7 +72,7 @@ any_of! {
     #[cfg(feature = "mpi")]
     Cluster(crate::error::ClusterError),
     /// A plot could not be drawn or written.
-    #[cfg(feature = "plot")]
+    #[cfg(feature = "svg")]
     Plot(crate::error::PlotError),
     /// A measurement could not be made or written.
     #[cfg(feature = "report")]

@@ -1,5 +1,6 @@
-//! Figures as SVG and as pixels, by one drawing for both.
+//! Figures as SVG and, with the feature `plot`, as pixels, by one drawing for both.
 
+#[cfg(all(feature = "plot", not(target_arch = "wasm32")))]
 use std::sync::LazyLock;
 
 use plotters::coord::Shift;
@@ -7,7 +8,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "plot", not(target_arch = "wasm32")))]
 use plotters::style::{FontStyle, register_font};
 
 use super::axes::ranges;
@@ -67,6 +68,7 @@ pub(super) fn drawn_svg(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> R
 }
 
 /// The same as the content of a PNG file.
+#[cfg(feature = "plot")]
 pub(super) fn drawn_png(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> Result<Vec<u8>, PlotError> {
     let (width, height) = size;
     let mut pixels = vec![0; 3 * width as usize * height as usize];
@@ -77,6 +79,7 @@ pub(super) fn drawn_png(size: (u32, u32), plots: &[((i32, i32), Plot<'_>)]) -> R
     encoded(&pixels, size).map_err(|error| failed(&plots, &error))
 }
 
+#[cfg(feature = "plot")]
 fn encoded(pixels: &[u8], (width, height): (u32, u32)) -> Result<Vec<u8>, png::EncodingError> {
     let mut file = vec![];
     let mut encoder = png::Encoder::new(&mut file, width, height);
@@ -92,7 +95,7 @@ fn drawn<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     plots: &[((i32, i32), Plot<'_>)],
 ) -> Result<(), PlotError> {
-    if !*FONTS {
+    if !has_font() {
         return Err(failed(plots, &"its font is unusable"));
     }
     area.fill(&PAPER).map_err(|error| failed(plots, &error))?;
@@ -116,6 +119,7 @@ impl<'a> Plot<'a> {
         Self { figure, layout, x, y, scale, is_bitmap: false }
     }
 
+    #[cfg(feature = "plot")]
     fn as_pixels(&self) -> Self {
         Self { is_bitmap: true, ..self.clone() }
     }
@@ -317,12 +321,17 @@ fn colour(index: usize) -> RGBColor {
     if index == Colour::INK { INK } else { PALETTE[index % (PALETTE.len() - 1)] }
 }
 
-/// Whether the font of both backends is registered: no font of the machine is needed.
-#[cfg(not(target_arch = "wasm32"))]
-static FONTS: LazyLock<bool> = LazyLock::new(|| {
-    register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
-});
+/// Whether the font of pixels is registered: no font of the machine is needed.
+#[cfg(all(feature = "plot", not(target_arch = "wasm32")))]
+fn has_font() -> bool {
+    static REGISTERED: LazyLock<bool> = LazyLock::new(|| {
+        register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
+    });
+    *REGISTERED
+}
 
-/// In a browser, the browser has the fonts.
-#[cfg(target_arch = "wasm32")]
-static FONTS: LazyLock<bool> = LazyLock::new(|| true);
+/// A reader of SVG has fonts of its own, and so has a browser.
+#[cfg(not(all(feature = "plot", not(target_arch = "wasm32"))))]
+fn has_font() -> bool {
+    true
+}

@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::drawing::{Plot, drawn_png, drawn_svg};
+#[cfg(feature = "plot")]
+use super::drawing::drawn_png;
+use super::drawing::{Plot, drawn_svg};
 use super::figure::Figure;
 use super::layout::Layout;
 use crate::error::PlotError;
@@ -42,24 +44,28 @@ impl Sheet {
         drawn_svg(self.whole(), &self.plots())
     }
 
-    /// The sheet as the content of a PNG file.
+    /// The sheet as the content of a PNG file (feature `plot`).
     ///
     /// # Errors
     /// [`PlotError::Drawing`].
+    #[cfg(feature = "plot")]
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         drawn_png(self.whole(), &self.plots())
     }
 
-    /// Writes the sheet as SVG or PNG, by the end of the name. The folder of the file is made if it is not there, and the file appears
-    /// complete or not at all.
+    /// Writes the sheet as SVG or PNG, by the end of the name; PNG needs the feature `plot`. The folder of the file is made if it is not
+    /// there, and the file appears complete or not at all.
     ///
     /// # Errors
-    /// [`PlotError`]: another ending, or the file cannot be written.
+    /// [`PlotError`]: another ending, PNG without its feature, or the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
         let path = path.as_ref();
         let content = match path.extension().and_then(|ending| ending.to_str()) {
             Some("svg") => self.svg()?.into_bytes(),
+            #[cfg(feature = "plot")]
             Some("png") => self.png()?,
+            #[cfg(not(feature = "plot"))]
+            Some("png") => return Err(PlotError::Pixels { path: path.to_owned() }),
             _ => return Err(PlotError::Ending { path: path.to_owned() }),
         };
         Ok(file::replace_in_folder(path, |file| file.write_all(&content))?)

@@ -56,7 +56,7 @@ const LINE: usize = 8;
 const MOST_KEPT: usize = 1 << 15;
 
 /// Least number of degrees of freedom for each thread: a step of this size takes some 200 µs, and starting and joining a thread some 50 µs,
-/// up to 100 µs on a busy machine (`cargo bench --bench elements -- memory`).
+/// up to 100 µs on a busy machine (`cargo bench --workspace --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 17;
 
 /// The windows of a system, made by the first step, and the threads that share them.

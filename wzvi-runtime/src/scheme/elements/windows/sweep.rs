@@ -40,7 +40,7 @@ use crate::scheme::system::Hamiltonian as _;
 const SIZE: usize = 256;
 
 /// Least number of degrees of freedom for each thread in each pass: the three or more passes of a step of this size take some 500 µs
-/// (`cargo bench --bench elements -- memory`).
+/// (`cargo bench --workspace --bench elements -- memory`).
 const LEAST_OF_THREAD: usize = 1 << 16;
 
 /// An applied correction.
