@@ -1,41 +1,62 @@
 //! Variational integrators for (stochastic) Hamiltonian systems, derived at compile time: for long runs and many paths in
 //! which energy, phase-space volume and first integrals must not drift.
 //!
-//! You write the Hamiltonians. `#[hamiltonian]` embeds the action principle in discrete time, differentiates the
+//! You write the Hamiltonian as a closure. `#[hamiltonian]` embeds the action principle in discrete time, differentiates the
 //! discrete Lagrangian symbolically and emits the step that solves the discrete Euler-Lagrange equations:
 //!
 //! ```
 //! use wzvi::prelude::*;
 //!
-//! /// Kubo oscillator: a rotation whose angle diffuses.
+//! /// A pendulum; length and mass are 1.
+//! #[hamiltonian(
+//!     drift = |angle, momentum| 0.5 * momentum * momentum - g * angle.cos(),
+//!     embedding = [Midpoint, Verlet],                    // the schemes to generate
+//! )]
+//! struct Pendulum {
+//!     /// Acceleration of gravity.
+//!     g: f64,
+//! }
+//!
+//! fn main() -> Result<(), wzvi::Error> {
+//!     let pendulum = Pendulum { g: 9.81 };
+//!     let path = pendulum
+//!         .simulate::<Verlet>(0.01)                      // step size
+//!         .start(State::new([2.0], [0.0]))               // angle and momentum at t = 0
+//!         .until(10.0)
+//!         .run()?;
+//!     println!("{}, energy off by at most {:.1e}", path.last(), path.energy_drift(&pendulum));
+//!     assert!(path.energy_drift(&pendulum) < 3e-3);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! Noise is one more closure, and many paths are one more call. Kubo's oscillator is a rotation whose angle diffuses:
+//!
+//! ```
+//! use wzvi::prelude::*;
+//!
 //! #[hamiltonian(
 //!     drift = |q, p| 0.5 * a * (q * q + p * p),
 //!     noise = [|q, p| 0.5 * sigma * (q * q + p * p)],
-//!     embedding = [Uncorrected<DeltaPlus>, Corrected<DeltaPlus>, Midpoint],
+//!     embedding = Midpoint,
 //!     invariant = [|q, p| q * q + p * p],
 //! )]
-//! #[derive(Clone, Debug)]
-//! pub struct Kubo {
+//! struct Kubo {
 //!     /// Mean angular frequency.
-//!     pub a: f64,
+//!     a: f64,
 //!     /// Intensity of the noise.
-//!     pub sigma: f64,
+//!     sigma: f64,
 //! }
 //!
 //! fn main() -> Result<(), wzvi::Error> {
 //!     let kubo = Kubo { a: 1.5, sigma: 1.0 };
-//!     let path = kubo
-//!         .simulate::<Midpoint>(0.02)                    // step size h
-//!         .start(State::new([0.0], [1.0]))               // q, p at t = 0
-//!         .noise(WongZakai::averaged(0.02).seed(7))      // or Wiener::seed(7), or given increments
-//!         .until(20.0)
-//!         .run()?;
-//!     println!("{:?} drift of H: {:.1e}", path.last(), path.energy_drift(&kubo));
+//!     let start = State::new([0.0], [1.0]);
+//!     let path = kubo.simulate::<Midpoint>(0.02).start(start).noise(Wiener::seed(7)).until(20.0).run()?;
 //!     assert!(path.energy_drift(&kubo) < 1e-13);
 //!
 //!     let statistics = kubo
-//!         .ensemble::<Midpoint>(0.02)                    // many paths, in vector registers and on all cores
-//!         .start(State::new([0.0], [1.0]))
+//!         .ensemble::<Midpoint>(0.02)                    // in vector registers and on all cores
+//!         .start(start)
 //!         .paths(10_000)
 //!         .seed(7)
 //!         .until(2.0)
@@ -95,40 +116,19 @@
 //!
 //! # The tour
 //!
-//! * **System.** With drift `H_0` and noises `H_k`, in the sense of Stratonovich,
-//!   `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with `X_0 = t`, `X_k = W_k`. The struct implements
-//!   [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
-//! * **Shared functions.** Hamiltonians may call functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn), and methods of
-//!   an `impl` that carries it. Potentials can live in modules and crates of their own; facts and derivatives are those of
-//!   the inlined expression.
-//! * **Schemes** are types, the [embeddings](embedding): the points at which the discrete antiderivative evaluates `q`. For
-//!   each one listed the struct implements [`Discretized`](system::Discretized). Its [`PLAN`](plan::Plan) states the facts:
-//!   how the step is solved, whether the scheme is consistent, whether the energy is conserved. Its `EQUATIONS` print the
-//!   derivation.
-//! * **One step at a time**: `kubo.stepper::<Midpoint>(h)?` is a [`Stepper`](step::Stepper);
-//!   `stepper.step(&mut state, &[dw])?` allocates nothing, and on an error leaves the state unchanged, bit for bit.
-//! * **One path**: `kubo.simulate::<Midpoint>(h)` builds a [`Simulation`](simulate::Simulation), and running it gives a
-//!   [`Trajectory`](trajectory::Trajectory): states, increments, drifts of energy and invariants, the residual of the
-//!   discrete Euler-Lagrange equations. [`Increments::from`](increments::Increments) drives it with increments of your
-//!   own.
-//! * **Many paths**: `kubo.ensemble::<Midpoint>(h)` builds an [`Ensemble`](ensemble::Ensemble), and running it gives [`Statistics`](ensemble::Statistics), with
-//!   the same bits however the work is split.
-//! * **Order**: [`Verlet`](embedding::Verlet), compositions [`Composed`](embedding::Composed) of order 4 to 8, and [`Gauss`](embedding::Gauss) of order 2 to 32.
-//! * **Results**: [`path.table()`](trajectory::Trajectory::table) has columns with the names of the closure, as CSV, JSON and (feature `columnar`) Parquet; with the
-//!   feature `plot`, `path.plot()` draws figures.
-//! * **Between the nodes**: [dense] output of every scheme, recorded times and exact ends, and the crossings of [sections](section).
-//! * **The discrete calculus**, time scales and the operators on them, is [`calculus`];
-//!   [`Trajectory::observable`](trajectory::Trajectory::observable) turns a path into a function on a time scale.
-//! * **Is the step short enough?** `system.shadow_energy::<E>(&state, h)` is the [modified] energy that symplectic steps conserve, to its first terms;
-//!   its drift in a run shows whether that theory applies.
-//! * **Error against run time**: with the feature `report`, `report::WorkPrecision` measures schemes against
-//!   each other and writes tables, plots and one HTML page.
-//! * **Long runs**: a [`Checkpoint`](checkpoint::Checkpoint) lets a stopped run resume, bit for bit.
-//! * **Derivatives**: [`Simulation::tangent`](simulate::Simulation::tangent) returns the end of a run with its derivative by the start, `tangent_by` those by parameters, and
-//!   `adjoint` the gradient of a function of the end; [`scalar::Dual`] is the number type behind them.
-//! * **Averages along one path**, with errors that include correlations: [`time_averages()`](simulate::Simulation::time_averages) and [`series`]. Temperatures and
-//!   equipartition are among them; with the feature `correlation` there are correlation functions, too.
-//! * **Errors** are values that say where, why and what to do; [`Error`] unites them.
+//! * **A system** has a drift `H_0` and noises `H_k`, in the sense of Stratonovich: `dq = Σ_m ∂H_m/∂p ∘ dX_m`, `dp = -Σ_m ∂H_m/∂q ∘ dX_m` with
+//!   `X_0 = t`, `X_k = W_k`. The struct implements [`Hamiltonian`](system::Hamiltonian): energies, gradients, proven first integrals.
+//!   Functions that carry [`#[hamiltonian_fn]`](hamiltonian_fn) may be shared between Hamiltonians, modules and crates.
+//! * **A scheme** is a type, an [embedding]: order 2 with [`Verlet`](embedding::Verlet) and `Midpoint`, 4 to 8 with
+//!   [`Composed`](embedding::Composed), up to 32 with [`Gauss`](embedding::Gauss). For each one listed the struct implements
+//!   [`Discretized`](system::Discretized): [`PLAN`](plan::Plan) states the facts, `EQUATIONS` prints the derivation.
+//! * **A run**: `system.simulate::<E>(h)` builds a [`Simulation`](simulate::Simulation), which gives a [`Trajectory`](trajectory::Trajectory) with tables and plots;
+//!   `system.ensemble::<E>(h)` builds an [`Ensemble`](ensemble::Ensemble), which gives [`Statistics`](ensemble::Statistics).
+//!   `system.stepper::<E>(h)` takes [one step at a time](step::Stepper), and allocates nothing.
+//! * **Between and beyond the nodes**: [dense] output, crossings of [sections](section), derivatives by
+//!   [start and parameters](simulate::Simulation::tangent), [averages along a path](series), [modified] energies.
+//! * **Long runs** stop and resume with the same bits by a [`Checkpoint`](checkpoint::Checkpoint).
+//! * **Errors** are values that say where, why and what to do, and leave the state unchanged; [`Error`] unites them.
 //!
 //! # Features
 //!
@@ -144,6 +144,8 @@
 //! | `correlation` | | correlation functions and times along a path, mean square displacements |
 //! | `interrupt` | | Ctrl-C stops runs whose handle enables it; they keep their results so far |
 //! | `mpi` | | ensembles on many machines (needs an MPI library) |
+//!
+//! Documentation that you build yourself shows the items of a feature only with that feature: `cargo doc --features plot,correlation`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
