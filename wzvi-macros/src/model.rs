@@ -12,7 +12,7 @@ use std::rc::Rc;
 
 use proc_macro2::TokenStream;
 
-pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation};
+pub(crate) use self::index::{Atom, Bounds, Index, Loop, Operation, Outlier};
 use self::symbols::Symbols;
 use crate::diagnostics::{Extent, Located, promised};
 use crate::embedding::Embedding;

@@ -67,6 +67,7 @@ fn integers_beyond_all_indices_are_named() {
     // Before the start.
     let error = named(&Given { back: 3, ..good }, 4);
     assert_eq!((error.value(), error.limit()), (-2, IndexLimit::Points(4)), "{error}");
+    assert!(error.to_string().ends_with("write `(i + n - 1) % n` where an index wraps around"), "{error}");
     assert_eq!(failure(&Given { offset: 10, ..good }, 4), StepFailure::Dimension { expected: 11, got: 4 });
 }
 

@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use proc_macro2::TokenStream;
+
 use super::{closest, quoted, source, suggest};
 
 messages! {
@@ -20,8 +22,9 @@ messages! {
     index_not_known(found) = "indices and bounds must be known at compile time: integer literals, loop \
         variables over literal ranges and arithmetic on them; sizes from the struct or constants are not \
         supported yet";
-    index_out_of_range(found, index: i128, len: impl Display) = "index {index} is out of range: there are {len} \
-        elements";
+    index_out_of_range(found, index: i128, len: impl Display) {
+        remedy = if index < 0 { wrapped(&found) } else { String::new() };
+    } = "index {index} is out of range: there are {len} elements{remedy}";
     integer_arithmetic(found) = "this integer arithmetic overflows, divides by zero or leaves its type";
     division_by_zero(found) = "this divides by zero: the Hamiltonian has no value anywhere";
     truncation(found) = "a real number cannot become an integer here: the result would not be \
@@ -55,7 +58,13 @@ messages! {
         or nest fewer";
     too_many_cases(found, most: usize) = "the conditions on the indices of this loop split it into more than \
         {most} ranges";
-    index_negative(found, index: &str) = "index {index} is out of range: it becomes negative";
+    index_negative(found, index: &str, value: i128) { remedy = wrapped(&found); } = "index {index} is out of range: \
+        it becomes {value}{remedy}";
+    natural_negative(found, index: &str, value: i128) { remedy = wrapped(&found); } = "`{index}` becomes {value}, and \
+        integers of its type begin at 0{remedy}";
+    index_outside(found, index: i128, degrees: i128) = "in a branch, this reads degree of freedom {index}, and there \
+        are {degrees}, numbered from 0: both branches of a condition are evaluated; where an index wraps around, write \
+        `(i + n - 1) % n`";
     nonlinear_sum(found) = "this Hamiltonian is a nonlinear function of a sum whose length is not unrolled: \
         sums may be added, and multiplied by what they do not contain";
     family_count(found) = "the number of noises of a family is an integer, a constant or a field, as in \
@@ -130,6 +139,41 @@ messages! {
         };
     } = "this has one entry for each degree of freedom, arranged as the coordinates are: {expected} entries are \
         expected here, and these are {has}{advice}";
+}
+
+/// What to write in the place of an index that becomes negative: `%` keeps the sign of what it divides.
+fn wrapped(index: &TokenStream) -> String {
+    let written = syn::parse2(index.clone()).ok().and_then(|index| round(&index));
+    match written {
+        Some(written) => format!("; `%` keeps the sign: write `{written}`"),
+        None => "; begin the loop later, or write `(i + n - 1) % n` where the index wraps around".to_owned(),
+    }
+}
+
+/// `(a - b) % n` inside of an index as `(a + n - b) % n`.
+fn round(index: &syn::Expr) -> Option<String> {
+    match index {
+        syn::Expr::Paren(inner) => round(&inner.expr),
+        syn::Expr::Binary(binary) => match (&binary.op, difference(&binary.left)) {
+            (syn::BinOp::Rem(_), Some((a, b))) => {
+                let [a, b, n] = [a, b, &*binary.right].map(source);
+                Some(format!("({a} + {n} - {b}) % {n}"))
+            }
+            _ => round(&binary.left).or_else(|| round(&binary.right)),
+        },
+        _ => None,
+    }
+}
+
+/// `a` and `b` of `(a - b)`.
+fn difference(expr: &syn::Expr) -> Option<(&syn::Expr, &syn::Expr)> {
+    match expr {
+        syn::Expr::Paren(inner) => difference(&inner.expr),
+        syn::Expr::Binary(binary) if matches!(binary.op, syn::BinOp::Sub(_)) => {
+            Some((&binary.left, &binary.right))
+        }
+        _ => None,
+    }
 }
 
 /// An expression as what a method is called on.

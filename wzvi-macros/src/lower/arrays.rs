@@ -10,7 +10,7 @@ use super::sequences::{Sequence, Source};
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
 use crate::input::Kind;
-use crate::model::{Atom, Half, Index, Slot};
+use crate::model::{Atom, Half, Index, Outlier, Slot};
 use crate::symbolic::Expr;
 
 /// The storage of the numbers of an [`Array`].
@@ -130,19 +130,18 @@ impl<'a> Interpreter<'a, '_> {
             }
             return self.refuse(expressions::index_out_of_range(at, k, length));
         }
-        let above = self
-            .bounded(|bounds| bounds.largest(k))
-            .and_then(|largest| largest.subtract(&array.length)?.as_integer());
-        let negated = Index::default().subtract(k)?;
-        let below = self.bounded(|bounds| bounds.largest(&negated)).and_then(|negated| negated.as_integer());
-        let error = match (above, below) {
-            (Some(excess), _) if excess >= 0 => {
+        if self.bounded(|bounds| bounds.is_below(k, &array.length)) {
+            return Some(());
+        }
+        let error = match self.bounded(|bounds| bounds.outlier(k, Some(&array.length))) {
+            None => return Some(()),
+            Some(Outlier::Negative(value)) => expressions::index_negative(at, &self.display(k), value),
+            Some(Outlier::Beyond(excess)) => {
                 expressions::index_beyond(at, &self.display(k), &self.display(&array.length), excess)
             }
-            (_, Some(negated)) if negated > 0 => expressions::index_negative(at, &self.display(k)),
-            _ => return Some(()),
         };
-        self.refuse(error)
+        // Where no condition guards the index, it is certain without turns.
+        if self.now.branch == 0 { self.refuse_at_once(error) } else { self.refuse(error) }
     }
 
     /// `list[start..end]` of a stored list.

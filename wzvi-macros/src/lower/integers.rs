@@ -8,7 +8,7 @@ use super::interpreter::Interpreter;
 use super::methods::{Methods, are_known};
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::model::{Bounds, Index, Loop};
+use crate::model::{Bounds, Index, Loop, Outlier};
 use crate::symbolic::Relation;
 
 const METHODS: &Methods = &[(0, "abs clone"), (1, "pow abs_diff rem_euclid div_euclid min max")];
@@ -44,8 +44,8 @@ impl<'a> Interpreter<'a, '_> {
         if self.now.branch > 0 || bounds.is_nonnegative(index) {
             return Some(());
         }
-        if index.as_integer().is_some() {
-            return self.refuse(expressions::integer_arithmetic(at));
+        if let Some(Outlier::Negative(value)) = bounds.outlier(index, None) {
+            return self.refuse(expressions::natural_negative(at, &self.display(index), value));
         }
         let natural = (loops, index.clone());
         self.naturals.place(natural.clone(), || natural);

@@ -105,6 +105,14 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         None
     }
 
+    /// Reports a mistake that no turns resolve, returning `None`.
+    pub(super) fn refuse_at_once<T>(&mut self, error: syn::Error) -> Option<T> {
+        if !self.is_abandoned() {
+            self.diagnostics.report(error);
+        }
+        None
+    }
+
     /// Reports a value of the wrong kind.
     pub(super) fn mismatch<T>(&mut self, at: &dyn ToTokens, expected: &str, found: &Value) -> Option<T> {
         self.refuse(expressions::expected(at, expected, found.describe()))

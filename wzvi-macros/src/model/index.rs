@@ -273,6 +273,28 @@ impl Index {
             .try_fold(self.clone(), |index, (&variable, &value)| index.with(variable, &Self::integer(value)))
     }
 
+    /// The index where every size that is no literal exceeds the literals beside it: `-1 % n` is -1.
+    fn for_large_sizes(&self) -> Option<Self> {
+        let mut sum = Self::integer(self.constant);
+        for (atom, coefficient) in &self.terms {
+            let part = match atom {
+                Atom::Of(operation, both) => {
+                    let (a, b) = (both.0.for_large_sizes()?, both.1.for_large_sizes()?);
+                    let below = b.subtract(&a).and_then(|rest| rest.as_integer());
+                    match (operation, a.as_integer(), b.as_integer()) {
+                        (Operation::Remainder, Some(_), None) => a,
+                        (Operation::Quotient, Some(_), None) => Self::default(),
+                        (Operation::Remainder, None, None) if below.is_some_and(|below| below > 0) => a,
+                        _ => a.operate(*operation, &b)?,
+                    }
+                }
+                atom => Self::atom(atom.clone()),
+            };
+            sum = sum.plus(&part, *coefficient)?;
+        }
+        Some(sum)
+    }
+
     /// The coefficient of a loop variable, if it occurs linearly and nowhere else; 0 if it does not occur.
     pub(crate) fn slope(&self, variable: u32) -> Option<i128> {
         let mut slope = 0;
@@ -378,19 +400,61 @@ impl Bounds<'_> {
         bounds.chain(is_natural.then(Index::default)).collect()
     }
 
-    /// The largest value that `index` takes, if it is linear in its loops.
-    pub(crate) fn largest(&self, index: &Index) -> Option<Index> {
-        let mut largest = index.clone();
-        for known in self.loops.iter().rev() {
-            let extreme = match largest.slope(known.variable)? {
-                0 => continue,
-                slope if slope > 0 => known.end.shifted(-1)?,
-                _ => known.start.clone(),
-            };
-            largest = largest.replaced(&Atom::Loop(known.variable), &extreme)?;
-        }
-        Some(largest)
+    /// Where `index` leaves `0..length`, at the first or last turns of the loops; `None` if no such place is certain to
+    /// be reached. A size that is no literal is taken to exceed the literals beside it.
+    pub(crate) fn outlier(&self, index: &Index, length: Option<&Index>) -> Option<Outlier> {
+        self.outlier_at(0, index, length, &mut Vec::new(), &Cell::new(PROOF_STEPS))
     }
+
+    /// The same with the first loops at `turns`.
+    fn outlier_at(
+        &self,
+        depth: usize,
+        index: &Index,
+        length: Option<&Index>,
+        turns: &mut Vec<(u32, Index)>,
+        left: &Cell<u32>,
+    ) -> Option<Outlier> {
+        let at = |index: &Index, turns: &[(u32, Index)]| {
+            let mut turns = turns.iter();
+            let value = turns.try_fold(index.clone(), |index, (variable, turn)| index.with(*variable, turn));
+            value?.for_large_sizes()
+        };
+        let Some(known) = self.loops.get(depth) else {
+            let value = at(index, turns)?;
+            if let Some(negative) = value.as_integer().filter(|value| *value < 0) {
+                return Some(Outlier::Negative(negative));
+            }
+            let excess = value.subtract(&at(length?, turns)?)?.as_integer()?;
+            return (excess >= 0).then_some(Outlier::Beyond(excess));
+        };
+        if left.replace(left.get().saturating_sub(1)) == 0 {
+            return None;
+        }
+        let (start, end) = (at(&known.start, turns)?, at(&known.end, turns)?);
+        if end.subtract(&start)?.as_integer().is_some_and(|turns| turns <= 0) {
+            return None;
+        }
+        // Which turn it is matters only to what reads it.
+        let mut readers = self.loops[depth..].iter().flat_map(|inner| [&inner.start, &inner.end]);
+        let reads = |index: &Index| index.loops().contains(&known.variable);
+        let last = (reads(index) || readers.any(reads)).then(|| end.shifted(-1)).flatten();
+        [Some(start), last].into_iter().flatten().find_map(|turn| {
+            turns.push((known.variable, turn));
+            let found = self.outlier_at(depth + 1, index, length, turns, left);
+            turns.pop();
+            found
+        })
+    }
+}
+
+/// An index that leaves its list.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Outlier {
+    /// It has this negative value.
+    Negative(i128),
+    /// It exceeds the length by this much.
+    Beyond(i128),
 }
 
 #[cfg(test)]
@@ -442,8 +506,27 @@ mod tests {
         assert!(bounds.is_nonnegative(&wrapped));
         assert!(bounds.is_nonnegative(&n().subtract(&wrapped).unwrap().shifted(-1).unwrap()));
         // The largest i + 1 is n: one too many.
-        let largest = bounds.largest(&i().shifted(1).unwrap()).unwrap();
-        assert_eq!(largest.subtract(&n()).unwrap().as_integer(), Some(0));
+        assert_eq!(bounds.outlier(&i().shifted(1).unwrap(), Some(&n())), Some(Outlier::Beyond(0)));
+        assert_eq!(bounds.outlier(&i(), Some(&n())), None);
+    }
+
+    #[test]
+    fn outliers_are_certain() {
+        let tables = natural();
+        let outside = Loop { variable: 0, start: Index::default(), end: n() };
+        let inside = Loop { variable: 1, start: Index::default(), end: i() };
+        let before = i().shifted(-1).unwrap();
+        let wrapped = before.remainder(&n()).unwrap();
+        let round = before.add(&n()).unwrap().remainder(&n()).unwrap();
+        let euclid = wrapped.add(&n()).unwrap().remainder(&n()).unwrap();
+        let [one, two] = [vec![outside.clone()], vec![outside, inside]];
+        let one = Bounds { loops: &one, tables: &tables };
+        assert_eq!(one.outlier(&before, Some(&n())), Some(Outlier::Negative(-1)));
+        assert_eq!(one.outlier(&wrapped, Some(&n())), Some(Outlier::Negative(-1)));
+        assert_eq!(one.outlier(&round, Some(&n())), None);
+        assert_eq!(one.outlier(&euclid, Some(&n())), None);
+        // At i = 0 no j is below i.
+        assert_eq!(Bounds { loops: &two, tables: &tables }.outlier(&before, Some(&n())), None);
     }
 
     #[test]

@@ -10,11 +10,12 @@ use super::unroll::{Writer, parts};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
 use crate::model::symbols::Sum;
-use crate::model::{Element, Family, Loop, Reads, System, Term};
+use crate::model::{Element, Family, Index, Loop, Reads, Slot, System, Term};
 use crate::symbolic::{Expr, Graph, Node, Rational, Symbol};
 
 /// Makes the elements of every term; reports terms that are not sums of elements.
 pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
+    let degrees = system.size.multiply(&Index::integer(system.components)).and_then(|all| all.as_integer());
     let (mut writer, before, noise, after) = parts(system);
     let singles = before.into_iter().chain(after).map(|term| (term, Vec::new()));
     let noise = noise.iter_mut().map(|noise| {
@@ -29,7 +30,20 @@ pub(crate) fn collect(system: &mut System, diagnostics: &mut Diagnostics) {
         if writer.collect(term, &loops).is_none() {
             diagnostics.report(expressions::nonlinear_sum(term.extent));
         }
+        if let Some(degrees) = degrees
+            && let Some(index) = term.values.iter().find_map(|element| outside(element, degrees))
+        {
+            diagnostics.report(expressions::index_outside(term.extent, index, degrees));
+        }
     }
+}
+
+/// A place that an element reads, known and outside of the state.
+fn outside(element: &Element, degrees: i128) -> Option<i128> {
+    element.locals.iter().find_map(|local| match &local.slot {
+        Slot::State(_, index) => index.as_integer().filter(|index| !(0..degrees).contains(index)),
+        _ => None,
+    })
 }
 
 impl Writer<'_> {

@@ -5,6 +5,10 @@ use std::fmt;
 /// Levels of nested lists whose indices an error shows.
 const LEVELS: usize = 3;
 
+/// What to do about an index that becomes negative.
+const ROUND: &str =
+    "change the integers of the system, or write `(i + n - 1) % n` where an index wraps around";
+
 /// A list or an integer of a system.
 #[doc(hidden)]
 #[derive(Debug, PartialEq)]
@@ -97,15 +101,19 @@ impl fmt::Display for IndexError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, value) = (self.name(), self.value());
         match self.limit {
+            IndexLimit::Points(_) if value < 0 => {
+                return write!(f, "`{name}` is {value}, but points are numbered from 0; {ROUND}");
+            }
+            IndexLimit::Natural => {
+                let why = "an integer leaves its type where this is negative";
+                return write!(f, "`{name}` is {value}, but {why}; {ROUND}");
+            }
             IndexLimit::Points(points) => write!(f, "`{name}` is {value}, but the state has {points}")?,
             IndexLimit::Entries(length) => {
                 write!(f, "`{name}` is read at {value}, but it has {length} entries")?
             }
             IndexLimit::Integers => {
                 write!(f, "`{name}` is {value}, but integers range from {} to {}", isize::MIN, isize::MAX)?;
-            }
-            IndexLimit::Natural => {
-                write!(f, "`{name}` is {value}, but an integer leaves its type where this is negative")?
             }
             IndexLimit::Divisor => write!(f, "`{name}` is a divisor, but it is 0")?,
         }

@@ -159,6 +159,38 @@ fn arbitrary(random: &mut Random, donor: &[TokenTree], depth: usize) -> TokenStr
         .collect()
 }
 
+/// Integers that may leave their lists, guarded or not, in all forms of a state: code or an error of the user's.
+#[test]
+fn indices_reach_no_internal_error() {
+    let indices = [
+        "(i - 1) % SIZE",
+        "(i - self.n as usize) % SIZE",
+        "(2 * i) / 3",
+        "i.abs_diff(3)",
+        "(i * i) % SIZE",
+        "(i - 1).max(0)",
+        "self.order[i]",
+        "self.order[(i - 1) % 3]",
+    ];
+    let terms = [
+        "q[INDEX] * p[i]",
+        "if a > 0.0 { q[INDEX] } else { p[i] }",
+        "if i % 3 != 0 { q[INDEX] } else { p[i] }",
+        "{ let f = |j: usize| q[j] * (0..j).map(|k| p[k] * q[INDEX]).sum::<f64>(); f(i) }",
+        "q[1..].iter().map(|x| x * q[INDEX]).sum::<f64>()",
+    ];
+    let item = "struct S<const N: usize> { a: f64, n: u32, order: Vec<usize> }";
+    for (state, size) in [("[f64; 3]", "3"), ("[f64; 20]", "20"), ("[f64; N]", "N"), ("&[f64]", "q.len()")] {
+        for (index, term) in indices.iter().flat_map(|index| terms.map(|term| (index, term))) {
+            let term = term.replace("INDEX", index).replace("SIZE", size);
+            let sum = format!("(0..{size}).map(|i| 0.5 * p[i] * p[i] + {term}).sum::<f64>()");
+            let attribute = format!("drift = |q: {state}, p: {state}| {sum}, embedding = Midpoint");
+            let text = expand(attribute.parse().unwrap(), item.parse().unwrap()).to_string();
+            assert!(!text.contains("this is a bug"), "{attribute}");
+        }
+    }
+}
+
 /// Hamiltonians at the edge of what numbers and graphs can hold, through the whole compiler, with every kind of
 /// scheme. The result must be code or errors; `tests/accepted/constants_only.rs` runs the shorter ones.
 #[test]
