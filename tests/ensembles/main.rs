@@ -6,6 +6,7 @@
 mod alone;
 mod checkpoint;
 mod control;
+mod failing;
 mod large_tables;
 mod rare;
 mod runs;

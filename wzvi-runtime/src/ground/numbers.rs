@@ -69,7 +69,7 @@ impl<T: Numbers + Default> Numbers for Vec<T> {
     fn pass(&mut self, tape: &mut Tape) {
         let length = tape.length(self.len());
         self.resize_with(length, T::default);
-        self.iter_mut().for_each(|part| part.pass(tape));
+        self.iter_mut().for_each(|entry| tape.entry(|tape| entry.pass(tape)));
     }
 }
 
@@ -230,6 +230,28 @@ impl Tape {
         }
     }
 
+    /// Records or replaces an entry of a list. An entry without words gets one, so that a list never has more entries than words,
+    /// which [`Tape::length`] relies on.
+    fn entry(&mut self, pass: impl FnOnce(&mut Self)) {
+        let before = self.position();
+        pass(self);
+        if self.position() == before {
+            let mut filler = 0;
+            self.word(&mut filler);
+            if filler != 0 {
+                self.refuse();
+            }
+        }
+    }
+
+    /// The number of words that were recorded, or that are left to read.
+    fn position(&self) -> usize {
+        match &self.way {
+            Way::Writing(words) => words.len(),
+            Way::Reading { lists, .. } => lists.first().map_or(0, ExactSizeIterator::len),
+        }
+    }
+
     /// Records a length, or reads one, which cannot exceed the words that are left.
     pub fn length(&mut self, length: usize) -> usize {
         let mut word = length as u64;
@@ -340,6 +362,17 @@ mod tests {
         }
         let (mut read, nonsense) = (String::new(), u64::from_le_bytes([0xFF; 8]));
         assert_eq!(Tape::read(vec![1, 1, nonsense], |tape| read.pass(tape)), None);
+    }
+
+    /// A list has its length even where its entries have no words, and nothing follows it.
+    #[test]
+    fn entries_without_words_come_back() {
+        assert_eq!(copied(vec![(); 3], vec![]).len(), 3);
+        assert_eq!(copied((vec![(); 15], vec![vec![(); 2]; 2]), Default::default()).1, [[(); 2]; 2]);
+        // More of them than the file has words.
+        for words in [vec![u64::MAX], vec![4, 0, 0, 0], vec![1, 7]] {
+            assert_eq!(Tape::read(words, |tape| vec![(); 0].pass(tape)), None);
+        }
     }
 
     #[test]
