@@ -51,7 +51,7 @@ fn files_of_another_version() {
     let run = folder!("version").join("run");
     go_on(&run, 30).unwrap();
     let good = fs::read(&run).unwrap();
-    let content = good.strip_prefix(b"wzvi-checkpoint 4 ").unwrap();
+    let content = good.strip_prefix(b"wzvi-checkpoint 5 ").unwrap();
     // The last is what a version before wrote.
     let json = b"2 0123456789abcdef\n{}\n";
     for (version, rest) in [("0", content), ("1", content), ("10", content), ("3", json)] {

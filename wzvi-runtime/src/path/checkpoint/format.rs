@@ -9,7 +9,7 @@ use crate::ground::checksum::Checksum;
 use crate::ground::numbers::{Numbers, Tape};
 
 /// The version that is read and written.
-pub(super) const VERSION: u32 = 4;
+pub(super) const VERSION: u32 = 5;
 /// Bytes of a word.
 const WORD: usize = 8;
 
