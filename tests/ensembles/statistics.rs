@@ -4,7 +4,7 @@ use fixtures::edge::{Cubes, EDGE, Edge};
 use fixtures::small::Rotation;
 use fixtures::stepped::every_split;
 use fixtures::{are_refused, column, folder, table};
-use wzvi::ensemble::{Column, Passage, Quantiles};
+use wzvi::ensemble::{Column, Passage, Quantiles, StatisticsError};
 use wzvi::prelude::*;
 
 #[hamiltonian(
@@ -229,6 +229,12 @@ fn brownian_passages_have_the_probability_of_the_reflection_principle() {
             (run.quantile("p", f).unwrap() - x).abs() < allowed,
             "{f}: {} {x}",
             run.quantile("p", f).unwrap()
+        );
+    }
+    for fraction in [1.1, -0.1, f64::NAN, f64::INFINITY] {
+        let refused = run.quantile("p", fraction).unwrap_err();
+        assert!(
+            matches!(refused, StatisticsError::Fraction(_)) && refused.to_string().contains("from 0 to 1")
         );
     }
 }

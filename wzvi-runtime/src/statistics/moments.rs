@@ -38,10 +38,6 @@ impl Extremes {
     fn width(&self) -> f64 {
         self.0[1] - self.0[0]
     }
-
-    fn largest_deviation(&self, mean: f64) -> f64 {
-        (self.0[1] - mean).max(mean - self.0[0])
-    }
 }
 
 /// Means and covariances of several observables.
@@ -49,14 +45,39 @@ impl Extremes {
 pub(crate) struct Moments {
     count: u64,
     of_each: Vec<Summary>,
-    /// Sums of products of deviations: the lower triangle, by rows, or the diagonal alone.
+    /// Sums of products of scaled deviations: the lower triangle, by rows, or the diagonal alone.
     comoment: Vec<f64>,
     has_covariances: bool,
+}
+
+const fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent) << 52).cast_unsigned())
+}
+
+/// Outside of this range squares, or sums of 2^50 squares, may be too small or too large for an `f64`.
+const UNSCALED: [f64; 2] = [power_of_two(-400), power_of_two(480)];
+/// What values below, in and above that range are multiplied by: powers of two, so that nothing is rounded.
+const SCALES: [f64; 3] = [power_of_two(800), 1.0, power_of_two(-560)];
+
+/// The scale of a value. Scaled deviations of values of one scale are below 2^490 and, unless zero, above 2^-453, so that neither
+/// their squares nor sums of 2^40 of them leave the range of `f64`.
+#[inline]
+fn scale(value: f64) -> f64 {
+    let size = value.abs();
+    if size > UNSCALED[1] {
+        SCALES[2]
+    } else if size < UNSCALED[0] {
+        SCALES[0]
+    } else {
+        SCALES[1]
+    }
 }
 
 /// One observable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Summary {
+    /// The least scale of the values, that of the largest one. Moments are those of values times this.
+    scale: f64,
     mean: f64,
     extremes: Extremes,
     /// Values that are NaN or infinite: how many, and their sum, which is the sum of all.
@@ -64,37 +85,52 @@ struct Summary {
 }
 
 impl Summary {
-    /// The deviations of one more value from the means without and with it; its `weight` is one over the number of values.
+    const EMPTY: Self = Self { scale: SCALES[0], mean: 0.0, extremes: Extremes::NONE, not_finite: (0, 0.0) };
+
+    /// The scaled deviations of one more value from the means without and with it; its `weight` is one over the number of values.
     #[inline]
     fn push(&mut self, value: f64, weight: f64) -> [f64; 2] {
-        let Self { mean, extremes, not_finite } = self;
+        let Self { scale, mean, extremes, not_finite } = self;
         // A value that is not finite is replaced by one that changes no moment of the others.
-        let finite = if value.is_finite() { value } else { *mean };
-        if !value.is_finite() {
+        let finite = if value.is_finite() { value * *scale } else { *mean };
+        if value.is_finite() {
+            extremes.push(value);
+        } else {
             *not_finite = (not_finite.0 + 1, not_finite.1 + value);
         }
         let before = finite - *mean;
         *mean += before * weight;
-        extremes.push(finite);
         [before, finite - *mean]
+    }
+
+    /// The largest scaled deviation from the mean.
+    fn largest_deviation(&self) -> f64 {
+        let [least, greatest] = self.extremes.0.map(|value| value * self.scale);
+        (greatest - self.mean).max(self.mean - least)
     }
 }
 
 impl Moments {
     pub(crate) fn new(observables: usize, has_covariances: bool) -> Self {
         let products = if has_covariances { observables * (observables + 1) / 2 } else { observables };
-        let none = Summary { mean: 0.0, extremes: Extremes::NONE, not_finite: (0, 0.0) };
-        Self { count: 0, of_each: vec![none; observables], comoment: vec![0.0; products], has_covariances }
+        let of_each = vec![Summary::EMPTY; observables];
+        Self { count: 0, of_each, comoment: vec![0.0; products], has_covariances }
     }
 
     /// Bytes for the moments of so many observables.
     pub(crate) fn bytes(observables: usize, has_covariances: bool) -> u128 {
         let n = observables as u128;
-        8 * (if has_covariances { n * (n + 1) / 2 } else { n } + 5 * n)
+        8 * (if has_covariances { n * (n + 1) / 2 } else { n } + 6 * n)
     }
 
     /// One more sample; `scratch` is room for a number of each observable.
     pub(crate) fn push(&mut self, values: &[f64], scratch: &mut Vec<f64>) {
+        for (observable, value) in values.iter().enumerate() {
+            let Some(summary) = self.of_each.get(observable) else { break };
+            if scale(*value) < summary.scale && value.is_finite() {
+                self.rescale(observable, scale(*value));
+            }
+        }
         self.count += 1;
         let weight = 1.0 / self.count as f64;
         let samples = self.of_each.iter_mut().zip(values);
@@ -116,10 +152,42 @@ impl Moments {
         }
     }
 
+    /// Changes the scale of an observable.
+    #[cold]
+    fn rescale(&mut self, observable: usize, scale: f64) {
+        let Some(summary) = self.of_each.get_mut(observable) else { return };
+        // Zero for the largest beside the smallest values, whose deviations are then below rounding.
+        let factor = scale / summary.scale;
+        summary.scale = scale;
+        summary.mean *= factor;
+        let observables = self.of_each.len();
+        for other in 0..observables {
+            if let Some(index) = self.index(observable, other) {
+                self.comoment[index] *= if other == observable { factor * factor } else { factor };
+            }
+        }
+    }
+
+    /// Where the product of two observables is, if it is computed.
+    fn index(&self, a: usize, b: usize) -> Option<usize> {
+        let (row, column) = (a.max(b), a.min(b));
+        let index = if self.has_covariances { row * (row + 1) / 2 + column } else { row };
+        (row < self.of_each.len() && (self.has_covariances || a == b)).then_some(index)
+    }
+
     /// The samples of both. The order matters to the last bit.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
+        }
+        let scales = |one: &Self| one.of_each.iter().map(|summary| summary.scale).collect::<Vec<_>>();
+        if self.of_each.iter().zip(&other.of_each).any(|(ours, theirs)| ours.scale != theirs.scale) {
+            let mut other = other.clone();
+            for (observable, (ours, theirs)) in scales(self).into_iter().zip(scales(&other)).enumerate() {
+                let changed = if theirs < ours { &mut *self } else { &mut other };
+                changed.rescale(observable, ours.min(theirs));
+            }
+            return self.merge(&other);
         }
         let (a, b) = (self.count as f64, other.count as f64);
         let total = a + b;
@@ -157,21 +225,34 @@ impl Moments {
     /// NaN without samples; infinite with an infinite one, NaN with infinite ones of both signs.
     pub(crate) fn mean(&self, observable: usize) -> f64 {
         match self.of_each.get(observable) {
-            Some(Summary { mean, not_finite: (0, _), .. }) if self.count > 0 => *mean,
+            Some(Summary { scale, mean, not_finite: (0, _), .. }) if self.count > 0 => mean / scale,
             Some(Summary { not_finite: (1.., sum), .. }) => *sum,
             _ => f64::NAN,
         }
     }
 
-    pub(crate) fn covariance(&self, a: usize, b: usize) -> f64 {
-        let n = self.of_each.len();
-        let is_known = a < n && b < n && (self.has_covariances || a == b);
-        if !is_known || self.count < 2 || self.not_finite(a) + self.not_finite(b) > 0 {
-            return f64::NAN;
+    /// The sum of the products of the deviations of two observables, in their scales; NaN if it is not known.
+    fn scaled_comoment(&self, a: usize, b: usize) -> f64 {
+        match self.index(a, b) {
+            Some(index) if self.count >= 2 && self.not_finite(a) + self.not_finite(b) == 0 => {
+                self.comoment[index]
+            }
+            _ => f64::NAN,
         }
-        let (row, column) = (a.max(b), a.min(b));
-        let index = if self.has_covariances { row * (row + 1) / 2 + column } else { a };
-        self.comoment[index] / (self.count - 1) as f64
+    }
+
+    /// A product of two observables in their scales, in their units; infinite where it is too large for an `f64`.
+    fn unscaled(&self, a: usize, b: usize, scaled: f64) -> f64 {
+        let [a, b] = [a, b].map(|observable| self.of_each.get(observable).map_or(1.0, |one| one.scale));
+        if (a * b).is_normal() { scaled / (a * b) } else { scaled / a / b }
+    }
+
+    fn scaled_variance(&self, observable: usize) -> f64 {
+        self.scaled_comoment(observable, observable) / self.count.saturating_sub(1) as f64
+    }
+
+    pub(crate) fn covariance(&self, a: usize, b: usize) -> f64 {
+        self.unscaled(a, b, self.scaled_comoment(a, b) / self.count.saturating_sub(1) as f64)
     }
 
     /// Whether all samples of an observable are the same number.
@@ -181,14 +262,14 @@ impl Moments {
     }
 
     pub(crate) fn standard_error(&self, observable: usize) -> f64 {
-        (self.covariance(observable, observable) / self.count as f64).sqrt()
+        let scale = self.of_each.get(observable).map_or(1.0, |one| one.scale);
+        (self.scaled_variance(observable) / self.count as f64).sqrt() / scale
     }
 
     /// The share of the largest deviation in the sum of the squares of all; NaN where the variance is, and where there is no deviation.
     pub(crate) fn largest_share(&self, observable: usize) -> f64 {
-        let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
-        let squares = self.covariance(observable, observable) * self.count.saturating_sub(1) as f64;
-        extremes.largest_deviation(self.mean(observable)).powi(2) / squares
+        let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
+        summary.largest_deviation().powi(2) / self.scaled_comoment(observable, observable)
     }
 
     /// The distance between the least and the greatest sample.
@@ -198,10 +279,10 @@ impl Moments {
 
     /// An upper estimate of the variance, where a sample may be `unseen` away from the mean although none was.
     pub(crate) fn variance_bound(&self, observable: usize, unseen: f64) -> f64 {
-        let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
-        let largest = extremes.largest_deviation(self.mean(observable)).max(unseen);
-        let variance = self.covariance(observable, observable);
-        self.count as f64 * error_bound(self.count, variance, largest).powi(2)
+        let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
+        let largest = summary.largest_deviation().max(unseen * summary.scale);
+        let bound = error_bound(self.count, self.scaled_variance(observable), largest);
+        self.unscaled(observable, observable, self.count as f64 * bound.powi(2))
     }
 
     /// As [`error_bound`]; NaN where the variance is, and where all samples are the same number.
@@ -209,9 +290,8 @@ impl Moments {
         if self.is_constant(observable) {
             return f64::NAN;
         }
-        let Some(Summary { extremes, .. }) = self.of_each.get(observable) else { return f64::NAN };
-        let largest = extremes.largest_deviation(self.mean(observable));
-        error_bound(self.count, self.covariance(observable, observable), largest)
+        let Some(summary) = self.of_each.get(observable) else { return f64::NAN };
+        error_bound(self.count, self.scaled_variance(observable), summary.largest_deviation()) / summary.scale
     }
 }
 
@@ -219,9 +299,9 @@ impl Numbers for Moments {
     fn pass(&mut self, tape: &mut Tape) {
         tape.word(&mut self.count);
         tape.numbers(&mut self.comoment);
-        for Summary { mean, extremes, not_finite: (count, sum) } in &mut self.of_each {
+        for Summary { scale, mean, extremes, not_finite: (count, sum) } in &mut self.of_each {
             tape.word(count);
-            tape.numbers([mean, sum]);
+            tape.numbers([scale, mean, sum]);
             tape.numbers(&mut extremes.0);
         }
     }
@@ -291,6 +371,56 @@ mod tests {
         }
         all.push(&[0.0, f64::NEG_INFINITY, 0.0], &mut Vec::new());
         assert!(all.mean(1).is_nan() && all.mean(0) == 3.2);
+    }
+
+    /// Samples of any size have the mean, the error and, where an `f64` holds it, the variance of 1, 2, 4 in their units, in any
+    /// division of the work, beside an observable of ordinary size. Powers of two round nothing.
+    #[test]
+    fn moments_neither_overflow_nor_underflow() {
+        for exponent in [-1000, -700, -480, -400, -100, 0, 470, 480, 500, 800, 1020] {
+            let unit = 2f64.powi(exponent);
+            let rows =
+                [1.0, 2.0, 4.0, 1.0, 4.0].map(|x| [x * unit, 8.0 - x, if x < 3.0 { -unit } else { unit }]);
+            for parts in [1, 2, 5] {
+                let mut moments = Moments::new(3, true);
+                for chunk in rows.chunks(rows.len().div_ceil(parts)) {
+                    let mut part = Moments::new(3, true);
+                    chunk.iter().for_each(|row| part.push(row, &mut Vec::new()));
+                    moments.merge(&part);
+                }
+                // Mean 2.4, squares of deviations 1.96 + 0.16 + 2.56 + 1.96 + 2.56 = 9.2.
+                let near = |found: f64, exact: f64| {
+                    assert!((found / exact - 1.0).abs() < 1e-14, "2^{exponent}, {parts}: {found} {exact}");
+                };
+                near(moments.mean(0) / unit, 2.4);
+                near(moments.standard_error(0) / unit, (2.3_f64 / 5.0).sqrt());
+                near(moments.mean(2) / unit, -0.2);
+                near(moments.largest_share(0), 2.56 / 9.2);
+                near(moments.covariance(0, 1) / unit, -2.3);
+                near(moments.variance_bound(1, 0.0), 2.3 + 10.0 * 2.56 / 5.0);
+                near(moments.error_bound(0) / unit, ((2.3 + 10.0 * 2.56 / 5.0) / 5.0_f64).sqrt());
+                if exponent.abs() <= 500 {
+                    near(moments.covariance(0, 0) / unit / unit, 2.3);
+                } else {
+                    assert_eq!(moments.covariance(0, 0), if exponent > 0 { f64::INFINITY } else { 0.0 });
+                }
+            }
+        }
+        // The sum of the squares is infinite, the variance is not; sizes that grow and shrink; the whole range of numbers.
+        let spread = |values: &[f64]| {
+            let mut moments = Moments::new(1, false);
+            values.iter().for_each(|value| moments.push(&[*value], &mut Vec::new()));
+            moments
+        };
+        let large: Vec<f64> = (0..100).map(|n| if n % 2 == 0 { 1e154 } else { -1e154 }).collect();
+        assert!((spread(&large).covariance(0, 0) / 1e308 - 100.0 / 99.0).abs() < 1e-13);
+        let sizes = spread(&[1e-300, 1.0, 3e300, 5.0, 1e-310]);
+        assert!(
+            (sizes.mean(0) / 6e299 - 1.0).abs() < 1e-14
+                && (sizes.standard_error(0) / 6e299 - 1.0).abs() < 1e-14
+        );
+        let extremes = spread(&[f64::MAX, -f64::MAX]);
+        assert_eq!((extremes.mean(0), extremes.standard_error(0)), (0.0, f64::MAX));
     }
 
     #[test]

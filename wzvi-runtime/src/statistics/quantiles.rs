@@ -250,17 +250,42 @@ fn rank(fraction: f64, n: u64) -> u64 {
     }
 }
 
-/// The bin of a number; the order of bins is that of the numbers in them.
+/// Subnormal numbers times this are normal.
+const RAISE: f64 = (1_u64 << RAISED) as f64;
+const RAISED: u32 = 53;
+/// The octaves below the least normal number: one for zero, and those of subnormal numbers.
+const BELOW: u64 = RAISED as u64 - 1;
+
+/// The bin of a number; the order of bins is that of the numbers in them. Zero has a bin of its own, 0.
 fn bin(x: f64) -> i32 {
+    let size = x.abs();
+    let octaves = if size < f64::MIN_POSITIVE { size * RAISE } else { size }.to_bits() >> IGNORED;
     // Below 2^21.
-    let size = (x.abs().to_bits() >> IGNORED) as i32;
-    if x < 0.0 { -1 - size } else { size }
+    let bin = if size == 0.0 {
+        0
+    } else if size < f64::MIN_POSITIVE {
+        octaves - OCTAVE as u64
+    } else {
+        octaves + BELOW * OCTAVE as u64
+    } as i32;
+    if x < 0.0 { -1 - bin } else { bin }
 }
 
+/// The middle of the numbers in a bin.
 fn middle(bin: i32) -> f64 {
     let size = u64::from(if bin < 0 { -1 - bin } else { bin }.cast_unsigned());
-    let lower = f64::from_bits(size << IGNORED);
-    let middle = if lower.is_finite() { f64::from_bits((2 * size + 1) << (IGNORED - 1)) } else { lower };
+    let middle_of = |octaves: u64| f64::from_bits((2 * octaves + 1) << (IGNORED - 1));
+    let least_normal = (BELOW + 1) * OCTAVE as u64;
+    let middle = if size == 0 {
+        0.0
+    } else if size < least_normal {
+        // Where a bin holds one number, that one: half the distance to the next is rounded down.
+        middle_of(size + OCTAVE as u64).next_down() / RAISE
+    } else {
+        let octaves = size - BELOW * OCTAVE as u64;
+        let lower = f64::from_bits(octaves << IGNORED);
+        if lower.is_finite() { middle_of(octaves) } else { lower }
+    };
     if bin < 0 { -middle } else { middle }
 }
 
@@ -272,7 +297,12 @@ mod tests {
         let unit = |n: u64| (n.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / 2f64.powi(53);
         // Sizes from 1e-30 to 1e30 and both signs, many small integers, zeros.
         let wide = (1..5000).map(|n| (unit(n) - 0.5).signum() * 10f64.powf(60.0 * unit(7 * n) - 30.0));
-        wide.chain((0..2000).map(|n| f64::from(n % 13) - 6.0)).chain([0.0, -0.0, 1e-310]).collect()
+        // The least number, its multiples, and others that are not normal.
+        let subnormal = (1..300).flat_map(|n| {
+            let least = f64::from_bits(n);
+            [least, -least, 1e-310 * unit(n), least * 1e13, f64::MIN_POSITIVE * (0.5 + unit(n))]
+        });
+        wide.chain((0..2000).map(|n| f64::from(n % 13) - 6.0)).chain(subnormal).chain([0.0, -0.0]).collect()
     }
 
     /// Against the sorted samples, at every fifth rank: each is a pass over all bins.
@@ -286,7 +316,7 @@ mod tests {
         for rank in (1..=n).step_by(5) {
             // In the middle between two ranks: no rounding decides.
             let (got, exact) = (sketch.at((rank as f64 - 0.5) / n as f64), sorted[rank - 1]);
-            let allowed = Quantiles::RELATIVE_ERROR * exact.abs() + f64::MIN_POSITIVE * 2f64.powi(-9);
+            let allowed = Quantiles::RELATIVE_ERROR * exact.abs();
             assert!((got - exact).abs() <= allowed, "rank {rank}: {got}, exactly {exact}");
         }
         assert_eq!([sketch.at(0.0), sketch.at(1.0)], [sorted[0], sorted[n - 1]]);
@@ -331,6 +361,27 @@ mod tests {
             assert_eq!(merged.minimum().to_bits(), whole.minimum().to_bits());
             parts.reverse();
         }
+    }
+
+    /// Every number is in a bin whose middle is within the error of it, and bins are ordered.
+    #[test]
+    fn bins_are_narrow_and_ordered_at_every_size() {
+        let sizes = (0..2047_u64)
+            .flat_map(|e| [0, 1, 2, 3, (1 << 43) - 1, 1 << 43, (1 << 52) - 1].map(|m| (e << 52) + m));
+        let octaves = (0..52).flat_map(|e| [(1 << e) - 1, 1 << e, (1 << e) + 1]);
+        let mut all: Vec<u64> = sizes.chain(octaves).collect();
+        all.sort_unstable();
+        let mut last = -1;
+        for x in all.into_iter().map(f64::from_bits) {
+            let (number, middle) = (bin(x), middle(bin(x)));
+            assert!(number >= last && (x == 0.0 || number > 0), "{x:e}");
+            assert!((middle - x).abs() <= Quantiles::RELATIVE_ERROR * x, "{x:e} {middle:e}");
+            assert_eq!((bin(-x), super::middle(bin(-x))), (if x == 0.0 { 0 } else { -1 - number }, -middle));
+            last = number;
+        }
+        let mut sketch = Quantiles::default();
+        [-1.0, 0.0, 0.0, 0.0, 1.0].into_iter().for_each(|x| sketch.push(x));
+        assert_eq!(sketch.at(0.5).to_bits(), 0.0_f64.to_bits());
     }
 
     #[test]

@@ -236,8 +236,12 @@ impl Statistics {
     /// The quantile of an observable at the end, as [`Quantiles::at`](super::quantiles::Quantiles::at).
     ///
     /// # Errors
-    /// Those of [`Statistics::mean`], and [`StatisticsError::NotComputed`] if quantiles were not requested.
+    /// Those of [`Statistics::mean`], [`StatisticsError::NotComputed`] if quantiles were not requested, and [`StatisticsError::Fraction`] unless
+    /// the fraction is a number from 0 to 1.
     pub fn quantile(&self, name: &str, fraction: f64) -> Result<f64, StatisticsError> {
+        if !(0.0..=1.0).contains(&fraction) {
+            return Err(StatisticsError::Fraction(fraction));
+        }
         let quantile = |node: &StatisticsNode, index| node.quantiles(index).map(|all| all.at(fraction));
         let missing = StatisticsError::NotComputed { what: "quantiles", remedy: ".quantiles()" };
         self.at_end(name, quantile)?.ok_or(missing)
