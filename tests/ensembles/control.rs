@@ -89,6 +89,53 @@ fn odd_observables_have_their_exact_mean() {
     // χ² of 4096 and 2048 samples: each variance of q⁴-like samples to √(56/4/2048) = 8 %, the error to half of that, four times.
     assert!((ratio / 2f64.sqrt() - 1.0).abs() < 0.2, "{ratio}");
     assert_eq!(paired.last().unwrap().count(), 4096);
+
+    // Both paths of a pair from zero are each other's negatives, to the bit: the error is zero, and a target is met as soon as any can
+    // be. Something that no path changes stays unknown.
+    let exact = run()
+        .antithetic()
+        .paths(1 << 20)
+        .start(State::new([0.0], [0.0]))
+        .observe("q", |state| state.q[0])
+        .observe("never", |state| f64::from(state.q[0] > 1e9))
+        .until_error("q", 1e-3)
+        .until_error("never", 1e-3);
+    let exact = exact.paths(2048).run().unwrap();
+    assert_eq!(exact.target("never").unwrap(), TargetStatus::Constant);
+    assert_eq!(exact.target("q").unwrap(), TargetStatus::Met);
+    // The mean over all paths is rounded as it comes.
+    assert!(exact.mean("q").unwrap().abs() < 1e-15 && exact.error_bound("q").unwrap() == 0.0);
+    assert!(exact.error_bound("never").unwrap().is_nan() && exact.standard_error("never").unwrap() == 0.0);
+    let exact =
+        run().antithetic().paths(1 << 20).start(State::new([0.0], [0.0])).observe("q", |state| state.q[0]);
+    let exact = exact.until_error("q", 1e-3).run().unwrap();
+    assert_eq!((exact.met_targets(), exact.last().unwrap().count()), (Some(true), 1024));
+}
+
+/// Variances of few antithetic paths have no bias, whatever the correlation within pairs: here of 6 paths in 3 pairs, over many runs.
+/// The divisor `n - 1` of independent paths gives 6/5 of the variance of an odd observable, 4/5 of that of an even one.
+#[test]
+fn variances_of_pairs_are_unbiased() {
+    let system = TwoAdditive { sigma: 0.3, gamma: -0.8 };
+    let run = |paths: u64, seed| {
+        let run =
+            system.ensemble::<Midpoint>(0.1).start(State::new([0.0], [0.0])).paths(paths).seed(seed).steps(3);
+        run.observe("odd", |state| state.q[0])
+            .observe("even", |state| state.q[0].powi(2))
+            .observe("both", |state| state.q[0].exp())
+    };
+    let many = run(100_000, 1).run().unwrap();
+    let runs: Vec<Statistics> = (2..4002).map(|seed| run(6, seed).antithetic().run().unwrap()).collect();
+    for (a, b) in [("odd", "odd"), ("even", "even"), ("both", "both"), ("odd", "both"), ("even", "both")] {
+        let estimates: Vec<f64> =
+            runs.iter().map(|run| run.covariance(a, b).unwrap() / many.covariance(a, b).unwrap()).collect();
+        let n = estimates.len() as f64;
+        let mean = estimates.iter().sum::<f64>() / n;
+        let error = (estimates.iter().map(|x| (x - mean).powi(2)).sum::<f64>()).sqrt() / n;
+        println!("{a} {b}: {mean} ± {error}");
+        // Four standard errors; the reference is known to √(2/100 000) of itself, and three times that where squares are observed.
+        assert!((mean - 1.0).abs() < 4.0 * error + 0.015 && error < 0.04, "{a} {b}: {mean} ± {error}");
+    }
 }
 
 /// Neither odd nor even: over 200 runs, deviations from the common mean in units of the standard error have squares that add up

@@ -68,10 +68,11 @@ impl Targets {
         let status = |target: &(usize, f64)| match target {
             (observable, _) if end.is_constant(*observable) => TargetStatus::Constant,
             target if end.count() >= LEAST_PATHS && ratio(end, target) <= 1.0 => {
-                if end.largest_share(target.0) <= MOST_SHARE {
-                    TargetStatus::Met
-                } else {
+                // Without any deviation no path has a share of it.
+                if end.largest_share(target.0) > MOST_SHARE {
                     TargetStatus::Dominated
+                } else {
+                    TargetStatus::Met
                 }
             }
             _ => TargetStatus::NotMet,

@@ -244,10 +244,20 @@ impl StatisticsNode {
         self.moments.mean(observable)
     }
 
-    /// The unbiased covariance of two observables; NaN where [`StatisticsNode::mean`] is or is infinite, for a single path, and of two different
-    /// ones if the run was set to omit covariances.
+    /// The unbiased covariance of two observables of independent paths; NaN where [`StatisticsNode::mean`] is or is infinite, for a single
+    /// path and a single antithetic pair, and of two different ones if the run was set to omit covariances. It is infinite where it is too
+    /// large for an `f64`; errors of means are not.
+    ///
+    /// Both paths of an antithetic pair depend on each other. Of `n` paths, `2m` of them in `m` pairs, the expectation of `C`, the sum of products of
+    /// deviations from the mean, is `(n - u/n) cov - (4m/n) cov_pairs`, with `u = n - 2m` and the covariance `cov_pairs` of the means of pairs. The estimate is
+    /// `(C + (4m/n) cov_pairs) / (n - u/n)`, which is `C / (n - 1)` without pairs.
     pub fn covariance(&self, a: usize, b: usize) -> f64 {
-        self.moments.covariance(a, b)
+        let independent = self.moments.covariance(a, b);
+        let Some(pairs) = self.pairs.as_ref().filter(|pairs| pairs.count() > 0) else { return independent };
+        let (n, m) = (self.moments.count() as f64, pairs.count() as f64);
+        let single = n - 2.0 * m;
+        let (of_paths, of_pairs) = ((n - 1.0) / (n - single / n), 4.0 * m / n / (n - single / n));
+        of_paths * independent + of_pairs * pairs.covariance(a, b)
     }
 
     /// The unbiased variance of an observable, as [`StatisticsNode::covariance`].
@@ -264,9 +274,13 @@ impl StatisticsNode {
     /// An upper estimate of the standard error of the mean, `√((variance + 10 D² / count) / count)` with the largest deviation `D` from the
     /// mean that was seen: as if it had occurred ten more times. The standard error itself is zero until a rare event is seen, and with
     /// heavy tails it is too small whenever the mean is. [`Ensemble::until_error`](crate::ensemble::Ensemble::until_error) compares this bound.
-    /// NaN where the observable is the same number on all paths, such as an event that was never seen.
+    /// NaN where the observable is the same number on all paths, such as an event that was never seen. Zero where it differs between paths and
+    /// all antithetic pairs have the same mean: the observable is odd in the noise, and its mean is exact.
     pub fn error_bound(&self, observable: usize) -> f64 {
-        self.independent().error_bound(observable)
+        match &self.pairs {
+            Some(pairs) if pairs.is_constant(observable) && !self.is_constant(observable) => 0.0,
+            _ => self.independent().error_bound(observable),
+        }
     }
 
     /// The share of the path that is farthest from the mean in the variance of an observable. If one path has a large share, the error is that of this
