@@ -51,6 +51,7 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
         consistent: false,
         conserves_energy: Knowledge::Unknown,
         commuting: Knowledge::Unknown,
+        has_weak_order_two: false,
     };
     type Prepared<K: Constant> = ();
     type Memory<S: Scalar> = ();

@@ -8,6 +8,7 @@ mod checkpoint;
 mod control;
 mod failing;
 mod large_tables;
+mod poles;
 mod rare;
 mod runs;
 mod starts;

@@ -11,6 +11,7 @@ use wzvi::ensemble::Statistics;
 use wzvi::error::{ConfigError, Error, StepFailure};
 use wzvi::increments::{Interval, NoiseError};
 use wzvi::nalgebra;
+use wzvi::noise::Truncation;
 use wzvi::prelude::*;
 
 /// Two coupled degrees of freedom, functions, two noises: a Newton block of several unknowns.
@@ -59,6 +60,8 @@ fn hard_steps_and_failures_are_the_same_in_every_split() {
             .start(State::new([0.5], [2.0]))
             .paths(270)
             .seed(4)
+            // Else such steps are refused.
+            .truncation(Truncation::Off)
             .allow_losses(1.0)
             .steps(20)
             .record_every(10)
@@ -188,7 +191,10 @@ fn a_path_is_replayed() {
 #[test]
 fn failing_steps_are_halved() {
     let well = DoubleWell { sigma: 1.5 };
-    let run = || well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(30).seed(4).steps(60);
+    let run = || {
+        let run = well.ensemble::<Midpoint>(0.5).start(State::new([0.5], [2.0])).paths(30).seed(4).steps(60);
+        run.truncation(Truncation::Off)
+    };
     let whole = run().allow_losses(1.0).keep_paths(1 << 20).run().unwrap();
     assert!(whole.failed() > 1, "{}", whole.failed());
     let halved = every_split(|| run().retry(Retry::halving(12)).keep_paths(1 << 20));
@@ -203,8 +209,11 @@ fn failing_steps_are_halved() {
     let failure = whole.failures()[0];
     let (replayed, error) = run().retry(Retry::halving(12)).record_every(1).replay(failure.path).unwrap();
     let single = well.simulate::<Midpoint>(0.5).start(State::new([0.5], [2.0])).steps(60);
-    let single =
-        single.noise(StepNormals::seed(4).path(failure.path)).retry(Retry::halving(12)).run().unwrap();
+    let single = single
+        .noise(StepNormals::seed(4).path(failure.path).untruncated())
+        .retry(Retry::halving(12))
+        .run()
+        .unwrap();
     assert!(error.is_none() && single.iterations().halved > 0);
     // The halves round where their sum does not.
     for (a, b) in replayed.increments().zip(single.increments()) {

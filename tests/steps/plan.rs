@@ -49,6 +49,8 @@ fn kubo() {
             consistent: true,
             conserves_energy: Proven,
             commuting: Proven,
+            // Its flow has; the step does not, being of order two.
+            has_weak_order_two: true,
         }
     );
     assert!(midpoint.truncates_increments());
@@ -250,4 +252,105 @@ fn equations_are_those_of_the_paper() {
     );
     let without_noise = <Pendulum as Discretized<Midpoint>>::EQUATIONS;
     assert!(!without_noise.contains("X_"), "{without_noise}");
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * (p * p + q * q),
+    noise = [|q, _| -s * q],
+    embedding = [DeltaPlus, Midpoint, Verlet, Mixed<Midpoint, DeltaPlus>, Gauss<2>],
+)]
+struct Shaken {
+    s: f64,
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p,
+    noise = [|q, _| 0.5 * s * q * q],
+    embedding = [Midpoint, Verlet],
+)]
+struct Lensed {
+    s: f64,
+}
+
+#[hamiltonian(
+    drift = |q, p| 0.5 * a * (q * q + p * p),
+    noise = [|q, p| 0.5 * s * (q * q + p * p)],
+    embedding = [Midpoint, Gauss<2>],
+)]
+struct Turning {
+    a: f64,
+    s: f64,
+}
+
+/// `E z_i z_j` at `t = 1` from `z = (1, 0)`, of steps that are affine in the state: their means over a normal increment, by the trapezoidal rule, which
+/// is exact to rounding for such integrands.
+fn second_moments<E, H: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>>(
+    system: &H,
+    steps: u32,
+) -> [f64; 3] {
+    let h = 1.0 / f64::from(steps);
+    let mut stepper = system.stepper::<E>(h).unwrap();
+    let mut maps = Vec::new();
+    for i in -180..=180 {
+        let x = 0.05 * f64::from(i);
+        let weight = 0.05 * (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
+        let mut image = |q: f64, p: f64| {
+            let mut state = State::new([q], [p]);
+            stepper.step(&mut state, &[h.sqrt() * x]).unwrap();
+            [state.q[0], state.p[0]]
+        };
+        let (zero, one, two) = (image(0.0, 0.0), image(1.0, 0.0), image(0.0, 1.0));
+        maps.push((
+            weight,
+            zero,
+            [[one[0] - zero[0], two[0] - zero[0]], [one[1] - zero[1], two[1] - zero[1]]],
+        ));
+    }
+    // Means and moments [q², qp, p²] of the state.
+    let (mut mean, mut moments) = ([1.0, 0.0], [1.0, 0.0, 0.0]);
+    for _ in 0..steps {
+        let (mut next_mean, mut next) = ([0.0; 2], [0.0; 3]);
+        for (weight, b, a) in &maps {
+            let row = |i: usize| a[i][0] * mean[0] + a[i][1] * mean[1];
+            (0..2).for_each(|i| next_mean[i] += weight * (row(i) + b[i]));
+            for (slot, (i, j)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+                let square = a[i][0] * a[j][0] * moments[0]
+                    + (a[i][0] * a[j][1] + a[i][1] * a[j][0]) * moments[1]
+                    + a[i][1] * a[j][1] * moments[2];
+                next[slot] += weight * (square + row(i) * b[j] + row(j) * b[i] + b[i] * b[j]);
+            }
+        }
+        (mean, moments) = (next_mean, next);
+    }
+    moments
+}
+
+/// The order of the second moments, from three step sizes.
+fn weak_order<E, H: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>>(system: &H) -> f64 {
+    let [coarse, middle, fine] = [16, 32, 64].map(|steps| second_moments::<E, H>(system, steps));
+    let distance = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    (distance(coarse, middle) / distance(middle, fine)).log2()
+}
+
+/// Measured without paths. The next term of the error is `h` to `h²` times the first: a tenth of the order.
+#[test]
+fn the_weak_order_is_the_one_of_the_plan() {
+    fn check<E, H: Discretized<E, Vector = wzvi::nalgebra::SVector<f64, 1>>>(system: &H, order: f64) {
+        let measured = weak_order::<E, H>(system);
+        assert_eq!(H::PLAN.weak_order(), Some(order), "{measured}");
+        assert!((measured - order).abs() < 0.15, "{measured} {order}");
+    }
+    let shaken = Shaken { s: 1.0 };
+    check::<Midpoint, _>(&shaken, 2.0);
+    check::<Verlet, _>(&shaken, 2.0);
+    check::<Gauss<2>, _>(&shaken, 2.0);
+    check::<DeltaPlus, _>(&shaken, 1.0);
+    // The drift at the middle, the noise at the start.
+    check::<Mixed<Midpoint, DeltaPlus>, _>(&shaken, 1.0);
+    // Σ {H_k, {H_k, H_0}} = s² q²
+    check::<Midpoint, _>(&Lensed { s: 1.0 }, 1.0);
+    check::<Verlet, _>(&Lensed { s: 1.0 }, 1.0);
+    // The energy is kept: second moments show the phase.
+    check::<Midpoint, _>(&Turning { a: 1.5, s: 1.0 }, 1.0);
+    check::<Gauss<2>, _>(&Turning { a: 1.5, s: 1.0 }, 2.0);
 }

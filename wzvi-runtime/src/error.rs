@@ -108,6 +108,20 @@ pub enum ConfigError {
         /// Largest absolute value in the matrix.
         scale: f64,
     },
+    /// An increment within the truncation reaches a pole of the step: there the step has no solution, and near it any. Computed for noises whose
+    /// Hamiltonian is quadratic, with the drift at the start.
+    Pole {
+        /// The noise, from 0.
+        noise: usize,
+        /// Step size.
+        h: f64,
+        /// The increment at the pole, in absolute value.
+        increment: f64,
+        /// The largest increment of the run, in absolute value.
+        bound: f64,
+        /// A step size whose increments reach no pole.
+        largest: f64,
+    },
     /// A setting that the builder needs is missing.
     Missing(&'static str),
     /// The end of the run is NaN, infinite, on the wrong side of the start, or more steps away than can be counted; or times are so late that
@@ -151,6 +165,9 @@ messages! { ConfigError:
     Self::Singular { h, pivot, scale } =>
         "the matrix of the step is singular for h = {} (pivot {pivot:.1e} at scale {scale:.1e}); \
          take another step size", Brief(*h);
+    Self::Pole { noise, h, increment, bound, largest } =>
+        "a step of {} has a pole where the increment of noise {noise} is ±{increment:.3}, and increments of such steps are truncated at ±{bound:.3} only; \
+         take steps of at most {}", Brief(*h), Brief(*largest);
     Self::Missing(what) => "the run needs {what}";
     Self::End { start, end, h } =>
         "cannot run from t = {} to t = {} in steps of {}; check the sign of h, and its size, which must not vanish beside t",

@@ -75,6 +75,13 @@ pub trait Noise {
         )))
     }
 
+    /// The largest absolute value that an increment of a step of size `h` can have, after [`Noise::prepare`]; infinite without truncation. Runs
+    /// refuse implicit steps in which such an increment reaches a pole.
+    fn largest_increment(&self, h: f64) -> f64 {
+        let _ = h;
+        f64::INFINITY
+    }
+
     /// The identity of this source, after [`Noise::prepare`]. A source that returns one guarantees that the increments of a step depend on
     /// the identity and the [`Interval`] alone, to the last bit, whatever was drawn before. An interrupted run can then resume with another
     /// source of the same identity.
@@ -121,6 +128,10 @@ impl<N: Noise + ?Sized> Noise for &mut N {
 
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         (**self).increments_of_part(interval, h, dw)
+    }
+
+    fn largest_increment(&self, h: f64) -> f64 {
+        (**self).largest_increment(h)
     }
 
     fn identity(&self) -> Option<Identity> {

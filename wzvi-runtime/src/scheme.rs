@@ -9,4 +9,5 @@ pub mod embedding;
 pub mod gauss;
 pub mod modified;
 pub mod plan;
+pub mod poles;
 pub mod system;

@@ -58,6 +58,7 @@ const _: () = {
         const FACTS: Facts = Facts {
             noise: NoiseClass::Multiplicative,
             conserves_energy: Knowledge::Refuted,
+            has_weak_order_two: false,
             ..Facts::autonomous(1)
         };
         type Shape = Fixed<1>;

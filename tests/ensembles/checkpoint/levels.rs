@@ -84,7 +84,7 @@ fn another_run_is_refused() {
     let fields =
         |run: Multilevel<'_, Driven, DeltaPlus, Observed>| differences(&file, |to| run.checkpoint(to).run());
     assert_eq!(fields(asked(0.04)), ["the target"]);
-    assert_eq!(fields(asked(0.05).weak_order(2.0)), ["the weak order"]);
+    assert_eq!(fields(asked(0.05).weak_order(0.5)), ["the weak order"]);
     assert_eq!(fields(asked(0.05).finest(7)), ["the finest level"]);
     assert_eq!(fields(asked(0.05).paths(1 << 20)), ["the most paths of a level"]);
     assert_eq!(fields(asked(0.05).paths(1 << 50)), ["the most paths of an observable with one value"]);

@@ -237,7 +237,7 @@ fn listed_noises_come_before_the_bath() {
     let expected = decay * (2.0 * shift - 0.5 * h * moved);
     assert!((a.p[0] - b.p[0] - expected).abs() < 10.0 * f64::EPSILON);
     let plan = <Driven as Discretized<Obabo>>::PLAN;
-    assert_eq!((plan.noise, plan.weak_order()), (NoiseClass::Additive, Some(1.0)));
+    assert_eq!((plan.noise, plan.weak_order()), (NoiseClass::Additive, Some(2.0)));
     let plan = <Oscillator as Discretized<Thermostat<Gauss<3>>>>::PLAN;
     assert_eq!((plan.noise, plan.order, plan.weak_order()), (NoiseClass::Thermal, 2, Some(2.0)));
     assert_eq!(plan.strong_order(), Some(1.0));

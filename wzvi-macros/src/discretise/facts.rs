@@ -18,6 +18,7 @@ mod form;
 mod invariants;
 pub(crate) mod kinetic;
 pub(crate) mod split;
+mod weak;
 
 pub(crate) use self::form::is_quadratic;
 pub(crate) use self::invariants::{Failure, Invariant};
@@ -66,6 +67,8 @@ pub(crate) struct Facts {
     /// Where branches of the drift and of each noise meet.
     pub(crate) boundaries: Vec<Vec<Boundary>>,
     pub(crate) commuting: Knowledge,
+    /// Whether centred steps of order two, for multiplicative noise of order four, are proven to have weak order two.
+    pub(crate) has_weak_order_two: bool,
     /// The suffix of `H` for each noise or family.
     pub(crate) numbers: Vec<String>,
     /// Whether there is more than one noise, or a family of them.
@@ -168,8 +171,13 @@ impl Facts {
             sums.is_constant(product, increments)
         });
         let (energy, boundaries) = Energy::of(sums, &hamiltonians);
+        let class = noise_class(sums.graph, &noises);
+        let commuting =
+            all([commuting_hamiltonians(sums, noise), commuting_forces(sums, noise, &forces.noise)]);
+        let has_weak_order_two =
+            commuting.is_proven() && weak::has_order_two(sums, &hamiltonians, class, &energy.is_kept);
         Self {
-            noise: noise_class(sums.graph, &noises),
+            noise: class,
             has_force: system.force.is_some(),
             is_separable: acting.iter().all(|element| {
                 let Reads { q, p } = element.reads();
@@ -184,10 +192,8 @@ impl Facts {
             energy,
             energy_form: Form::of(sums.graph, drift),
             boundaries,
-            commuting: all([
-                commuting_hamiltonians(sums, noise),
-                commuting_forces(sums, noise, &forces.noise),
-            ]),
+            commuting,
+            has_weak_order_two,
             has_several_noises: system.noise.len() > 1 || noise.iter().chain(&forces.noise).any(is_family),
             invariants: declared.into_iter().map(|one| invariant(sums, &hamiltonians, one)).collect(),
             numbers: hamiltonians.numbers,

@@ -28,6 +28,7 @@ pub(crate) fn facts(
         ("noise", noise),
         ("conserves_energy", knowledge(&facts.energy.is_kept)),
         ("commuting", knowledge(&facts.commuting)),
+        ("has_weak_order_two", (!facts.has_weak_order_two).then(|| quote!(false))),
         ("is_damped", is_damped.then(|| quote!(true))),
         ("has_pieces", has_pieces.then(|| quote!(true))),
     ];
@@ -69,7 +70,11 @@ pub(crate) fn plan(scheme: &Scheme) -> TokenStream {
     };
     let (unknowns, consistent) = (count(scheme.structure.unknowns()), scheme.consistent);
     let order = Literal::u32_unsuffixed(scheme.embedding.order());
-    quote!(<Self as __wzvi::elements::Elements>::FACTS.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent))
+    let facts = quote!(<Self as __wzvi::elements::Elements>::FACTS);
+    let plan = quote!(#facts.plan(__wzvi::Solver::#solver, #unknowns, #order, #consistent));
+    // The drift alone decides the order, and noise beside the middle of the step costs weak order two.
+    let [drift, noise] = scheme.embedding.means();
+    if drift == noise { plan } else { quote!(__wzvi::Plan { has_weak_order_two: false, ..#plan }) }
 }
 
 /// `None` for proven statements.

@@ -15,6 +15,7 @@ use crate::noise::StepNormals;
 use crate::path::Error;
 use crate::path::options::{Observables, elsewhere};
 use crate::path::span::Grid;
+use crate::scheme::poles;
 use crate::scheme::system::{Discretized, Scheme as _, SchemeOf};
 use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, Statistics, StatisticsNode};
 
@@ -94,6 +95,16 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         };
         let first = Interval { start: start.t, h, step: 0 };
         let source = source.prepared(more.settings, &H::PLAN, first, (processes, grid.whole()))?;
+        if processes > 0 {
+            let bound = |h| source.largest_increment(h);
+            if systems.is_empty() {
+                poles::check::<H, E>(system, &start, h, &bound)?;
+            }
+            for (path, own) in (0..).zip(&systems) {
+                poles::check::<H, E>(own, &start, h, &bound)
+                    .map_err(|cause| ConfigError::PathSystem { path, cause: Box::new(cause) })?;
+            }
+        }
         let has_pairs = source.is_antithetic();
         if has_pairs && paths % 2 == 1 {
             return wrong(format!("{paths} antithetic paths: they come in pairs"));

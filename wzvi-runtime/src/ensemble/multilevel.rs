@@ -78,7 +78,8 @@ pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
 #[derive(Clone, Copy)]
 struct Levels {
     target: Option<f64>,
-    weak_order: f64,
+    /// That of the scheme if the user says nothing.
+    weak_order: Option<f64>,
     finest: u32,
 }
 
@@ -112,7 +113,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     options!(start, end, execution, instructions);
 
     fn begun(setup: Setup<'a, H>) -> Self {
-        let levels = Levels { target: None, weak_order: 1.0, finest: MOST_LEVELS };
+        let levels = Levels { target: None, weak_order: None, finest: MOST_LEVELS };
         Self { setup, levels, types: PhantomData }
     }
 
@@ -141,10 +142,12 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         self
     }
 
-    /// Sets the weak order of the scheme, from which the remaining bias is estimated. The default is 1, which every consistent scheme has at
-    /// least.
+    /// Sets the weak order from which the remaining bias is estimated. The default is the one that
+    /// [`Plan::weak_order`](crate::scheme::plan::Plan::weak_order) proves for the scheme. Set a lower one for an observable that is not
+    /// smooth, such as an indicator. A higher one is an error of the run: with a wrong order the remaining bias is underestimated, and the
+    /// target is missed without a sign of it.
     pub fn weak_order(mut self, order: f64) -> Self {
-        self.levels.weak_order = order;
+        self.levels.weak_order = Some(order);
         self
     }
 
@@ -178,8 +181,8 @@ where
     /// [`Multilevel::run`] with `WIDTH` paths beside each other, with 0 as many as suit the instructions; the result is the same.
     #[doc(hidden)]
     pub fn run_in<const WIDTH: usize>(mut self) -> Result<MultilevelEstimate, Error> {
-        let target = self.checked()?;
-        let Levels { weak_order, finest, .. } = self.levels;
+        let (target, weak_order) = self.checked()?;
+        let finest = self.levels.finest;
         let execution = std::mem::take(&mut self.setup.execution);
         let stop = || execution.is_stopped();
         let (end, paths) = (self.setup.span.end, self.setup.more.paths);
@@ -194,8 +197,8 @@ where
         Run::begun(job, limits, keeping, hands, execution.progress("steps"))?.run::<WIDTH>()
     }
 
-    /// The target, of a run that makes sense.
-    fn checked(&self) -> Result<f64, ConfigError> {
+    /// The target and the weak order, of a run that makes sense.
+    fn checked(&self) -> Result<(f64, f64), ConfigError> {
         let (setup, Levels { target, weak_order, finest }) = (&self.setup, self.levels);
         if let Some(what) = refused(setup) {
             return wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out"));
@@ -214,11 +217,18 @@ where
             return wrong("a multilevel run of a system without noise: one path says it all");
         }
         above_zero(target, |target| format!("a target of {target}"))?;
+        let known = H::PLAN.weak_order().unwrap_or(1.0);
+        let weak_order = weak_order.unwrap_or(known);
         above_zero(weak_order, |order| format!("a weak order of {order}"))?;
+        if weak_order > known {
+            return wrong(format!(
+                "a weak order of {weak_order}, where {known} is proven for this scheme and system (`PLAN.weak_order()`): leave `.weak_order(...)` out"
+            ));
+        }
         if !(LEAST_LEVELS as u32 - 1..=40).contains(&finest) {
             return wrong(format!("level {finest} as the finest: take 2 to 40"));
         }
-        Ok(target)
+        Ok((target, weak_order))
     }
 }
 

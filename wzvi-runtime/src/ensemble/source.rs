@@ -56,6 +56,11 @@ impl<'a> Source<'a> {
         self.normals.as_ref().map_or(f64::INFINITY, |normals| normals.clip(h))
     }
 
+    /// The largest increment of a step of size `h`, in absolute value.
+    pub(super) fn largest_increment(&self, h: f64) -> f64 {
+        self.noise.largest_increment(h)
+    }
+
     /// The seed; 0 of a noise that has none.
     pub(super) fn seed(&self) -> u64 {
         self.noise.seed_number().unwrap_or(0)

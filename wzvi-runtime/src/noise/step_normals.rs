@@ -261,6 +261,10 @@ impl Noise for StepNormals {
         Ok(())
     }
 
+    fn largest_increment(&self, h: f64) -> f64 {
+        self.acting().bound(h, h.abs().sqrt())
+    }
+
     fn identity(&self) -> Option<Identity> {
         let identity = Identity::of("StepNormals").with("seed", self.seed).with("path", self.path);
         let identity =

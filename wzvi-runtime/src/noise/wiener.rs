@@ -248,6 +248,10 @@ impl Noise for Wiener {
         Ok(())
     }
 
+    fn largest_increment(&self, h: f64) -> f64 {
+        self.acting().bound(h, h.abs().sqrt())
+    }
+
     fn identity(&self) -> Option<Identity> {
         let identity = Identity::of("Wiener").with("seed", self.seed).with("path", self.path);
         Some(identity.with("unit", self.unit).with("truncation", self.acting()))

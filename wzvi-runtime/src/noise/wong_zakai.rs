@@ -258,6 +258,10 @@ impl Noise for WongZakai {
         self.early.check(start)
     }
 
+    fn largest_increment(&self, h: f64) -> f64 {
+        self.early.acting().bound(h.abs(), self.deviation(h.abs()))
+    }
+
     fn identity(&self) -> Option<Identity> {
         let identity = self.early.identity()?.renamed("WongZakai");
         Some(identity.with("eps", self.eps).with("sampling", self.sampling))

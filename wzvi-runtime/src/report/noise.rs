@@ -43,6 +43,10 @@ impl Noise for Shifted<'_> {
         Ok(())
     }
 
+    fn largest_increment(&self, h: f64) -> f64 {
+        self.noise.largest_increment(h)
+    }
+
     fn identity(&self) -> Option<Identity> {
         self.noise.identity()
     }

@@ -37,6 +37,7 @@ use crate::error::{ConfigError, StepFailure};
 use crate::scheme::dense::Slopes;
 use crate::scheme::elements::{self, Elements, FieldAt, PairColumns, Taken, WindowPlan, Word};
 use crate::scheme::plan::{Facts, Plan, Solver};
+use crate::scheme::poles::Poles;
 use crate::scheme::system::{At, Lift, Movable, Properties, Scheme, Segment, as_they_are};
 
 pub use crate::algebra::shape::{Dynamic, Fixed, Shape};
@@ -126,6 +127,7 @@ impl<F: Field, const N: usize> Scheme<F> for Gauss<N> {
     const PLAN: Plan = plan(F::FACTS, N, F::IS_NYSTROM);
     const PROPERTIES: Properties = Properties {
         stages: N as u32,
+        poles: Poles::of_stages(N),
         in_lanes: F::Shape::IS_FIXED,
         // With friction, the polynomial would be one of the momentum `e^{γ τ} p`.
         has_polynomial: N > 1 && !F::FACTS.kind.is_conformal,

@@ -70,6 +70,8 @@ pub struct Facts {
     pub conserves_energy: Knowledge,
     /// As [`Plan::commuting`].
     pub commuting: Knowledge,
+    /// As [`Plan::has_weak_order_two`].
+    pub has_weak_order_two: bool,
     /// Whether there is friction or a bath.
     pub is_damped: bool,
     /// Friction and temperature, where the O part of a thermostat can apply them.
@@ -105,6 +107,7 @@ impl Facts {
             noise: NoiseClass::None,
             conserves_energy: Knowledge::Proven,
             commuting: Knowledge::Proven,
+            has_weak_order_two: true,
             is_damped: false,
             bath: None,
             has_pieces: false,
@@ -121,8 +124,8 @@ impl Facts {
 
     /// The plan of a scheme of this order with such a step.
     pub const fn plan(self, solver: Solver, unknowns: usize, order: u32, consistent: bool) -> Plan {
-        let Self { noise, conserves_energy, commuting, .. } = self;
-        Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting }
+        let Self { noise, conserves_energy, commuting, has_weak_order_two, .. } = self;
+        Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting, has_weak_order_two }
     }
 
     /// The plan of an explicit step of order two made of flows.
@@ -148,6 +151,9 @@ pub struct Plan {
     pub conserves_energy: Knowledge,
     /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
     pub commuting: Knowledge,
+    /// Whether increments that are frozen over a step leave a weak order of two: the noises commute and `Σ_k {H_k, {H_k, H_0}}` is constant,
+    /// as for `H_k = -σ q` with constant masses. [`Plan::weak_order`] has the rest.
+    pub has_weak_order_two: bool,
 }
 
 /// One line: `linear step (one unknown) of order 2; multiplicative noise: strong order 1, weak order 1; the system keeps its energy`.
@@ -202,12 +208,24 @@ impl Plan {
         }
     }
 
-    /// The order in `h` of the error of expectations; `None` as for [`Plan::strong_order`].
+    /// The order in `h` of the error of expectations of smooth functions; `None` as for [`Plan::strong_order`].
+    ///
+    /// The mean of a step with frozen increments of commuting noises is, with `L_k` the derivative along the flow of `H_k`,
+    ///
+    /// ```text
+    /// E exp(h L_0 + Σ_k ΔW_k L_k) = exp(h (L_0 + ½ Σ_k L_k²)) - (h²/12) Σ_k [L_k, [L_k, L_0]] + O(h³)
+    /// ```
+    ///
+    /// so that the order is two where `Σ_k {H_k, {H_k, H_0}}` is constant ([`Plan::has_weak_order_two`]), and one elsewhere. A step of order two
+    /// adds terms of third order in `h H_0 + Σ_k ΔW_k H_k`. If all noises read coordinates alone, or momenta alone, or are affine, the mean of these is a
+    /// multiple of the same sum. For other noises the step needs order four.
     pub const fn weak_order(&self) -> Option<f64> {
+        let least = if matches!(self.noise, NoiseClass::Multiplicative) { 4 } else { 2 };
         match (self.noise, self.consistent) {
             (NoiseClass::None, _) => Some(self.order as f64),
             (_, false) => None,
             (NoiseClass::Thermal, true) => Some(self.order as f64),
+            (_, true) if self.has_weak_order_two && self.order >= least => Some(2.0),
             (_, true) => Some(1.0),
         }
     }

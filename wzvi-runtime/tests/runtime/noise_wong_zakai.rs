@@ -86,6 +86,7 @@ pub(crate) const IMPLICIT: Plan = Plan {
     consistent: true,
     conserves_energy: Knowledge::Unknown,
     commuting: Knowledge::Proven,
+    has_weak_order_two: false,
 };
 
 /// What acts in a run is in the identity of the source; what the user has set stays.

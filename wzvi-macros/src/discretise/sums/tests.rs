@@ -293,6 +293,62 @@ fn what_only_the_running_program_knows_is_unknown_or_refuted() {
     assert_ne!(verdict(&facts.commuting), Is::Proven);
 }
 
+/// `Σ_k {H_k, {H_k, H_0}}` is constant, or not, in one degree of freedom and in loops; what a force, friction or a mixed noise needs beside it.
+#[test]
+fn weak_order_two_is_known_where_the_double_brackets_are_constant() {
+    let cases = [
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _| -sigma * q]", true),
+        (
+            "drift = |q, p, t| 0.5 * p * p - q.cos() + a * t * q, noise = [|q, _, t| -sigma * t.cos() * q]",
+            true,
+        ),
+        // T'' depends on p.
+        ("drift = |q, p| (1.0 + p * p).sqrt() - q.cos(), noise = [|q, _| -sigma * q]", false),
+        ("drift = |q, p| 0.5 * p * p * (1.0 + q * q), noise = [|q, _| -sigma * q]", false),
+        ("drift = |q, p| 0.5 * p * p + 0.5 * a * q * q, noise = [|_, p| sigma * p]", true),
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|_, p| sigma * p]", false),
+        ("drift = |q, p| 0.5 * p * p + 0.5 * a * q * q, noise = [|_, p| sigma * p.sin()]", false),
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _| sigma * q.cos()]", false),
+        // cos² + sin² = 1: constant for both together.
+        (
+            "drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _| sigma * q.cos(), |q, _| sigma * q.sin()]",
+            true,
+        ),
+        ("drift = |q, p| 0.5 * (p * p + q * q), noise = [|q, p| a * q + sigma * p]", true),
+        // D = 0, but a step that is made of kicks and drifts weighs its terms otherwise.
+        ("drift = |q, p| 0.25 * (q - p).powi(4), noise = [|q, p| a * (q - p)]", false),
+        ("drift = |q, p| 0.5 * a * (q * q + p * p), noise = [|q, p| 0.5 * sigma * (q * q + p * p)]", true),
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, p| 0.5 * sigma * (q * q + p * p)]", false),
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, p| sigma * q * p]", false),
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _| -sigma * q], force = |q, p| -a * p", true),
+        (
+            "drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _| -sigma * q], force = |q, p| -a * p * p * p",
+            false,
+        ),
+        ("drift = |q, p| 0.5 * p * p - q.cos(), noise = [|q, _| -sigma * q], friction = a", true),
+        ("drift = |q, p| 0.5 * p * p + 0.5 * q * q, noise = [|_, p| -sigma * p], friction = a", false),
+        (
+            "drift = |q: [f64; 2], p: [f64; 2]| 0.5 * (p[0] * p[0] + p[1] * p[1] / mass[1]) + (q[0] * q[1]).sin(), \
+             noise = [|q, p, k| sigma * q[k]; 2]",
+            true,
+        ),
+        (
+            "drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i]).sum::<f64>() \
+             + (1..q.len()).map(|i| (q[i] - q[i - 1]).powi(4)).sum::<f64>(), noise = [|q, p, k| mass[k] * q[k]; self.mass.len()]",
+            true,
+        ),
+        (
+            "drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i]).sum::<f64>() \
+             + (1..q.len()).map(|i| (q[i] - q[i - 1]).powi(4)).sum::<f64>(), noise = [|q, p, k| sigma * q[k].sin(); self.sites]",
+            false,
+        ),
+    ];
+    for (system, expected) in cases {
+        let (_, facts) = facts_of(&format!("{system}, embedding = Midpoint"));
+        assert_eq!(facts.has_weak_order_two, expected, "{system}");
+    }
+}
+
 #[test]
 fn the_defect_is_printed_in_indices() {
     let attribute = "drift = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>(), \

@@ -10,6 +10,7 @@ use crate::path::options::{Execution, Setup};
 use crate::path::retry::Subdivision;
 use crate::path::span::Grid;
 use crate::path::steps::{Single, Step};
+use crate::scheme::poles;
 use crate::scheme::system::Discretized;
 
 /// What takes the steps, and from where.
@@ -66,6 +67,9 @@ where
         }
         let processes = system.increments(start.q.components().len());
         let noise = grid.prepared(noise, &H::PLAN, processes)?;
+        if let Some(noise) = &noise {
+            poles::check::<H, E>(system, &start, h, &|h| noise.largest_increment(h))?;
+        }
         Ok(Bare { system, h, start, whole, grid, noise })
     }
 }

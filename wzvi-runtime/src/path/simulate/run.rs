@@ -17,6 +17,7 @@ use crate::path::step::StepInfo;
 use crate::path::steps::{Advance, Single, take_steps};
 use crate::path::trajectory::Recorder;
 use crate::scheme::dense::DenseOutput;
+use crate::scheme::poles;
 use crate::scheme::system::{Discretized, Hamiltonian};
 
 impl<H, E, N, O, R> Simulation<'_, H, E, N, O, R>
@@ -43,6 +44,9 @@ where
         let recording = setup.recorded.checked(1, &grid)?;
         let processes = system.increments(start.q.components().len());
         let mut noise = grid.prepared(noise, &H::PLAN, processes)?;
+        if let Some(noise) = &noise {
+            poles::check::<H, E>(system, &start, h, &|h| noise.largest_increment(h))?;
+        }
         let looks_inside = !sections.is_empty() || !recording.between.is_empty();
         let between = || looks_inside.then(|| Box::new(Between::new(&sections, &start)));
         let records = || Recorder::new(&start, h, processes, &recording, grid.steps);

@@ -6,6 +6,7 @@ use super::Composes;
 use super::kept::Memory;
 use super::lagrangian::{self, Followed};
 use super::substeps::{By, Half, joint_plan, kept_energy, plan};
+use super::text::Listing;
 use crate::algebra::carry::Carry;
 use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::{Constant, Over, Scalar};
@@ -13,6 +14,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, FailedLanes, StepFailure};
 use crate::scheme::plan::{KeptEnergy, Plan};
+use crate::scheme::poles::Poles;
 use crate::scheme::system::{
     At, Discretized, Hamiltonian, Lift, MemoryOf, Movable, PreparedOf, Properties, Scheme, SchemeOf, Segment,
     anew, as_they_are, check_state,
@@ -40,6 +42,21 @@ fn gather_all<H: Discretized<E>, E, const L: usize>(
     (0..of_lanes.first()?.len()).map(part).collect()
 }
 
+/// The poles of steps of two schemes with these weights: of both halves of each, or of the one scheme that both are.
+const fn poles(first: Option<Poles>, second: Option<Poles>, listing: Listing) -> Option<Poles> {
+    let (Some(first), Some(second), Listing::Steps(mut weights)) = (first, second, listing) else {
+        return None;
+    };
+    let mut largest = 0.0;
+    while let [weight, rest @ ..] = weights {
+        largest = if weight.abs() > largest { weight.abs() } else { largest };
+        weights = rest;
+    }
+    let points = [first.points[0], second.points[1]];
+    let halves = if points[0] == points[1] { 1.0 } else { 0.5 };
+    Some(Poles { points, fraction: halves * largest * first.fraction })
+}
+
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn scale<S: Scalar>(dw: &[S], weight: f64, into: &mut Vec<S>) {
     into.clear();
@@ -64,6 +81,7 @@ where
             stages: if first.stages > second.stages { first.stages } else { second.stages },
             remembers: first.remembers || second.remembers,
             in_lanes: first.in_lanes && second.in_lanes,
+            poles: poles(first.poles, second.poles, W::LISTING),
             ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
         }
     };

@@ -14,6 +14,8 @@ use crate::scheme::system::{Gradient, Hamiltonian, Kind};
 pub(crate) const DRIFT: usize = 0;
 /// The number of the part for the noises, `Σ_k ΔW_k H_k`.
 pub(super) const NOISE: usize = 1;
+/// The number of the part for the counter-term.
+pub(super) const COUNTER_TERM: usize = 2;
 /// The number of the part for the force beside the drift, with the slopes `-h f`.
 pub(super) const FORCE: usize = 3;
 

@@ -54,6 +54,7 @@ where
     };
     const PROPERTIES: Properties = Properties {
         kept_energy: Of::<H, E>::QUADRATURE.kept_energy(Of::<H, E>::SCHEME.order),
+        poles: Of::<H, E>::QUADRATURE.poles(),
         remembers: false,
         in_lanes: Of::<H, E>::IS_EXPLICIT || go_side_by_side(&H::FACTS, Of::<H, E>::QUADRATURE),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)

@@ -1,7 +1,8 @@
 //! The quadrature of a scheme, as the compiler derived it.
 
-use super::hamiltonian::DRIFT;
+use super::hamiltonian::{COUNTER_TERM, DRIFT, NOISE};
 use crate::scheme::plan::{Facts, KeptEnergy, Plan, Solver};
+use crate::scheme::poles::Poles;
 
 /// The unknowns of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +123,26 @@ impl Quadrature {
         }
     }
 
+    /// The poles of the steps, if drift and noise are taken at the same points.
+    pub(crate) const fn poles(&self) -> Option<Poles> {
+        let (mut stages, mut means) = (self.stages, [0.0, 0.0]);
+        while let [stage, rest @ ..] = stages {
+            let mut parts = stage.parts;
+            while let [(part, weight), others @ ..] = parts {
+                match *part {
+                    DRIFT => means[0] += *weight * stage.point,
+                    NOISE => means[1] += *weight * stage.point,
+                    // A counter-term has products of increments, and forces beside the drift have the points of the drift.
+                    COUNTER_TERM => return None,
+                    _ => {}
+                }
+                parts = others;
+            }
+            stages = rest;
+        }
+        if (means[0] - means[1]).abs() < 1e-12 { Some(Poles::at(means[0])) } else { None }
+    }
+
     /// The plan of steps in loops.
     pub(super) const fn plan(&self, facts: Facts, order: u32, consistent: bool) -> Plan {
         let (solver, unknowns) = match (self.unknowns, self.is_linear) {
@@ -129,7 +150,25 @@ impl Quadrature {
             (unknowns, true) => (Solver::Linear, unknowns.count(facts.degrees)),
             (unknowns, false) => (Solver::Newton, unknowns.count(facts.degrees)),
         };
-        facts.plan(solver, unknowns, order, consistent)
+        let has_weak_order_two = facts.has_weak_order_two && self.has_centred_noise();
+        Plan { has_weak_order_two, ..facts.plan(solver, unknowns, order, consistent) }
+    }
+
+    /// Whether what acts beside the drift is taken in the middle of the step, on average.
+    const fn has_centred_noise(&self) -> bool {
+        let (mut stages, mut lever) = (self.stages, 0.0);
+        while let [stage, rest @ ..] = stages {
+            let mut parts = stage.parts;
+            while let [(part, weight), others @ ..] = parts {
+                if *part != DRIFT {
+                    lever += *weight * (stage.point - 0.5);
+                }
+                parts = others;
+            }
+            stages = rest;
+        }
+        // The points are fractions, rounded.
+        lever.abs() < 1e-12
     }
 
     /// Whether no part is evaluated at two stages.

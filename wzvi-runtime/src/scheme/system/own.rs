@@ -171,7 +171,9 @@ impl<H: Elements, T: OneStep> Discretized<Own<T>> for H {
 }
 
 impl<H: Elements, T: OneStep> Scheme<H> for Own<T> {
-    const PLAN: Plan = H::FACTS.plan(Solver::Explicit, 0, T::ORDER, T::IS_CONSISTENT);
+    /// Its weak order with noise is one: nothing is known of where it takes its increments.
+    const PLAN: Plan =
+        Plan { has_weak_order_two: false, ..H::FACTS.plan(Solver::Explicit, 0, T::ORDER, T::IS_CONSISTENT) };
     const PROPERTIES: Properties =
         Properties { is_variational: false, ..Properties::of(&<Self as Scheme<H>>::PLAN, 0) };
     /// All parameters, where they have derivatives.

@@ -12,6 +12,7 @@ use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::dense::{Slopes, hermite_order};
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
+use crate::scheme::poles::Poles;
 
 /// The arguments of a step: the state `(q, p)` at `t`, which it moves, the step size and the increments.
 #[derive(Debug)]
@@ -140,6 +141,8 @@ pub struct Properties {
     pub exchanges: bool,
     /// Whether steps follow from a discrete Lagrangian.
     pub is_variational: bool,
+    /// Where implicit steps have poles in linear systems, if that is known and there are any.
+    pub poles: Option<Poles>,
 }
 
 impl Properties {
@@ -155,6 +158,7 @@ impl Properties {
             has_polynomial: false,
             exchanges: false,
             is_variational: true,
+            poles: None,
         }
     }
 }

@@ -175,6 +175,7 @@ where
     const PLAN: Plan = H::PLAN;
     const PROPERTIES: Properties = Properties {
         kept_energy: H::QUADRATURE.kept_energy(H::PLAN.order),
+        poles: H::QUADRATURE.poles(),
         ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>())
     };
     type Prepared<K: Constant> = Of<H::Prepared, K>;
