@@ -5,6 +5,7 @@
 
 mod alone;
 mod checkpoint;
+mod continued;
 mod control;
 mod failing;
 mod large_tables;

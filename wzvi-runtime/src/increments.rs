@@ -11,7 +11,7 @@ use crate::scheme::plan::Plan;
 pub use identity::Identity;
 
 /// One step of a run, `[start + n h, start + (n + 1) h]`. Times are computed from the number of the step, never
-/// accumulated.
+/// accumulated. Noise belongs to these times: a run that continues another has the time where that one ended as its `start`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Time at the start of the run, in the units of the Hamiltonian.

@@ -44,7 +44,7 @@ fn files_of_others() {
     assert_eq!(error, CheckpointError::Kind { path: file.clone(), kind: "an ensemble" }.into());
 
     let good = fs::read(&file).unwrap();
-    let other = [b"wzvi-ensemble 3 ", good.strip_prefix(b"wzvi-ensemble 4 ").unwrap()].concat();
-    let version = CheckpointError::Version { path: file.clone(), found: "3".into(), expected: 4 };
+    let other = [b"wzvi-ensemble 4 ", good.strip_prefix(b"wzvi-ensemble 5 ").unwrap()].concat();
+    let version = CheckpointError::Version { path: file.clone(), found: "4".into(), expected: 5 };
     assert_eq!(error_of(&file, &good, &other, || go_on(&file)), version);
 }

@@ -54,11 +54,11 @@ fn files_of_another_version() {
     let content = good.strip_prefix(b"wzvi-checkpoint 5 ").unwrap();
     // The last is what a version before wrote.
     let json = b"2 0123456789abcdef\n{}\n";
-    for (version, rest) in [("0", content), ("1", content), ("10", content), ("3", json)] {
+    for (version, rest) in [("0", content), ("1", content), ("4", content), ("10", content), ("3", json)] {
         let other = [format!("wzvi-checkpoint {version} ").as_bytes(), rest].concat();
         let error = error_of(&run, &good, &other);
         let found = version.to_owned();
-        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 4 });
+        assert_eq!(error, CheckpointError::Version { path: run.clone(), found, expected: 5 });
         assert!(error.to_string().contains(&format!("version {version} of the format")), "{error}");
     }
 }

@@ -6,15 +6,44 @@ use crate::algebra::lanes::Lanes;
 use crate::algebra::scalar::Scalar;
 use crate::error::InternalError;
 use crate::increments::{Interval, NoiseError};
-use crate::noise::Paths;
+use crate::noise::step_normals::place;
+use crate::noise::{Paths, StepNormals};
 
 /// Processes whose normals are drawn beside each other for a path that goes alone.
 const BESIDE: usize = 16;
 
-/// The place of a step among those that are drawn together.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn slot(step: u64) -> usize {
-    (step % STEPS as u64) as usize
+/// Where the normals of the steps of a run are among those of all times.
+#[derive(Clone, Copy, Debug)]
+struct Blocks {
+    /// The block of the first step, and the place of that step there.
+    first: u64,
+    place: u64,
+}
+
+impl Blocks {
+    /// From the number of the first step on.
+    fn from(first: i64) -> Self {
+        let (first, place) = place(first);
+        Self { first, place: place as u64 }
+    }
+
+    /// The place of a step of the run in its block.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn slot(self, step: u64) -> usize {
+        ((self.place + step) % STEPS as u64) as usize
+    }
+
+    /// The block of a step of the run.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of(self, step: u64) -> u64 {
+        self.first.wrapping_add((self.place + step) / STEPS as u64)
+    }
+
+    /// Whether no step of the run before this one is in one of the `number` blocks that are drawn with its own.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn begins(self, step: u64, number: u64) -> bool {
+        step == 0 || (self.place + step).is_multiple_of(number * STEPS as u64)
+    }
 }
 
 /// Where the increments of `L` paths come from.
@@ -35,6 +64,7 @@ pub(super) struct LaneIncrements<'j, const L: usize> {
     /// Number of the first path.
     path: u64,
     processes: usize,
+    blocks: Blocks,
     /// `√|h|`
     deviation: f64,
     /// The largest normal, in absolute value.
@@ -56,7 +86,9 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
             None => Origin::Each((0..L).map(|_| source.path(0)).collect(), vec![0.0; processes]),
         };
         let values = vec![Lanes::from_f64(0.0); STEPS * processes];
-        Self { origin, path: 0, processes, deviation: h.abs().sqrt(), clip: source.clip(h), values }
+        // Rows of other noises are numbered from the first step on.
+        let blocks = Blocks::from(source.normals.as_ref().map_or(0, StepNormals::first));
+        Self { origin, path: 0, processes, blocks, deviation: h.abs().sqrt(), clip: source.clip(h), values }
     }
 
     /// For paths that go one after the other.
@@ -96,15 +128,15 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
         interval: &Interval,
         wants: impl Fn(usize) -> bool,
     ) -> Result<(), NoiseError> {
-        let (step, processes) = (interval.step, self.processes);
+        let (step, processes, blocks) = (interval.step, self.processes, self.blocks);
         match &mut self.origin {
             Origin::Normals(keys, kept) => {
-                if slot(step) > 0 {
+                if !blocks.begins(step, 1) {
                     return Ok(());
                 }
                 let mut drawn = [[0.0; L]; STEPS];
                 for (process, key) in keys.iter().enumerate() {
-                    normals(key, self.path, step / STEPS as u64, &mut drawn);
+                    normals(key, self.path, blocks.of(step), &mut drawn);
                     for (step, drawn) in drawn.iter().enumerate() {
                         self.values[step * processes + process] =
                             increment(Lanes::new(*drawn), self.clip, self.deviation);
@@ -115,8 +147,8 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
                 }
             }
             Origin::Alone(..) => {
-                if slot(step) == 0 {
-                    self.draw_alone(step / STEPS as u64);
+                if blocks.begins(step, 1) {
+                    self.draw_alone(blocks.of(step));
                 }
             }
             Origin::Pairs(..) => self.draw_pairs(step),
@@ -143,15 +175,16 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// Of the lanes that are drawn at once, half are for the steps after the next [`STEPS`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn draw_pairs(&mut self, step: u64) {
-        let Origin::Pairs(keys, drawn) = &mut self.origin else { return };
-        let within = step % (2 * STEPS as u64);
-        if within == 0 {
-            let (first, block, half) = (self.path / 2, step / STEPS as u64, L as u64 / 2);
+        let (blocks, Origin::Pairs(keys, drawn)) = (self.blocks, &mut self.origin) else { return };
+        if blocks.begins(step, 2) {
+            let (first, block, half) = (self.path / 2, blocks.of(step), L as u64 / 2);
             for (key, to) in keys.iter().zip(drawn.iter_mut()) {
-                normals_at(key, |lane| (first.wrapping_add(lane % half), block + lane / half), to);
+                let address = |lane| (first.wrapping_add(lane % half), block.wrapping_add(lane / half));
+                normals_at(key, address, to);
             }
         }
-        let (half, within) = (within as usize / STEPS, within as usize % STEPS);
+        let half = (blocks.of(step).wrapping_sub(blocks.first) % 2) as usize;
+        let within = blocks.slot(step);
         for process in 0..self.processes {
             let Origin::Pairs(_, drawn) = &self.origin else { return };
             let drawn = &drawn[process][within];
@@ -167,7 +200,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     #[inline(never)]
     fn ask(&mut self, interval: &Interval, wants: impl Fn(usize) -> bool) -> Result<(), NoiseError> {
         let Origin::Each(noises, alone) = &mut self.origin else { return Ok(()) };
-        let (_, to) = self.values.split_at_mut(slot(interval.step) * self.processes);
+        let (_, to) = self.values.split_at_mut(self.blocks.slot(interval.step) * self.processes);
         for (lane, noise) in noises.iter_mut().enumerate().filter(|(lane, _)| wants(*lane)) {
             noise.increments(interval, alone)?;
             if let Some(process) = alone.iter().position(|dw| !dw.is_finite()) {
@@ -188,20 +221,20 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     pub(super) fn normals(&self, process: usize, step: u64) -> Result<Lanes<L>, InternalError> {
         let kept = if let Origin::Normals(_, kept) = &self.origin { kept.get(process) } else { None };
         let missing = || InternalError::new("normals are kept where they are asked for", process);
-        kept.map(|kept| Lanes::new(kept[slot(step)])).ok_or_else(missing)
+        kept.map(|kept| Lanes::new(kept[self.blocks.slot(step)])).ok_or_else(missing)
     }
 
     /// Sets the increments of a step from normals.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn drive(&mut self, process: usize, step: u64, normals: Lanes<L>) {
-        let place = slot(step) * self.processes + process;
+        let place = self.blocks.slot(step) * self.processes + process;
         self.values[place] = increment(normals, self.clip, self.deviation);
     }
 
     /// The increments of a step that has been drawn, by process.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of(&self, step: u64) -> &[Lanes<L>] {
-        let first = slot(step) * self.processes;
+        let first = self.blocks.slot(step) * self.processes;
         let row = self.values.get(first..first + self.processes);
         debug_assert!(row.is_some(), "the row of a step is there");
         // Too few increments are an error of the step.
@@ -212,13 +245,13 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_path(&self, step: u64) -> Option<&[f64]> {
         let Origin::Alone(_, values) = &self.origin else { return None };
-        values.get(slot(step) * self.processes..)?.get(..self.processes)
+        values.get(self.blocks.slot(step) * self.processes..)?.get(..self.processes)
     }
 
     /// Those of a lane, anew.
     pub(super) fn set(&mut self, lane: usize, step: u64, dw: &[f64]) {
         if let Origin::Alone(_, values) = &mut self.origin {
-            let row = values.chunks_exact_mut(self.processes.max(1)).nth(slot(step));
+            let row = values.chunks_exact_mut(self.processes.max(1)).nth(self.blocks.slot(step));
             row.into_iter().for_each(|row| row.copy_from_slice(dw));
         } else {
             self.of_mut(step).iter_mut().zip(dw).for_each(|(to, from)| to.set(lane, *from));
@@ -228,7 +261,7 @@ impl<'j, const L: usize> LaneIncrements<'j, L> {
     /// The same as [`LaneIncrements::of`], to change them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn of_mut(&mut self, step: u64) -> &mut [Lanes<L>] {
-        let first = slot(step) * self.processes;
+        let first = self.blocks.slot(step) * self.processes;
         self.values.get_mut(first..first + self.processes).unwrap_or_default()
     }
 }

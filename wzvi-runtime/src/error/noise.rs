@@ -59,7 +59,7 @@ pub enum NoiseError {
 
 messages! { NoiseError:
     Self::Time { t, limit } =>
-        "there is no Wiener path at t = {}: times must be finite and less than {limit:.1e} from zero", Brief(*t);
+        "there is no noise at t = {}: times must be finite and less than {limit:.1e} from zero", Brief(*t);
     Self::StepSize(h) => "the step size is {}; it must be finite and not zero", Brief(*h);
     Self::Window(eps) =>
         "the width of the Wong-Zakai window is {}; it must be finite and positive", Brief(*eps);

@@ -1,8 +1,12 @@
 //! One normal for every step: the noise of ensembles.
 //!
 //! The random words are those of ChaCha8. Its key holds the seed, the process and the step size, its stream number is the path, and the
-//! block number is the step divided by [`STEPS`]: a block of 16 words makes [`STEPS`] normals, in pairs of three words, and leaves one
-//! word over.
+//! block number is the number of the step divided by [`STEPS`]: a block of 16 words makes [`STEPS`] normals, in pairs of three words, and
+//! leaves one word over.
+//!
+//! A step of size `h` that starts at time `t` has the number `⌊t/h⌋` ([`number`]), wherever its run starts: noise belongs to the time at
+//! which it acts, and a run that continues another from its last time has other noise. Numbers of steps before `t = 0` (after it, if `h` is
+//! negative) are negative. Blocks and cuts are numbered in two's complement, so that each of these has an address of its own.
 //!
 //! | bytes of the key | content |
 //! |---|---|
@@ -15,7 +19,8 @@
 //! Integers are little-endian. Keys of a Wiener path (`noise::stream`) have another version.
 //!
 //! A step is halved by the Brownian bridge: of an increment `w` over an interval of length `l`, the halves have `w/2 ± √l/2 ξ`. Cut `k` of
-//! halving `m` of step `n` has the normal at the block `2^{m-1} n + k` of its own key.
+//! halving `m` of the step number `n` has the normal at the block `2^{m-1} n + k` of its own key. A last step that is shorter than the
+//! others is a step of its own size.
 
 use super::random::{self, pair};
 use super::truncation::{Truncation, truncation_setters};
@@ -29,6 +34,48 @@ pub(crate) const STEPS: usize = 10;
 const VERSION: u32 = 0x8000_0002;
 /// Halvings of a step, at most: as many as [`Retry`](crate::path::retry::Retry) allows.
 const MOST_HALVINGS: u32 = 30;
+
+/// Step numbers are exact as `f64` up to here.
+const FARTHEST: f64 = (1_u64 << 53) as f64;
+/// A start so close before a node, in steps, is at the node. It has to be large against the rounding of start times, `ε t/h` for each run that
+/// continues another; and as the boundary between two numbers it is not where runs start: at nodes, their halves, thirds and tenths.
+const SLACK: f64 = 1.0 / 1024.0;
+
+/// The number of the step of size `h` that starts at `t`: `⌊t/h⌋`, where times within rounding of a node are the node.
+///
+/// It grows by 1 from step to step, so that successive steps of one size never have the same one, whether one run takes them or several.
+/// (`⌊t/h + s⌋` has that property for any constant `s`; only where rounding exceeds [`SLACK`] it has to depend on `t`.)
+///
+/// # Errors
+/// [`NoiseError::Time`] where times are too far apart to tell steps of this size from each other.
+fn number(t: f64, h: f64) -> Result<i64, NoiseError> {
+    let steps = t / h;
+    // Also for NaN.
+    if !(steps.abs() <= FARTHEST) {
+        return Err(NoiseError::Time { t, limit: FARTHEST * h.abs() });
+    }
+    let slack = (4.0 * f64::EPSILON * steps.abs()).clamp(SLACK, 0.5);
+    Ok((steps + slack).floor() as i64)
+}
+
+/// The number of a step among all of its size, and that of the first step of its run.
+#[derive(Clone, Copy, Debug)]
+struct Numbered {
+    start: f64,
+    h: f64,
+    first: i64,
+}
+
+impl Numbered {
+    /// Of no run: no time equals NaN.
+    const NOTHING: Self = Self { start: f64::NAN, h: f64::NAN, first: 0 };
+}
+
+/// The block of a step, and its place there.
+pub(crate) fn place(step: i64) -> (u64, usize) {
+    let steps = STEPS as i64;
+    (step.div_euclid(steps).cast_unsigned(), step.rem_euclid(steps) as usize)
+}
 
 /// The key of the normals of one process in steps of size `h`, on one level of a multilevel run.
 pub(crate) fn key(seed: u64, process: u64, h: f64, level: u32) -> [u32; 8] {
@@ -55,17 +102,20 @@ pub(crate) fn normals(words: &[u32; 16]) -> [f64; STEPS] {
 }
 
 /// The normal of a cut: `key` is that of the uncut steps, `halving` counts from 1, and `cut < 2^{halving - 1}` within its step.
-fn cut_normal(mut key: [u32; 8], path: u64, step: u64, halving: u32, cut: u64) -> f64 {
-    // Below 2^82: step numbers are below 2^53.
-    let number = (u128::from(step) << (halving - 1)) | u128::from(cut);
+fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -> f64 {
+    // In absolute value at most 2^83, so that 85 bits in two's complement have it: step numbers are at most 2^54.
+    let number = (i128::from(step) << (halving - 1)) | i128::from(cut);
     key[4] |= (halving << 6) | (((number >> 64) as u32) << 11);
     let words = random::block(&key, path, number as u64);
     let [normal, _] = pair([words[0], words[1], words[2]]);
     normal
 }
 
-/// Increments that no two step sizes share: one standard normal for each step, drawn by its address `(seed, h, path, process, step)`, times
-/// `√|h|`. [`Wiener`](super::Wiener) is the noise whose path is the same for every step size.
+/// Increments that no two step sizes share: one standard normal for each step, drawn by its address `(seed, h, path, process, ⌊t/h⌋)` with
+/// the time `t` at which the step starts, times `√|h|`. [`Wiener`](super::Wiener) is the noise whose path is the same for every step size.
+///
+/// A run that continues another, `.start(run.last().clone())`, has other noise than that one, since its time goes on. One that starts at
+/// `t = 0` again with the same seed repeats the noise: give it another seed.
 ///
 /// They are what [`Ensemble::seed`](crate::ensemble::Ensemble::seed) draws, and cost a small part of a Wiener path's increments: path `n` of an
 /// ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit for bit. A step that a [`Retry`](crate::path::retry::Retry) halves gets
@@ -90,10 +140,13 @@ pub struct StepNormals {
     truncates: bool,
     /// The step size of the run, once it is known: shorter steps are its halves.
     h: Option<f64>,
+    /// The run that was asked for last.
+    numbered: Numbered,
     /// The last block of each process.
     drawn: Vec<Drawn>,
 }
 
+/// A block of normals.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
     block: u64,
@@ -103,8 +156,8 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Of a block that no step is in.
-    const NOTHING: Self = Self { block: u64::MAX, h: 0, normals: [0.0; STEPS] };
+    /// Of no step: none has the size 0.
+    const NOTHING: Self = Self { block: 0, h: 0, normals: [0.0; STEPS] };
 }
 
 impl StepNormals {
@@ -118,6 +171,7 @@ impl StepNormals {
             truncation: Truncation::Unset,
             truncates: false,
             h: None,
+            numbered: Numbered::NOTHING,
             drawn: Vec::new(),
         }
     }
@@ -181,18 +235,31 @@ impl StepNormals {
         if self.is_antithetic { self.path / 2 } else { self.path }
     }
 
+    /// The number of the first step of size `h` of a run from this start.
+    fn first_of(&mut self, start: f64, h: f64) -> Result<i64, NoiseError> {
+        if (self.numbered.start, self.numbered.h) != (start, h) {
+            self.numbered = Numbered { start, h, first: number(start, h)? };
+        }
+        Ok(self.numbered.first)
+    }
+
+    /// The number of the first step of the run that this is prepared for.
+    pub(crate) fn first(&self) -> i64 {
+        self.numbered.first
+    }
+
     /// The normal of a whole step of size `h`, before truncation.
-    fn normal(&mut self, process: usize, h: f64, step: u64) -> f64 {
+    fn normal(&mut self, process: usize, h: f64, step: i64) -> f64 {
         if self.drawn.len() <= process {
             self.drawn.resize(process + 1, Drawn::NOTHING);
         }
-        let block = step / STEPS as u64;
+        let (block, place) = place(step);
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
         let drawn = &mut self.drawn[process];
         if (drawn.block, drawn.h) != (block, h.to_bits()) {
             *drawn = Drawn { block, h: h.to_bits(), normals: normals(&random::block(&key, stream, block)) };
         }
-        sign * drawn.normals[(step % STEPS as u64) as usize]
+        sign * drawn.normals[place]
     }
 
     fn sign(&self) -> f64 {
@@ -200,7 +267,7 @@ impl StepNormals {
     }
 
     /// The increment of part `part` of `2^halvings` of a step.
-    fn part(&mut self, process: usize, h: f64, step: u64, halvings: u32, part: u64) -> f64 {
+    fn part(&mut self, process: usize, h: f64, step: i64, halvings: u32, part: u64) -> f64 {
         let bound = self.clip(h);
         let mut dw = self.normal(process, h, step).clamp(-bound, bound) * h.abs().sqrt();
         let (key, stream, sign) = (self.key(process as u64, h), self.stream(), self.sign());
@@ -233,17 +300,18 @@ impl Noise for StepNormals {
             )));
         };
         let (step, part) = (interval.step >> halvings, interval.step & ((1 << halvings) - 1));
+        let step = self.first_of(interval.start, h)?.wrapping_add_unsigned(step);
         for (process, dw) in dw.iter_mut().enumerate() {
             *dw = self.part(process, h, step, halvings, part);
         }
         Ok(())
     }
 
-    /// Normals of their own, as for any other step size.
+    /// Those of a step of that size, as for any other step size.
     fn increments_of_part(&mut self, interval: &Interval, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         check_step(h)?;
         self.truncation.check()?;
-        let (block, place) = (interval.step / STEPS as u64, (interval.step % STEPS as u64) as usize);
+        let (block, place) = place(number(interval.begin(), h)?);
         let (bound, scale) = (self.clip(h), self.sign() * h.abs().sqrt());
         for (process, dw) in dw.iter_mut().enumerate() {
             let drawn = normals(&random::block(&self.key(process as u64, h), self.stream(), block));
@@ -252,11 +320,12 @@ impl Noise for StepNormals {
         Ok(())
     }
 
-    fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, _start: f64) -> Result<(), NoiseError> {
+    fn prepare(&mut self, plan: &Plan, h: f64, _processes: usize, start: f64) -> Result<(), NoiseError> {
         self.truncates = plan.truncates_increments();
         self.truncation.check()?;
         check_step(h)?;
         self.h = Some(h);
+        self.first_of(start, h)?;
         self.drawn.clear();
         Ok(())
     }
@@ -369,6 +438,24 @@ mod tests {
         }
     }
 
+    /// Also where the start is known to some roundings, at nodes and elsewhere, and where rounding exceeds the slack.
+    #[test]
+    fn steps_are_numbered_by_their_times() {
+        for h in [0.1, 1.0 / 3.0, 0.02, 7.0, 1e-9, -0.1, -0.7] {
+            for n in [-1_000_000_007_i64, -100, -3, -1, 0, 1, 2, 99, 1 << 40] {
+                let t = n as f64 * h;
+                for t in [t, t.next_up(), t.next_down(), t + h - h, t + 0.001 * h, t + 0.5 * h, t + 0.998 * h]
+                {
+                    assert_eq!(number(t, h), Ok(n), "{t} {h}");
+                }
+            }
+        }
+        assert_eq!([number(0.0, 0.1), number(-0.05, 0.1), number(-0.1, 0.1)], [Ok(0), Ok(-1), Ok(-1)]);
+        let far = (1_u64 << 53) as f64;
+        assert_eq!([number(far, 1.0), number(-far, 1.0)], [Ok(1 << 53), Ok(-(1 << 53))]);
+        assert!(number(3.0 * far, 1.0).is_err() && number(f64::NAN, 1.0).is_err());
+    }
+
     #[test]
     fn what_is_no_half_of_a_step_is_refused() {
         let mut noise = prepared(StepNormals::seed(3), 0.1);
@@ -377,9 +464,12 @@ mod tests {
             assert!(matches!(outcome, Err(NoiseError::Setting(_))), "{h}: {outcome:?}");
         }
         // Cuts of the last steps that can be counted have addresses of their own.
-        let last = (1_u64 << 53) - 1;
-        let cuts = [(last, 30, 0), (last, 30, 1), (last - 1, 30, 0), (last, 29, 0), (0, 30, 0), (0, 30, 1)];
-        let normals = cuts.map(|(step, halving, cut)| cut_normal(key(1, 0, 0.1, 3), 0, step, halving, cut));
+        let last = (1_i64 << 53) - 1;
+        let late = [(last, 30, 0), (last, 30, 1), (last - 1, 30, 0), (last, 29, 0), (0, 30, 0), (0, 30, 1)];
+        let early = late.map(|(step, halving, cut)| (-1 - step, halving, cut));
+        let cuts = [late, early].concat();
+        let normal = |(step, halving, cut)| cut_normal(key(1, 0, 0.1, 3), 0, step, halving, cut);
+        let normals: Vec<f64> = cuts.into_iter().map(normal).collect();
         for (i, x) in normals.iter().enumerate() {
             assert!(!normals[..i].contains(x));
         }
