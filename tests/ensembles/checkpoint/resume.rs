@@ -10,7 +10,7 @@ use wzvi::error::{ConfigError, Error};
 use wzvi::prelude::*;
 
 use fixtures::edge::{EDGE, Edge, PATHS, bits, whole};
-use fixtures::files::{contents, refused};
+use fixtures::files::{contents, differences, refused};
 use fixtures::folder;
 
 /// From the checkpoint after each block, which is found by stopping there: a run of so many blocks.
@@ -56,6 +56,40 @@ fn with_more_paths() {
     assert_eq!(error, CheckpointError::MorePaths { path: file.clone(), done: 2112, paths: 2111 });
     assert!(error.to_string().contains("ask for at least 2112"), "{error}");
     assert!(EDGE.kept(&file).paths(2112).run().is_ok());
+}
+
+/// The same where each path has its own start, however few paths there were: of a function, and of a list that has more states than paths.
+#[test]
+fn with_more_paths_from_starts_of_their_own() {
+    let folder = folder!("more-starts");
+    let base = || EDGE.ensemble::<DeltaPlus>(0.05).seed(7).steps(24).allow_losses(1.0).keep_paths(1 << 20);
+    let drawn =
+        |shift: f64| base().starts(move |draw| State::new([1.0 + 0.1 * draw.normal() + shift], [0.5]));
+    let list = |shift: f64| (0..800).map(move |i| State::new([1.0 + shift + 1e-3 * f64::from(i)], [0.5]));
+    let listed = |shift: f64| base().starts_from(list(shift));
+    let to = |name: &str| Checkpoint::to(folder.join(name));
+    for paths in [3, 64, 65, 300, 512, 513, 800, 640] {
+        let run = drawn(0.0).paths(paths).checkpoint(to("drawn")).run();
+        if paths == 640 {
+            // More paths are done.
+            assert!(matches!(refused(run), CheckpointError::MorePaths { done: 768, paths: 640, .. }));
+            continue;
+        }
+        assert_eq!(bits(&run.unwrap()), bits(&drawn(0.0).paths(paths).run().unwrap()), "{paths}");
+        let run = listed(0.0).paths(paths).checkpoint(to("listed")).run().unwrap();
+        assert_eq!(bits(&run), bits(&listed(0.0).paths(paths).run().unwrap()), "{paths}");
+    }
+    // Other starts are another run, from the first path on or from a later one.
+    let later = base()
+        .starts(|draw| State::new([1.0 + 0.1 * draw.normal()], [if draw.path() == 37 { 0.6 } else { 0.5 }]));
+    for (run, path) in [(drawn(1e-15), "q[0] of the start"), (later, "the start of path 37 (checksum)")] {
+        let found = differences(&folder.join("drawn"), |to| run.paths(900).checkpoint(to).run());
+        assert_eq!(found[0], path);
+    }
+    let found = differences(&folder.join("listed"), |to| listed(1e-15).paths(800).checkpoint(to).run());
+    assert_eq!(found[0], "the states where paths start (checksum)");
+    let found = differences(&folder.join("listed"), |to| drawn(0.0).paths(800).checkpoint(to).run());
+    assert!(found.contains(&"the states where paths start".to_owned()), "{found:?}");
 }
 
 /// A run until an error is small enough ends where one ends that was never stopped, also if that is at the checkpoint.

@@ -2,8 +2,10 @@
 
 use super::Ensemble;
 use super::job::Job;
+use super::starts::{Drawn, STARTS};
 use crate::algebra::state::{State, Vector};
 use crate::error::ConfigError;
+use crate::ground::checksum::Checksum;
 use crate::ground::numbers::Numbers as _;
 use crate::increments::Identity;
 use crate::path::Error;
@@ -25,8 +27,8 @@ const MOST_LISTED: usize = 32;
 impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
     /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end: see
     /// [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for bit. Only the number of
-    /// paths may grow from one run to the next: of one system, from one start or from [`Ensemble::starts`] of 512 paths or more. Lists of starts, and
-    /// systems by path, must be the same.
+    /// paths may grow from one run to the next: of one system, from one start, from [`Ensemble::starts`], or from the same list of starts. Systems by
+    /// path must be the same.
     ///
     /// With [`Ensemble::until_error`] the run ends at once if the checkpoint meets the targets. Otherwise, and after a stop, it continues.
     ///
@@ -92,7 +94,8 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     ];
     let mut settings: Vec<(String, String)> =
         settings.into_iter().chain(more).map(|(name, value)| (name.to_owned(), value)).collect();
-    settings.extend(starts(job)?);
+    let (of_starts, drawn) = starts(job)?;
+    settings.push(of_starts);
     let inside = job.recorded.iter().filter(|recorded| recorded.is_inside);
     let inside: Vec<u64> = inside.map(|recorded| recorded.t.to_bits()).collect();
     if !inside.is_empty() {
@@ -111,20 +114,28 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     settings.extend(systems(job));
     settings.extend(job.source.identity().map(Identity::into_settings).unwrap_or_default());
     let described = Described::of(job.system, &job.prepared, job.h, &job.start, settings);
-    Ok(described.observing(&observed(job)?))
+    Ok(described.starting(drawn).observing(&observed(job)?))
 }
 
-/// What tells starts apart: those of a list all, of a function the first.
-fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<Option<(String, String)>, ConfigError> {
-    let Some(starts) = &job.starts else { return Ok(None) };
-    let compared = starts.listed().unwrap_or(COMPARED_STARTS).min(job.paths);
-    let mut bits = Vec::new();
-    for path in 0..compared {
-        let State { q, p, .. } = job.start_of(path)?;
-        bits.extend(q.components().iter().chain(p.components()).map(|x| x.to_bits()));
+/// What tells starts apart, and the checksums by path of those of a function, of which the first are compared. Those of a list are all
+/// compared, also where the run has fewer paths.
+fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<((String, String), Vec<u64>), ConfigError> {
+    let name = "the states where paths start";
+    let said = |what: &str| (name.to_owned(), what.to_owned());
+    let Some(starts) = &job.starts else { return Ok((said("one state"), Vec::new())) };
+    let listed = starts.listed();
+    let mut checksums = Vec::new();
+    for path in 0..listed.unwrap_or(COMPARED_STARTS.min(job.paths)) {
+        let State { q, p, .. } =
+            starts.of(Drawn::Start, job.seed, path).ok_or(ConfigError::Missing(STARTS))?;
+        let mut checksum = Checksum::default();
+        q.components().iter().chain(p.components()).for_each(|x| checksum.add(&x.to_bits().to_le_bytes()));
+        checksums.push(checksum.value());
     }
-    let name = format!("the first states of paths 0 to {} (checksum)", compared - 1);
-    Ok(Some((name, checkpoint::checksum(bits))))
+    Ok(match listed {
+        Some(_) => ((format!("{name} (checksum)"), checkpoint::checksum(checksums)), Vec::new()),
+        None => (said("those of a function"), checksums),
+    })
 }
 
 /// What tells systems apart: the numbers that their Hamiltonians read.

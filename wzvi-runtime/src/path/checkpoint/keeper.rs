@@ -23,14 +23,17 @@ pub(crate) struct Described {
     derived: Fields,
     /// The first state: `t`, `q`, `p`.
     start: Vec<u64>,
+    /// Checksums of the states where paths 0, 1, ... start, of a function that gives each path its own: of as many as are compared.
+    starts: Vec<u64>,
 }
 
 impl Numbers for Described {
     fn pass(&mut self, tape: &mut Tape) {
-        let Self { settings, derived, start } = self;
+        let Self { settings, derived, start, starts } = self;
         settings.pass(tape);
         derived.pass(tape);
         start.pass(tape);
+        starts.pass(tape);
     }
 }
 
@@ -47,7 +50,13 @@ impl Described {
         all.extend(identity::parameters(system));
         all.extend(settings);
         let (derived, mut start) = (identity::derived(system, prepared, start), start.clone());
-        Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)) }
+        Self { settings: all, derived, start: Tape::write(|tape| start.pass(tape)), starts: Vec::new() }
+    }
+
+    /// And with these checksums of the states where paths start.
+    pub(crate) fn starting(mut self, starts: Vec<u64>) -> Self {
+        self.starts = starts;
+        self
     }
 
     /// And with observables of these values at some states: functions cannot be compared.
@@ -61,6 +70,14 @@ impl Described {
     fn differences(&self, saved: &Self) -> Vec<Difference> {
         let mut differences = identity::differences(&saved.settings, &self.settings);
         differences.extend(identity::start_differences(self.start.len() / 2, &saved.start, &self.start));
+        // The run may have more paths than the file, or fewer: those of both are compared.
+        let both = saved.starts.iter().zip(&self.starts).enumerate();
+        differences.extend(both.filter(|(_, (there, here))| there != here).take(1).map(
+            |(path, (there, here))| {
+                let [checkpoint, run] = [there, here].map(|checksum| Some(format!("{checksum:016x}")));
+                Difference { field: format!("the start of path {path} (checksum)"), checkpoint, run }
+            },
+        ));
         if differences.is_empty() {
             differences = identity::differences(&saved.derived, &self.derived);
         }
@@ -73,6 +90,10 @@ impl Described {
         let fields = self.settings.iter().chain(&self.derived);
         let mut lines = vec![format!("the number of paths: {paths}")];
         lines.extend(fields.map(|(name, value)| format!("{name}: {value}").replace('\n', " ")));
+        lines.push(format!(
+            "the starts of paths (checksum): {}",
+            identity::checksum(self.starts.iter().copied())
+        ));
         let start: Vec<f64> = self.start.iter().copied().map(f64::from_bits).collect();
         lines.push(format!("t, q, p of the start: {start:?}"));
         lines
