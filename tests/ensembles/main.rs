@@ -12,5 +12,6 @@ mod large_tables;
 mod poles;
 mod rare;
 mod runs;
+mod settings;
 mod starts;
 mod statistics;

@@ -126,7 +126,7 @@ fn what_makes_no_sense_is_refused() {
         config(base().paths(0).run()) && config(base().threads(0).run()) && config(base().until(-1.0).run())
     );
     assert!(matches!(base().truncation(wzvi::noise::Truncation::On(0.5)).run(), Err(Error::Noise(_))));
-    let short = base().noise(Increments::from([0.1])).run();
+    let short = kubo_run(0.01).paths(4).noise(Increments::from([0.1])).steps(2).run();
     assert!(matches!(short, Err(Error::Noise(_))), "{short:?}");
     let without_seed = kubo_run(0.01).paths(4).steps(2).run();
     assert!(matches!(without_seed, Err(Error::Config(ConfigError::Missing(_)))));

@@ -211,10 +211,6 @@ fn starts_are_those_that_were_asked_for() {
     let at = |h: f64, seed: u64| ends!(HenonHeiles.ensemble::<Midpoint>(h).starts(cloud).seed(seed), 8, 0).0;
     assert_eq!(at(0.1, 4), at(0.025, 4));
     assert_ne!(at(0.1, 4), at(0.1, 5));
-    // A later start replaces them.
-    let same = HenonHeiles.ensemble::<Verlet>(0.1).starts(cloud).start(State::new([0.1, 0.2], [0.0, 0.0]));
-    let (ends, _) = ends!(same, 3, 0);
-    assert!(ends.iter().all(|end| end.q[0] == 0.1));
 }
 
 #[test]

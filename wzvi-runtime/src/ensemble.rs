@@ -5,7 +5,7 @@
 //! lanes and any [`InstructionSet`].
 //!
 //! The increments of a seed are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for each (seed, step size, process, path, step),
-//! truncated where the plan or the caller asks for it. They do not form a Wiener tree: another step size is another sample, except between
+//! truncated where the plan or the caller asks for it. The number of a step is that of its time, `⌊t/h⌋`. They do not form a Wiener tree: another step size is another sample, except between
 //! the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
 //!
 //! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments. The bits are equal if `H` has only
@@ -59,6 +59,7 @@ use crate::error::wrong;
 use crate::increments::{Divisible, Halved, Noise, Whole};
 use crate::noise::{Paths as PathsOfNoise, StepNormals, Truncation};
 use crate::path::Error;
+use crate::path::choice::{Choice, SOME};
 use crate::path::options::{self, Observables, OwnObservable, elsewhere, options};
 use crate::path::retry::Retry;
 pub use crate::saving::table::{Column, Table};
@@ -68,8 +69,8 @@ use crate::statistics::AnyStatistic;
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
 ///
-/// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A later setting replaces an
-/// earlier one. `N` is the type of the noise, `R` says whether steps may be halved, and `P` whether each path has a system of its own.
+/// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A later call of a method
+/// replaces an earlier one, and two methods that set the same (`seed` and `noise`) are an error. `N` is the type of the noise, `R` says whether steps may be halved, and `P` whether each path has a system of its own.
 /// Settings that contradict each other do not compile.
 #[must_use = "nothing happens before `run`"]
 pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSystem> {
@@ -82,11 +83,11 @@ type Setup<'a, H> = options::Setup<'a, H, Many<'a, H>>;
 
 /// Settings of ensembles only.
 struct Many<'a, H: Hamiltonian> {
-    /// A start for each path, unless a later setting gave one to the span.
-    starts: Option<ByPath<'a, State<H::Vector>>>,
-    systems: Option<ByPath<'a, H>>,
+    /// A start for each path.
+    starts: Choice<ByPath<'a, State<H::Vector>>>,
+    systems: Choice<ByPath<'a, H>>,
     paths: Option<u64>,
-    source: Option<Source<'a>>,
+    source: Choice<Source<'a>>,
     settings: Settings,
     /// Observables that read the system of the path, by number.
     own: Vec<(usize, OwnObservable<'a, H, H::Vector>)>,
@@ -99,10 +100,10 @@ struct Many<'a, H: Hamiltonian> {
 impl<H: Hamiltonian> Default for Many<'_, H> {
     fn default() -> Self {
         Self {
-            starts: None,
-            systems: None,
+            starts: Choice::default(),
+            systems: Choice::default(),
             paths: None,
-            source: None,
+            source: Choice::default(),
             settings: Settings::default(),
             own: Vec::new(),
             events: Observables::default(),
@@ -183,7 +184,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// pendulum.ensemble::<Midpoint>(0.1).starts(starts).paths(10_000).seed(7).until(50.0).run()?
     /// ```
     pub fn starts(mut self, start: impl Fn(&mut Draw) -> State<H::Vector> + Send + Sync + 'a) -> Self {
-        (self.setup.span.start, self.setup.more.starts) = (None, Some(ByPath::Drawn(Box::new(start))));
+        self.setup.more.starts.set("starts", SOME, ByPath::Drawn(Box::new(start)));
         self
     }
 
@@ -191,7 +192,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// [`Ensemble::paths`] says fewer. A list of systems must have the same length.
     pub fn starts_from(mut self, states: impl IntoIterator<Item = State<H::Vector>>) -> Self {
         let states = ByPath::Listed(states.into_iter().collect());
-        (self.setup.span.start, self.setup.more.starts) = (None, Some(states));
+        self.setup.more.starts.set("starts_from", SOME, states);
         self
     }
 
@@ -205,12 +206,13 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
     /// ```
     ///
-    /// The default observable is then the energy of the path's own system.
+    /// The default observable is then the energy of the path's own system. Each path has noise of its own. For the same noise at each parameter, run
+    /// an ensemble for each with the same seed and step size.
     pub fn systems(
         mut self,
         system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
     ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
-        self.setup.more.systems = Some(ByPath::Drawn(Box::new(system)));
+        self.setup.more.systems.set("systems", SOME, ByPath::Drawn(Box::new(system)));
         self.marked()
     }
 
@@ -220,7 +222,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         mut self,
         systems: impl IntoIterator<Item = H>,
     ) -> Ensemble<'a, H, E, N, R, SystemByPath> {
-        self.setup.more.systems = Some(ByPath::Listed(systems.into_iter().collect()));
+        self.setup.more.systems.set("systems_from", SOME, ByPath::Listed(systems.into_iter().collect()));
         self.marked()
     }
 
@@ -231,12 +233,15 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     }
 
     /// Drives the paths by `StepNormals::seed(seed)`, the fast noise.
+    ///
+    /// Noise belongs to the time at which it acts. An ensemble that continues another, from the states where that one ended and at their time, goes on
+    /// with the same seed; one that starts at `t = 0` again needs another seed, since the same one repeats the noise of each path.
     pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R, P> {
-        self.setup.more.source = Some(Source::new(StepNormals::seed(seed)));
+        self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
         self.marked()
     }
 
-    /// Drives path `n` of the ensemble by path `n` of this noise; given [`Increments`](crate::increments::Increments) drive every path. A
+    /// In place of [`Ensemble::seed`], drives path `n` of the ensemble by path `n` of this noise; given [`Increments`](crate::increments::Increments) drive every path. A
     /// system without noise accepts any noise and does not use it.
     ///
     /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other, and costs as much as in a
@@ -245,8 +250,7 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         mut self,
         noise: M,
     ) -> Ensemble<'a, H, E, M, R, P> {
-        self.setup.more.source = Some(Source::new(noise));
-        self.setup.more.settings = Settings::default();
+        self.setup.more.source.set("noise", SOME, Source::new(noise));
         self.marked()
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod between;
 pub mod checkpoint;
+pub(crate) mod choice;
 mod error;
 pub(crate) mod options;
 pub(crate) mod recording;

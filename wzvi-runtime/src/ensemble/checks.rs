@@ -13,8 +13,9 @@ use crate::ground::variables::Variables;
 use crate::increments::Interval;
 use crate::noise::StepNormals;
 use crate::path::Error;
+use crate::path::choice::SOME;
 use crate::path::options::{Observables, elsewhere};
-use crate::path::span::Grid;
+use crate::path::span::{Grid, ONE_START};
 use crate::scheme::poles;
 use crate::scheme::system::{Discretized, Scheme as _, SchemeOf};
 use crate::statistics::{Crossings, Histogram, Nodes, Passage, Passages, Paths, Statistics, StatisticsNode};
@@ -67,20 +68,25 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         if !h.is_finite() || h == 0.0 {
             return Err(ConfigError::StepSize(h).into());
         }
-        let seed = more.source.as_ref().map_or(0, Source::seed);
-        let starts = more.starts.filter(|_| setup.span.start.is_none());
+        let own_source = more.source.checked("an ensemble has one noise")?;
+        let seed = own_source.as_ref().map_or(0, Source::seed);
+        let starts = more.starts.checked(ONE_START)?;
         if let Some(starts) = &starts {
-            setup.span.start = starts.of(Drawn::Start, seed, 0);
-            if setup.span.start.is_none() {
-                return Err(ConfigError::Missing(STARTS).into());
+            if setup.span.start.value().is_some() {
+                return wrong(
+                    "`start(...)` and starts of the paths, `starts(...)` or `starts_from(...)`: leave one of them out",
+                );
             }
+            let first = starts.of(Drawn::Start, seed, 0).ok_or(ConfigError::Missing(STARTS))?;
+            setup.span.start.set("start", SOME, first);
         }
+        let own_systems = more.systems.checked("a path has one system")?;
         let (start, grid) = setup.span.checked::<H, E>(system, h)?;
         let steps = grid.steps;
         let listed =
-            [starts.as_ref().and_then(ByPath::listed), more.systems.as_ref().and_then(ByPath::listed)];
+            [starts.as_ref().and_then(ByPath::listed), own_systems.as_ref().and_then(ByPath::listed)];
         let paths = number_of_paths(more.paths, listed)?;
-        let systems = more.systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
+        let systems = own_systems.map(|systems| systems.into_list(Drawn::System, seed, paths));
         let systems = systems.transpose()?.unwrap_or_default();
         starts::check_systems::<H, E>(&systems, system, start.q.components().len())?;
         let end = grid.time(steps);
@@ -88,7 +94,7 @@ impl<'a, H: Discretized<E> + Sync, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
             return Err(ConfigError::End { start: start.t, end, h }.into());
         }
         let processes = system.increments(start.q.components().len());
-        let source = match more.source {
+        let source = match own_source {
             None if processes > 0 => return Err(ConfigError::Missing(SEED).into()),
             Some(source) if processes > 0 => source,
             _ => Source::new(StepNormals::seed(0)),

@@ -37,10 +37,12 @@ use super::starts::Paired;
 use super::{Ensemble, Extras, Many, Setup};
 use crate::algebra::state::State;
 use crate::error::{ConfigError, above_zero, wrong};
+use crate::ground::digits::Brief;
 use crate::increments::Whole;
 use crate::noise::{StepNormals, Truncation};
 use crate::path::Error;
 use crate::path::checkpoint::{self, Checkpoint, Keeping, Suits};
+use crate::path::choice::Choice;
 use crate::path::options::options;
 use crate::path::recording::Request;
 use crate::path::span::{End, Grid};
@@ -75,9 +77,9 @@ pub struct Multilevel<'a, H: Discretized<E>, E, O = Nothing> {
 }
 
 /// Settings of levels only.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Levels {
-    target: Option<f64>,
+    target: Choice<f64>,
     /// That of the scheme if the user says nothing.
     weak_order: Option<f64>,
     finest: u32,
@@ -88,7 +90,9 @@ impl<'a, H: Discretized<E>, E> Ensemble<'a, H, E> {
     /// coupled paths: [`Integrate::multilevel`](crate::integrate::Integrate::multilevel) with the start, end, seed,
     /// observable, paths and threads of the ensemble. Its other settings have no meaning there, and are an error of the run.
     pub fn multilevel(self, target: f64) -> Multilevel<'a, H, E, Observed> {
-        Multilevel::begun(self.setup).target(target)
+        let mut run = Multilevel::begun(self.setup);
+        run.levels.target.set("multilevel", Brief(target), target);
+        run
     }
 }
 
@@ -113,13 +117,14 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
     options!(start, end, execution, instructions);
 
     fn begun(setup: Setup<'a, H>) -> Self {
-        let levels = Levels { target: None, weak_order: None, finest: MOST_LEVELS };
+        let levels = Levels { target: Choice::default(), weak_order: None, finest: MOST_LEVELS };
         Self { setup, levels, types: PhantomData }
     }
 
-    /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own.
+    /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own. Noise belongs to
+    /// the time at which it acts: from another start time it is another.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.setup.more.source = Some(Source::new(StepNormals::seed(seed)));
+        self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
         self
     }
 
@@ -132,7 +137,7 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
 
     /// The root mean square error that is wanted, in units of the observable.
     pub fn target(mut self, error: f64) -> Self {
-        self.levels.target = Some(error);
+        self.levels.target.set("target", Brief(error), error);
         self
     }
 
@@ -185,7 +190,7 @@ where
         let finest = self.levels.finest;
         let execution = std::mem::take(&mut self.setup.execution);
         let stop = || execution.is_stopped();
-        let (end, paths) = (self.setup.span.end, self.setup.more.paths);
+        let (end, paths) = (self.setup.span.end.value().copied(), self.setup.more.paths);
         self.setup.more.paths = Some(paths.unwrap_or(MOST_PATHS));
         let keeping = std::mem::take(&mut self.setup.keeping);
         let job = Ensemble::<H, E, StepNormals, Whole, Paired> { setup: self.setup, types: PhantomData }
@@ -199,11 +204,13 @@ where
 
     /// The target and the weak order, of a run that makes sense.
     fn checked(&self) -> Result<(f64, f64), ConfigError> {
-        let (setup, Levels { target, weak_order, finest }) = (&self.setup, self.levels);
+        let (setup, Levels { target, weak_order, finest }) = (&self.setup, self.levels.clone());
         if let Some(what) = refused(setup) {
             return wrong(format!("{what} in a multilevel run, where it has no meaning: leave it out"));
         }
-        let target = target.ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
+        let target = target
+            .checked("a run has one target")?
+            .ok_or(ConfigError::Missing("an error to reach: add `.target(error)`"))?;
         if setup.observables.is_empty() {
             return Err(ConfigError::Missing(OBSERVABLE));
         }
@@ -253,10 +260,10 @@ fn refused<H: Hamiltonian>(setup: &Setup<'_, H>) -> Option<&'static str> {
     let Request { every, times } = recorded;
     let refused = [
         (observables.len() > 1, "a second observable"),
-        (*is_antithetic || source.as_ref().is_some_and(Source::is_antithetic), "antithetic paths"),
-        (source.as_ref().is_some_and(|source| source.normals.is_none()), "a noise that is not `StepNormals`"),
-        (systems.is_some(), "paths that have systems of their own"),
-        (starts.is_some() && span.start.is_none(), "paths that start at states of their own"),
+        (*is_antithetic || source.value().is_some_and(Source::is_antithetic), "antithetic paths"),
+        (source.value().is_some_and(|source| source.normals.is_none()), "a noise that is not `StepNormals`"),
+        (systems.value().is_some(), "paths that have systems of their own"),
+        (starts.value().is_some(), "paths that start at states of their own"),
         (!own.is_empty(), "observables of each path's own system"),
         (!events.is_empty(), "first passages"),
         (!sections.is_empty(), "sections"),

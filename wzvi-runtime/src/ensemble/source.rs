@@ -1,5 +1,6 @@
 //! What drives the paths of an ensemble: the normals of its lanes, or any noise that has a path for each member.
 
+use crate::error::wrong;
 use crate::increments::{Identity, Interval};
 use crate::noise::{Driver, Paths, StepNormals, Truncation};
 use crate::path::Error;
@@ -28,9 +29,28 @@ impl<'a> Source<'a> {
     ) -> Result<Self, Error> {
         let Settings { truncation, is_antithetic } = settings;
         let mut noise = self.noise;
-        if let Some(normals) = self.normals {
-            let normals = normals.with_truncation(truncation);
-            noise = Box::new(if is_antithetic { normals.antithetic() } else { normals });
+        match self.normals {
+            Some(normals) => {
+                if truncation != Truncation::Unset && normals.truncation() != Truncation::Unset {
+                    return wrong(
+                        "`truncation(...)` and a noise with a truncation of its own: leave one of them out",
+                    );
+                }
+                let normals = normals.with_truncation(truncation);
+                noise = Box::new(if is_antithetic { normals.antithetic() } else { normals });
+            }
+            None if is_antithetic => {
+                return wrong(
+                    "`antithetic()` and a noise that is not `StepNormals`, whose paths have no pairs: leave one of them out",
+                );
+            }
+            None if truncation != Truncation::Unset => {
+                return wrong(
+                    "`truncation(...)` and `noise(...)`: leave one of them out, and truncate the noise itself, as in \
+                     `Wiener::seed(7).truncated(4)`",
+                );
+            }
+            None => {}
         }
         noise.prepare(plan, first.h, processes, first.start)?;
         // A source that ends too early is an error before the run.

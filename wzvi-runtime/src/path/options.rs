@@ -163,9 +163,10 @@ impl Execution<'_> {
 macro_rules! options {
     ($($option:ident),*) => { $(crate::path::options::options!(@ $option);)* };
     (@ start) => {
-        /// The first state, at its own time.
+        /// The first state, at its own time. A run that continues another starts at its last state: `.start(run.last().clone())`. Its noise is then
+        /// that of later times, also with the same seed. From a state whose time is set back, as by `.at(0.0)`, the same seed repeats the noise.
         pub fn start(mut self, start: crate::algebra::state::State<H::Vector>) -> Self {
-            self.setup.span.start = Some(start);
+            self.setup.span.start.set("start", crate::path::choice::SOME, start);
             self
         }
     };
@@ -175,13 +176,13 @@ macro_rules! options {
         /// These are `⌈(end - t_0)/h⌉` steps, with an allowance for rounding: `until(20.0)` with `h = 0.02` takes 1000. It is an error
         /// together with `steps`.
         pub fn until(mut self, end: f64) -> Self {
-            self.setup.span.end_at(crate::path::span::End::Time(end));
+            self.setup.span.end.set("until", crate::ground::digits::Brief(end), crate::path::span::End::Time(end));
             self
         }
 
         /// Runs `steps` steps.
         pub fn steps(mut self, steps: u64) -> Self {
-            self.setup.span.end_at(crate::path::span::End::Steps(steps));
+            self.setup.span.end.set("steps", steps, crate::path::span::End::Steps(steps));
             self
         }
     };
@@ -261,7 +262,7 @@ macro_rules! options {
         {
             let system = self.setup.system;
             let of_start = |start: &crate::algebra::state::State<H::Vector>| crate::algebra::state::Vector::components(&start.q).len();
-            let degrees = self.setup.span.start.as_ref().map_or(system.degrees(), of_start);
+            let degrees = self.setup.span.start.value().map_or(system.degrees(), of_start);
             self.setup.span.was_asked_early |= degrees == 0;
             for i in 0..degrees {
                 self = self.observe_own(format!("kinetic temperature {i}"), move |system, state| {

@@ -1,10 +1,10 @@
 //! From where to where a run goes, and where its nodes are: the same for every builder.
 
 use crate::algebra::state::{State, Vector};
-use crate::error::{ConfigError, StepFailure, wrong};
-use crate::ground::digits::Brief;
+use crate::error::{ConfigError, StepFailure};
 use crate::increments::{Interval, Noise};
 use crate::path::Error;
+use crate::path::choice::Choice;
 use crate::scheme::plan::Plan;
 use crate::scheme::system::{Discretized, Hamiltonian, fits};
 
@@ -16,15 +16,13 @@ pub(crate) const MOST_STEPS: u64 = 1 << 53;
 pub(crate) enum End {
     Time(f64),
     Steps(u64),
-    /// Two contradicting ends were set.
-    Both(f64, u64),
 }
 
 /// Where a run starts and where it ends.
 #[derive(Clone, Debug)]
 pub(crate) struct Span<V> {
-    pub(crate) start: Option<State<V>>,
-    pub(crate) end: Option<End>,
+    pub(crate) start: Choice<State<V>>,
+    pub(crate) end: Choice<End>,
     /// Whether the last node is at the end, wherever that is.
     pub(crate) is_exact: bool,
     /// Whether something was asked of each degree of freedom before their number was known.
@@ -33,7 +31,7 @@ pub(crate) struct Span<V> {
 
 impl<V> Default for Span<V> {
     fn default() -> Self {
-        Self { start: None, end: None, is_exact: false, was_asked_early: false }
+        Self { start: Choice::default(), end: Choice::default(), is_exact: false, was_asked_early: false }
     }
 }
 
@@ -141,17 +139,6 @@ impl Grid {
     }
 }
 
-impl<V> Span<V> {
-    /// Another end of the same kind replaces the one before.
-    pub(crate) fn end_at(&mut self, end: End) {
-        self.end = Some(match (self.end, end) {
-            (Some(End::Time(t) | End::Both(t, _)), End::Steps(steps)) => End::Both(t, steps),
-            (Some(End::Steps(steps) | End::Both(_, steps)), End::Time(t)) => End::Both(t, steps),
-            _ => end,
-        });
-    }
-}
-
 impl<V: Vector> Span<V> {
     /// The first state, and the nodes from there to the end in steps of size `h`.
     ///
@@ -165,8 +152,9 @@ impl<V: Vector> Span<V> {
         if self.was_asked_early {
             return Err(ConfigError::Missing(SIZE));
         }
-        let start = checked(system, self.start)?;
-        let grid = grid(self.end, self.is_exact, start.t, h)?;
+        let start = checked(system, self.start.checked(ONE_START)?)?;
+        let end = self.end.checked("a run has one end")?;
+        let grid = grid(end, self.is_exact, start.t, h)?;
         if !grid.has_times() {
             return Err(ConfigError::End { start: start.t, end: grid.time(grid.steps), h });
         }
@@ -175,6 +163,7 @@ impl<V: Vector> Span<V> {
 }
 
 const START: &str = "a start: add `.start(State::new(q, p))`";
+pub(crate) const ONE_START: &str = "a path has one start";
 const END: &str = "an end: add `.until(time)` or `.steps(number)`";
 const SIZE: &str =
     "the number of degrees of freedom for `.observe_equipartition()`: call it after `.start(...)`";
@@ -207,10 +196,6 @@ fn is_finite<V: Vector>(state: &State<V>) -> bool {
 
 fn grid(end: Option<End>, is_exact: bool, start: f64, h: f64) -> Result<Grid, ConfigError> {
     match end.ok_or(ConfigError::Missing(END))? {
-        End::Both(t, steps) => wrong(format!(
-            "`until({})` and `steps({steps})`: a run has one end; leave one of them out",
-            Brief(t)
-        )),
         End::Time(end) if is_exact => Grid::until(start, end, h).ok_or(ConfigError::End { start, end, h }),
         End::Time(end) => {
             let steps = steps_between(start, end, h).ok_or(ConfigError::End { start, end, h })?;

@@ -107,7 +107,7 @@ where
     ) -> Result<Vec<State<H::Vector>>, Error> {
         let mut states = Vec::with_capacity(plan.paths);
         let no_reference = || InternalError::new("a measurement has a reference", &self.title);
-        let reference = self.reference.as_ref().ok_or_else(no_reference)?;
+        let reference = self.reference.value().ok_or_else(no_reference)?;
         let block = |paths| self.ends(plan, reference, paths);
         self.in_blocks(plan, plan.reference_steps, stopped, block, |block| {
             work.advance(plan.reference_steps * block.len());

@@ -3,9 +3,11 @@
 use super::Overlay;
 use super::method::Method;
 use crate::algebra::state::State;
+use crate::ground::digits::Brief;
 use crate::ground::names::short_name;
 use crate::noise::{Driver, Paths, Wiener};
 use crate::path::Error;
+use crate::path::choice::{Choice, SOME};
 use crate::path::options::{Execution, Functions, options};
 use crate::path::span::{End, Span};
 use crate::scheme::system::{Discretized, Hamiltonian};
@@ -42,7 +44,7 @@ pub struct WorkPrecision<'a, H: Hamiltonian> {
     pub(super) seed: u64,
     pub(super) repetitions: usize,
     pub(super) driver: DriverOf<'a>,
-    pub(super) reference: Option<Reference<'a, H>>,
+    pub(super) reference: Choice<Reference<'a, H>>,
     /// By name and with `E f(z(T))`, if known; otherwise the reference on the same path is compared with.
     pub(super) observables: Functions<'a, H::Vector, (String, Option<f64>)>,
     pub(super) methods: Vec<Method<H>>,
@@ -62,7 +64,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
             seed: 0,
             repetitions: 7,
             driver: Box::new(|wiener| Box::new(wiener)),
-            reference: None,
+            reference: Choice::default(),
             observables: Functions::default(),
             methods: vec![],
             overlay: vec![],
@@ -80,7 +82,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
 
     /// The end of every path, in the time units of the Hamiltonian: a whole number of steps of each size away.
     pub fn until(mut self, end: f64) -> Self {
-        self.setup.span.end = Some(End::Time(end));
+        self.setup.span.end.set("until", Brief(end), End::Time(end));
         self
     }
 
@@ -119,7 +121,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
 
     /// Compares with an exact solution `exact(t, wiener)`, `wiener[k] = W_k(t) - W_k(t_0)`: those of the noises, and then those of a bath.
     pub fn exact(mut self, exact: impl Fn(f64, &[f64]) -> State<H::Vector> + Send + Sync + 'a) -> Self {
-        self.reference = Some(Reference::Exact(Box::new(exact)));
+        self.reference.set("exact", SOME, Reference::Exact(Box::new(exact)));
         self
     }
 
@@ -128,7 +130,7 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
         mut self,
         exact: impl Fn(f64, &mut Wiener) -> Result<State<H::Vector>, Error> + Send + Sync + 'a,
     ) -> Self {
-        self.reference = Some(Reference::OnPath(Box::new(exact)));
+        self.reference.set("exact_on_path", SOME, Reference::OnPath(Box::new(exact)));
         self
     }
 
@@ -137,13 +139,13 @@ impl<'a, H: Hamiltonian> WorkPrecision<'a, H> {
     where
         H: Discretized<E> + Sync,
     {
-        self.reference = Some(Reference::Finer(Method::of::<E>(), h));
+        self.reference.set("reference", Brief(h), Reference::Finer(Method::of::<E>(), h));
         self
     }
 
     /// Compares with a state that is known.
     pub fn value(mut self, state: State<H::Vector>) -> Self {
-        self.reference = Some(Reference::Value(state));
+        self.reference.set("value", SOME, Reference::Value(state));
         self
     }
 

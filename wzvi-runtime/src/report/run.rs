@@ -80,7 +80,7 @@ where
     }
 
     fn reference_in_words(&self) -> String {
-        match &self.reference {
+        match self.reference.value() {
             Some(Reference::Exact(_) | Reference::OnPath(_)) => {
                 "exact solution on the same Wiener path".into()
             }
@@ -94,12 +94,18 @@ where
 
     fn checked(&self) -> Result<Settings<H::Vector>, ConfigError> {
         let missing = ConfigError::Missing;
-        let start =
-            self.setup.span.start.clone().ok_or(missing("a start: add `.start(State::new(q, p))`"))?;
-        let Some(End::Time(end)) = self.setup.span.end else {
+        let start = self
+            .setup
+            .span
+            .start
+            .value()
+            .cloned()
+            .ok_or(missing("a start: add `.start(State::new(q, p))`"))?;
+        let Some(&End::Time(end)) = self.setup.span.end.value() else {
             return Err(missing("an end: add `.until(time)`"));
         };
-        let reference = self.reference.as_ref().ok_or(missing(
+        self.reference.check("a measurement has one reference")?;
+        let reference = self.reference.value().ok_or(missing(
             "something to compare with: add `.exact(...)`, `.reference::<Scheme>(h)` or `.value(state)`",
         ))?;
         sized(self.system, &start)?;

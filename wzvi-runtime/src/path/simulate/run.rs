@@ -4,7 +4,7 @@ use super::{Node, Observer, Partial, Simulation};
 use crate::algebra::memory::Threads;
 use crate::algebra::state::{State, Vector};
 use crate::algebra::sum::Sums;
-use crate::error::StoppedError;
+use crate::error::{StoppedError, wrong};
 use crate::ground::progress::StepsShown;
 use crate::increments::{Divisible, Interval, Noise};
 use crate::path::Error;
@@ -66,6 +66,11 @@ where
         let mut first = keeper.first();
         if let Some(looks) = &mut run.looks {
             looks.arrive(first, path.state);
+        }
+        if stop.is_some() && asked.is_some() {
+            return wrong(
+                "`stop_when(...)` before and after `time_averages`: a run has one such function; leave one of them out",
+            );
         }
         let stop = stop.or(asked.as_deref().map(|stop| stop as _));
         let shown = StepsShown::new(is_quiet, handle, stop, [first, grid.steps]);
