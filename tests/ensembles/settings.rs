@@ -94,6 +94,9 @@ fn two_settings_of_one_thing_are_refused() {
             words(measured().value(start()).reference::<Midpoint>(0.1).run()),
         ),
     ];
+    let observed_twice = measured().value(start()).observe("q", |state| state.q[0]);
+    let observed_twice = words(observed_twice.expectation("q", |state| state.q[0], 0.0).run());
+    assert!(observed_twice.contains("two observables have the name `q`"), "{observed_twice}");
     for (names, said) in &refused {
         assert!(said.contains(names) && said.contains("leave one of them out"), "{names}: {said}");
     }

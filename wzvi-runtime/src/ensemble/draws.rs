@@ -11,7 +11,7 @@ pub(crate) use crate::noise::step_normals::STEPS;
 use crate::noise::step_normals::{key, of_process};
 
 /// The standard normals of one process of an ensemble, before truncation, in blocks of ten steps: block `b` is for the
-/// steps from `10 b` on.
+/// steps from `10 b` on. The number of a step is that of its time, `⌊t/h⌋`.
 #[derive(Clone, Copy, Debug)]
 pub struct Normals {
     key: [u32; 8],

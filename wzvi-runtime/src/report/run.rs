@@ -115,6 +115,12 @@ where
         if self.steps.is_empty() {
             return Err(missing("step sizes: add `.step_sizes([...])`"));
         }
+        let names = || self.observables.0.iter().map(|((name, _), _)| name);
+        if let Some((_, twice)) =
+            names().enumerate().find(|(i, name)| names().take(*i).any(|other| other == *name))
+        {
+            return wrong(format!("two observables have the name `{twice}`"));
+        }
         if self.paths == 0 {
             return wrong("no paths: `.paths(0)` leaves nothing to measure");
         }
