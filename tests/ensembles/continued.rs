@@ -1,4 +1,5 @@
-//! Runs that continue others: noise belongs to the time at which it acts, so that several runs have the noise of one.
+//! Runs that continue others: noise belongs to the time at which it acts, so that several runs have the noise
+//! of one.
 
 use std::collections::HashSet;
 use std::slice::from_ref;
@@ -26,7 +27,8 @@ fn rows<V: wzvi::state::Vector, E>(path: &Trajectory<V, E>) -> Rows {
     path.increments().map(<[f64]>::to_vec).collect()
 }
 
-/// Asserts that runs from one of these times to the next have the increments of one run, bit by bit: single paths, and paths of ensembles.
+/// Asserts that runs from one of these times to the next have the increments of one run, bit by bit: single
+/// paths, and paths of ensembles.
 fn continue_one_run<E, H: Discretized<E> + Sync>(
     system: &H,
     path: u64,
@@ -86,7 +88,8 @@ fn runs_that_go_on_have_the_noise_of_one_run() {
     continue_one_run::<Midpoint, _>(&well, path, 0.5, &start, &[-5.0, 0.0, 12.5, 20.0]);
 }
 
-/// From any time, in any lanes and on any threads, with the normals of paths and of pairs: each path is the one of a stepper with [`StepNormals`].
+/// From any time, in any lanes and on any threads, with the normals of paths and of pairs: each path is the
+/// one of a stepper with [`StepNormals`].
 #[test]
 fn paths_that_start_at_any_time_are_those_of_the_noise() {
     for t in [-7.3, -1.0, 0.35, 10.0, 1e6] {
@@ -135,7 +138,8 @@ fn every_split_of_pairs<'a, H: Discretized<E> + Sync + 'a, E>(
     reference
 }
 
-/// Runs of any length, also with ends that are no nodes, never have an increment twice, wherever they start, forwards and backwards through 0.
+/// Runs of any length, also with ends that are no nodes, never have an increment twice, wherever they start,
+/// forwards and backwards through 0.
 #[test]
 fn no_chain_of_runs_has_an_increment_twice() {
     let mut random = Uniform(11);
@@ -202,7 +206,8 @@ fn times_that_have_no_steps_are_refused() {
     }
 }
 
-/// `Var p(20) = 20`, of 4000 paths to `20 √(2/4000)`; five such deviations. The same noise twice would make it 40.
+/// `Var p(20) = 20`, of 4000 paths to `20 √(2/4000)`; five such deviations. The same noise twice would make
+/// it 40.
 #[test]
 fn a_run_in_two_parts_has_the_variance_of_one() {
     let paths = 4000;
@@ -223,7 +228,8 @@ fn a_run_in_two_parts_has_the_variance_of_one() {
     assert!((variance - 20.0).abs() < 100.0 * (2.0 / paths as f64).sqrt(), "{variance}");
 }
 
-/// A run that is stopped and resumed has the noise of its times, wherever it starts; its adjoint has that of the run.
+/// A run that is stopped and resumed has the noise of its times, wherever it starts; its adjoint has that of
+/// the run.
 #[test]
 fn resumed_runs_and_adjoints_have_the_noise_of_their_times() {
     let folder = folder!("continued");
@@ -264,7 +270,8 @@ fn wiener_paths_go_on_as_before() {
     assert_eq!([rows_of(Wiener::seed(7), -2.0, 0.5), rows_of(Wiener::seed(7), 0.5, 2.0)].concat(), whole);
 }
 
-/// Paths of a sweep have noises of their own; ensembles of one seed have the same ones, path by path, whatever their systems.
+/// Paths of a sweep have noises of their own; ensembles of one seed have the same ones, path by path,
+/// whatever their systems.
 #[test]
 fn ensembles_of_one_seed_have_common_noise_and_paths_of_a_sweep_have_not() {
     let start = State::new([0.0], [1.0]);
@@ -284,7 +291,8 @@ fn ensembles_of_one_seed_have_common_noise_and_paths_of_a_sweep_have_not() {
     assert_ne!(rows(&sweep(0).unwrap().0), rows(&sweep(1).unwrap().0));
 }
 
-/// The double well in steps so long that some fail, and the first path from this time with this seed of which some are halved.
+/// The double well in steps so long that some fail, and the first path from this time with this seed of which
+/// some are halved.
 fn halved_path(seed: u64, t: f64, steps: u64) -> (DoubleWell, u64) {
     let well = DoubleWell { sigma: 1.5 };
     let is_halved = |path: &u64| {
@@ -296,7 +304,8 @@ fn halved_path(seed: u64, t: f64, steps: u64) -> (DoubleWell, u64) {
     (well, path)
 }
 
-/// What is looked for between the nodes is on the path with the noise of its times, also where steps are halved.
+/// What is looked for between the nodes is on the path with the noise of its times, also where steps are
+/// halved.
 #[test]
 fn sections_have_the_noise_of_their_times() {
     let (t, steps) = (-7.5, 20);

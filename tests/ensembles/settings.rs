@@ -102,7 +102,8 @@ fn two_settings_of_one_thing_are_refused() {
     }
 }
 
-/// A later call of the same method replaces the one before, and a setting that has been made before the noise acts on it.
+/// A later call of the same method replaces the one before, and a setting that has been made before the noise
+/// acts on it.
 #[test]
 fn later_calls_of_one_method_replace_earlier_ones() {
     let run = || KUBO.ensemble::<Midpoint>(0.1).start(State::new([0.0], [1.0])).paths(4).steps(3);

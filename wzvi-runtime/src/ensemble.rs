@@ -4,9 +4,10 @@
 //! statistics are merged in the order of the chunks. The result is the same, bit for bit, for any number of threads, any width of the
 //! lanes and any [`InstructionSet`].
 //!
-//! The increments of a seed are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for each (seed, step size, process, path, step),
-//! truncated where the plan or the caller asks for it. The number of a step is that of its time, `⌊t/h⌋`. They do not form a Wiener tree: another step size is another sample, except between
-//! the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
+//! The increments of a seed are those of [`StepNormals`]: `√|h| ξ` with one normal `ξ` for each (seed, step
+//! size, process, path, step), truncated where the plan or the caller asks for it. The number of a step is
+//! that of its time, `⌊t/h⌋`. They do not form a Wiener tree: another step size is another sample, except
+//! between the levels of [`Multilevel`]. [`Ensemble::noise`] takes any other noise.
 //!
 //! A path is that of [`Stepper::plain`](crate::path::step::Stepper::plain) with the same increments. The bits are equal if `H` has only
 //! arithmetic and roots, since lanes have elementary functions of their own ([`crate::algebra::lanes`]). Hard steps are taken by the
@@ -69,9 +70,10 @@ use crate::statistics::AnyStatistic;
 /// An ensemble to run: [`Integrate::ensemble`](crate::integrate::Integrate::ensemble) begins it, [`Ensemble::run`] runs
 /// it.
 ///
-/// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A later call of a method
-/// replaces an earlier one, and two methods that set the same (`seed` and `noise`) are an error. `N` is the type of the noise, `R` says whether steps may be halved, and `P` whether each path has a system of its own.
-/// Settings that contradict each other do not compile.
+/// An ensemble needs a start, an end and a number of paths, and a seed or a noise if the system has noise. A
+/// later call of a method replaces an earlier one, and two methods that set the same (`seed` and `noise`) are
+/// an error. `N` is the type of the noise, `R` says whether steps may be halved, and `P` whether each path
+/// has a system of its own. Settings that contradict each other do not compile.
 #[must_use = "nothing happens before `run`"]
 pub struct Ensemble<'a, H: Hamiltonian, E, N = StepNormals, R = Whole, P = OneSystem> {
     setup: Setup<'a, H>,
@@ -206,8 +208,8 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
     /// duffing.ensemble::<Midpoint>(0.1).systems(system).start(start).paths(441).keep_paths(1 << 20).until(50.0).run()?
     /// ```
     ///
-    /// The default observable is then the energy of the path's own system. Each path has noise of its own. For the same noise at each parameter, run
-    /// an ensemble for each with the same seed and step size.
+    /// The default observable is then the energy of the path's own system. Each path has noise of its own.
+    /// For the same noise at each parameter, run an ensemble for each with the same seed and step size.
     pub fn systems(
         mut self,
         system: impl Fn(&mut Draw) -> H + Send + Sync + 'a,
@@ -234,15 +236,17 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
 
     /// Drives the paths by `StepNormals::seed(seed)`, the fast noise.
     ///
-    /// Noise belongs to the time at which it acts. An ensemble that continues another, from the states where that one ended and at their time, goes on
-    /// with the same seed; one that starts at `t = 0` again needs another seed, since the same one repeats the noise of each path.
+    /// Noise belongs to the time at which it acts. An ensemble that continues another, from the states where
+    /// that one ended and at their time, goes on with the same seed; one that starts at `t = 0` again needs
+    /// another seed, since the same one repeats the noise of each path.
     pub fn seed(mut self, seed: u64) -> Ensemble<'a, H, E, StepNormals, R, P> {
         self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
         self.marked()
     }
 
-    /// In place of [`Ensemble::seed`], drives path `n` of the ensemble by path `n` of this noise; given [`Increments`](crate::increments::Increments) drive every path. A
-    /// system without noise accepts any noise and does not use it.
+    /// In place of [`Ensemble::seed`], drives path `n` of the ensemble by path `n` of this noise; given
+    /// [`Increments`](crate::increments::Increments) drive every path. A system without noise accepts any
+    /// noise and does not use it.
     ///
     /// [`StepNormals`] are drawn in lanes. Any other noise gives the increments of one path after the other, and costs as much as in a
     /// single run.

@@ -10,8 +10,9 @@ use crate::ground::checksum::Checksum;
 use crate::scheme::plan::Plan;
 pub use identity::Identity;
 
-/// One step of a run, `[start + n h, start + (n + 1) h]`. Times are computed from the number of the step, never
-/// accumulated. Noise belongs to these times: a run that continues another has the time where that one ended as its `start`.
+/// One step of a run, `[start + n h, start + (n + 1) h]`. Times are computed from the number of the step,
+/// never accumulated. Noise belongs to these times: a run that continues another has the time where that one
+/// ended as its `start`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Time at the start of the run, in the units of the Hamiltonian.

@@ -58,7 +58,8 @@ fn with_more_paths() {
     assert!(EDGE.kept(&file).paths(2112).run().is_ok());
 }
 
-/// The same where each path has its own start, however few paths there were: of a function, and of a list that has more states than paths.
+/// The same where each path has its own start, however few paths there were: of a function, and of a list
+/// that has more states than paths.
 #[test]
 fn with_more_paths_from_starts_of_their_own() {
     let folder = folder!("more-starts");

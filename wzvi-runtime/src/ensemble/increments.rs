@@ -39,7 +39,8 @@ impl Blocks {
         self.first.wrapping_add((self.place + step) / STEPS as u64)
     }
 
-    /// Whether no step of the run before this one is in one of the `number` blocks that are drawn with its own.
+    /// Whether no step of the run before this one is in one of the `number` blocks that are drawn with its
+    /// own.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begins(self, step: u64, number: u64) -> bool {
         step == 0 || (self.place + step).is_multiple_of(number * STEPS as u64)

@@ -25,10 +25,11 @@ const COMPARED_STARTS: u64 = 512;
 const MOST_LISTED: usize = 32;
 
 impl<H: Discretized<E>, E, N, R, P> Ensemble<'_, H, E, N, R, P> {
-    /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the run and at its end: see
-    /// [`crate::path::checkpoint`]. A run that is stopped at any moment and started again gives the same statistics, bit for bit. Only the number of
-    /// paths may grow from one run to the next: of one system, from one start, from [`Ensemble::starts`], or from the same list of starts. Systems by
-    /// path must be the same.
+    /// Resumes from the checkpoint if its file exists and belongs to this run. Writes checkpoints during the
+    /// run and at its end: see [`crate::path::checkpoint`]. A run that is stopped at any moment and started
+    /// again gives the same statistics, bit for bit. Only the number of paths may grow from one run to the
+    /// next: of one system, from one start, from [`Ensemble::starts`], or from the same list of starts.
+    /// Systems by path must be the same.
     ///
     /// With [`Ensemble::until_error`] the run ends at once if the checkpoint meets the targets. Otherwise, and after a stop, it continues.
     ///
@@ -117,8 +118,8 @@ pub(super) fn described<H: Discretized<E>, E, const MORE: usize>(
     Ok(described.starting(drawn).observing(&observed(job)?))
 }
 
-/// What tells starts apart, and the checksums by path of those of a function, of which the first are compared. Those of a list are all
-/// compared, also where the run has fewer paths.
+/// What tells starts apart, and the checksums by path of those of a function, of which the first are
+/// compared. Those of a list are all compared, also where the run has fewer paths.
 fn starts<H: Discretized<E>, E>(job: &Job<'_, H, E>) -> Result<((String, String), Vec<u64>), ConfigError> {
     let name = "the states where paths start";
     let said = |what: &str| (name.to_owned(), what.to_owned());

@@ -121,8 +121,8 @@ impl<'a, H: Discretized<E>, E, O> Multilevel<'a, H, E, O> {
         Self { setup, levels, types: PhantomData }
     }
 
-    /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels have their own. Noise belongs to
-    /// the time at which it acts: from another start time it is another.
+    /// The seed of its normals: level 0 has those of an ensemble with this seed and step size, finer levels
+    /// have their own. Noise belongs to the time at which it acts: from another start time it is another.
     pub fn seed(mut self, seed: u64) -> Self {
         self.setup.more.source.set("seed", seed, Source::new(StepNormals::seed(seed)));
         self

@@ -1,12 +1,13 @@
 //! One normal for every step: the noise of ensembles.
 //!
-//! The random words are those of ChaCha8. Its key holds the seed, the process and the step size, its stream number is the path, and the
-//! block number is the number of the step divided by [`STEPS`]: a block of 16 words makes [`STEPS`] normals, in pairs of three words, and
-//! leaves one word over.
+//! The random words are those of ChaCha8. Its key holds the seed, the process and the step size, its stream
+//! number is the path, and the block number is the number of the step divided by [`STEPS`]: a block of 16
+//! words makes [`STEPS`] normals, in pairs of three words, and leaves one word over.
 //!
-//! A step of size `h` that starts at time `t` has the number `⌊t/h⌋` ([`number`]), wherever its run starts: noise belongs to the time at
-//! which it acts, and a run that continues another from its last time has other noise. Numbers of steps before `t = 0` (after it, if `h` is
-//! negative) are negative. Blocks and cuts are numbered in two's complement, so that each of these has an address of its own.
+//! A step of size `h` that starts at time `t` has the number `⌊t/h⌋` ([`number`]), wherever its run starts:
+//! noise belongs to the time at which it acts, and a run that continues another from its last time has other
+//! noise. Numbers of steps before `t = 0` (after it, if `h` is negative) are negative. Blocks and cuts are
+//! numbered in two's complement, so that each of these has an address of its own.
 //!
 //! | bytes of the key | content |
 //! |---|---|
@@ -18,9 +19,9 @@
 //!
 //! Integers are little-endian. Keys of a Wiener path (`noise::stream`) have another version.
 //!
-//! A step is halved by the Brownian bridge: of an increment `w` over an interval of length `l`, the halves have `w/2 ± √l/2 ξ`. Cut `k` of
-//! halving `m` of the step number `n` has the normal at the block `2^{m-1} n + k` of its own key. A last step that is shorter than the
-//! others is a step of its own size.
+//! A step is halved by the Brownian bridge: of an increment `w` over an interval of length `l`, the halves
+//! have `w/2 ± √l/2 ξ`. Cut `k` of halving `m` of the step number `n` has the normal at the block `2^{m-1} n
+//! + k` of its own key. A last step that is shorter than the others is a step of its own size.
 
 use super::random::{self, pair};
 use super::truncation::{Truncation, truncation_setters};
@@ -37,14 +38,17 @@ const MOST_HALVINGS: u32 = 30;
 
 /// Step numbers are exact as `f64` up to here.
 const FARTHEST: f64 = (1_u64 << 53) as f64;
-/// A start so close before a node, in steps, is at the node. It has to be large against the rounding of start times, `ε t/h` for each run that
-/// continues another; and as the boundary between two numbers it is not where runs start: at nodes, their halves, thirds and tenths.
+/// A start so close before a node, in steps, is at the node. It has to be large against the rounding of start
+/// times, `ε t/h` for each run that continues another; and as the boundary between two numbers it is not
+/// where runs start: at nodes, their halves, thirds and tenths.
 const SLACK: f64 = 1.0 / 1024.0;
 
-/// The number of the step of size `h` that starts at `t`: `⌊t/h⌋`, where times within rounding of a node are the node.
+/// The number of the step of size `h` that starts at `t`: `⌊t/h⌋`, where times within rounding of a node are
+/// the node.
 ///
-/// It grows by 1 from step to step, so that successive steps of one size never have the same one, whether one run takes them or several.
-/// (`⌊t/h + s⌋` has that property for any constant `s`; only where rounding exceeds [`SLACK`] it has to depend on `t`.)
+/// It grows by 1 from step to step, so that successive steps of one size never have the same one, whether one
+/// run takes them or several. (`⌊t/h + s⌋` has that property for any constant `s`; only where rounding
+/// exceeds [`SLACK`] it has to depend on `t`.)
 ///
 /// # Errors
 /// [`NoiseError::Time`] where times are too far apart to tell steps of this size from each other.
@@ -103,7 +107,8 @@ pub(crate) fn normals(words: &[u32; 16]) -> [f64; STEPS] {
 
 /// The normal of a cut: `key` is that of the uncut steps, `halving` counts from 1, and `cut < 2^{halving - 1}` within its step.
 fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -> f64 {
-    // In absolute value at most 2^83, so that 85 bits in two's complement have it: step numbers are at most 2^54.
+    // In absolute value at most 2^83, so that 85 bits in two's complement have it: step numbers are at most
+    // 2^54.
     let number = (i128::from(step) << (halving - 1)) | i128::from(cut);
     key[4] |= (halving << 6) | (((number >> 64) as u32) << 11);
     let words = random::block(&key, path, number as u64);
@@ -111,11 +116,12 @@ fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -
     normal
 }
 
-/// Increments that no two step sizes share: one standard normal for each step, drawn by its address `(seed, h, path, process, ⌊t/h⌋)` with
-/// the time `t` at which the step starts, times `√|h|`. [`Wiener`](super::Wiener) is the noise whose path is the same for every step size.
+/// Increments that no two step sizes share: one standard normal for each step, drawn by its address `(seed,
+/// h, path, process, ⌊t/h⌋)` with the time `t` at which the step starts, times `√|h|`.
+/// [`Wiener`](super::Wiener) is the noise whose path is the same for every step size.
 ///
-/// A run that continues another, `.start(run.last().clone())`, has other noise than that one, since its time goes on. One that starts at
-/// `t = 0` again with the same seed repeats the noise: give it another seed.
+/// A run that continues another, `.start(run.last().clone())`, has other noise than that one, since its time
+/// goes on. One that starts at `t = 0` again with the same seed repeats the noise: give it another seed.
 ///
 /// They are what [`Ensemble::seed`](crate::ensemble::Ensemble::seed) draws, and cost a small part of a Wiener path's increments: path `n` of an
 /// ensemble of seed `s` is driven by `StepNormals::seed(s).path(n)`, bit for bit. A step that a [`Retry`](crate::path::retry::Retry) halves gets
@@ -438,7 +444,8 @@ mod tests {
         }
     }
 
-    /// Also where the start is known to some roundings, at nodes and elsewhere, and where rounding exceeds the slack.
+    /// Also where the start is known to some roundings, at nodes and elsewhere, and where rounding exceeds
+    /// the slack.
     #[test]
     fn steps_are_numbered_by_their_times() {
         for h in [0.1, 1.0 / 3.0, 0.02, 7.0, 1e-9, -0.1, -0.7] {

@@ -19,7 +19,8 @@ impl<T> Default for Choice<T> {
 }
 
 impl<T> Choice<T> {
-    /// Sets the value by a method, with its arguments in words. Another call of the same method replaces the one before.
+    /// Sets the value by a method, with its arguments in words. Another call of the same method replaces the
+    /// one before.
     pub(crate) fn set(&mut self, method: &'static str, arguments: impl Display, value: T) {
         let call = (method, arguments.to_string());
         match self.calls.iter_mut().find(|(other, _)| *other == method) {

@@ -163,8 +163,9 @@ impl Execution<'_> {
 macro_rules! options {
     ($($option:ident),*) => { $(crate::path::options::options!(@ $option);)* };
     (@ start) => {
-        /// The first state, at its own time. A run that continues another starts at its last state: `.start(run.last().clone())`. Its noise is then
-        /// that of later times, also with the same seed. From a state whose time is set back, as by `.at(0.0)`, the same seed repeats the noise.
+        /// The first state, at its own time. A run that continues another starts at its last state:
+        /// `.start(run.last().clone())`. Its noise is then that of later times, also with the same seed. From
+        /// a state whose time is set back, as by `.at(0.0)`, the same seed repeats the noise.
         pub fn start(mut self, start: crate::algebra::state::State<H::Vector>) -> Self {
             self.setup.span.start.set("start", crate::path::choice::SOME, start);
             self

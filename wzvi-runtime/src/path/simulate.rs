@@ -99,8 +99,8 @@ pub type Partial<V, E> = (Trajectory<V, E>, Option<Error>);
 /// One path to run: [`Integrate::simulate`](crate::integrate::Integrate::simulate) begins it, [`Simulation::run`]
 /// runs it.
 ///
-/// A run needs a start and an end, and a noise if the system has noise. A later call of a method replaces an earlier one, and two methods
-/// that set the same (`until` and `steps`) are an error.
+/// A run needs a start and an end, and a noise if the system has noise. A later call of a method replaces an
+/// earlier one, and two methods that set the same (`until` and `steps`) are an error.
 #[derive(Clone, Debug)]
 #[must_use = "nothing happens before `run`"]
 pub struct Simulation<'a, H: Hamiltonian, E, N = NoNoise, O = Unobserved, R = Whole> {
@@ -137,8 +137,9 @@ impl<'a, H: Hamiltonian, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// Sets the source of the increments; [`Increments`](crate::increments::Increments) holds given ones. With a `&mut` the caller keeps the
     /// source and can continue with it. A system without noise accepts any source and does not use it.
     ///
-    /// Noise belongs to the time at which it acts. A run that continues another, `.start(run.last().clone())`, goes on with the same seed; one that
-    /// starts at `t = 0` again needs another seed, since the same one repeats the noise.
+    /// Noise belongs to the time at which it acts. A run that continues another,
+    /// `.start(run.last().clone())`, goes on with the same seed; one that starts at `t = 0` again needs
+    /// another seed, since the same one repeats the noise.
     pub fn noise<M: Noise>(self, noise: M) -> Simulation<'a, H, E, M, O, R> {
         Simulation { setup: self.setup, noise: Some(noise), observer: self.observer, types: PhantomData }
     }

@@ -23,7 +23,8 @@ pub(crate) struct Described {
     derived: Fields,
     /// The first state: `t`, `q`, `p`.
     start: Vec<u64>,
-    /// Checksums of the states where paths 0, 1, ... start, of a function that gives each path its own: of as many as are compared.
+    /// Checksums of the states where paths 0, 1, ... start, of a function that gives each path its own: of as
+    /// many as are compared.
     starts: Vec<u64>,
 }
 
