@@ -20,8 +20,8 @@
 //! Integers are little-endian. Keys of a Wiener path (`noise::stream`) have another version.
 //!
 //! A step is halved by the Brownian bridge: of an increment `w` over an interval of length `l`, the halves
-//! have `w/2 ± √l/2 ξ`. Cut `k` of halving `m` of the step number `n` has the normal at the block `2^{m-1} n
-//! + k` of its own key. A last step that is shorter than the others is a step of its own size.
+//! have `w/2 ± √l/2 ξ`. Cut `k` of halving `m` of the step number `n` has the normal at the block
+//! `2^{m-1} n + k` of its own key. A last step that is shorter than the others is a step of its own size.
 
 use super::random::{self, pair};
 use super::truncation::{Truncation, truncation_setters};
@@ -116,8 +116,8 @@ fn cut_normal(mut key: [u32; 8], path: u64, step: i64, halving: u32, cut: u64) -
     normal
 }
 
-/// Increments that no two step sizes share: one standard normal for each step, drawn by its address `(seed,
-/// h, path, process, ⌊t/h⌋)` with the time `t` at which the step starts, times `√|h|`.
+/// Increments that no two step sizes share: one standard normal for each step, drawn by its address
+/// `(seed, h, path, process, ⌊t/h⌋)` with the time `t` at which the step starts, times `√|h|`.
 /// [`Wiener`](super::Wiener) is the noise whose path is the same for every step size.
 ///
 /// A run that continues another, `.start(run.last().clone())`, has other noise than that one, since its time
