@@ -11,7 +11,7 @@ use fixtures::small::{DoubleWell, KUBO, Kubo};
 use fixtures::stepped::{paths_are_steppers, stepped};
 use wzvi::checkpoint::Checkpoint;
 use wzvi::increments::{Interval, Whole};
-use wzvi::noise::{Divisible, Paths};
+use wzvi::noise::{Divisible, Paths, Truncation};
 use wzvi::prelude::*;
 use wzvi::system::Gradient;
 
@@ -39,7 +39,7 @@ fn continue_one_run<E, H: Discretized<E> + Sync>(
     let what = std::any::type_name::<(E, H)>();
     let (first, last) = (times[0], times[times.len() - 1]);
     let alone = |from: State<H::Vector>, to: f64| {
-        let run = system.simulate::<E>(h).start(from).noise(StepNormals::seed(7).path(path));
+        let run = system.simulate::<E>(h).start(from).noise(StepNormals::seed(7).path(path).untruncated());
         run.retry(Retry::halving(12)).until(to).run().unwrap()
     };
     let of_ensemble = |from: State<H::Vector>, to: f64, is_antithetic: bool| {
@@ -50,6 +50,7 @@ fn continue_one_run<E, H: Discretized<E> + Sync>(
             .seed(7)
             .until(to)
             .retry(Retry::halving(12));
+        let run = run.truncation(Truncation::Off);
         let run = if is_antithetic { run.antithetic() } else { run };
         let (path, error) = run.record_every(1).replay(path).unwrap();
         assert_eq!(error, None, "{what}");
@@ -297,7 +298,8 @@ fn halved_path(seed: u64, t: f64, steps: u64) -> (DoubleWell, u64) {
     let well = DoubleWell { sigma: 1.5 };
     let is_halved = |path: &u64| {
         let run = well.simulate::<Midpoint>(0.5).start(State::new([0.5], [2.0]).at(t)).steps(steps);
-        let run = run.noise(StepNormals::seed(seed).path(*path)).retry(Retry::halving(12)).run();
+        let run =
+            run.noise(StepNormals::seed(seed).path(*path).untruncated()).retry(Retry::halving(12)).run();
         run.is_ok_and(|run| run.iterations().halved > 0)
     };
     let path = (0..1000).find(is_halved).unwrap();
@@ -312,9 +314,13 @@ fn sections_have_the_noise_of_their_times() {
     let (well, halved) = halved_path(4, t, steps);
     let start = || State::new([0.5], [2.0]).at(t);
     let all = well.ensemble::<Midpoint>(0.5).start(start()).paths(halved + 1).seed(4).steps(steps);
+    let all = all.truncation(Truncation::Off);
     let all = all.retry(Retry::halving(12)).section(|state| state.p[0]).keep_crossings(1000).run().unwrap();
     for path in [0, halved] {
-        let alone = well.simulate::<Midpoint>(0.5).start(start()).noise(StepNormals::seed(4).path(path));
+        let alone = well
+            .simulate::<Midpoint>(0.5)
+            .start(start())
+            .noise(StepNormals::seed(4).path(path).untruncated());
         let alone = alone.steps(steps).retry(Retry::halving(12)).section(|state| state.p[0]).run().unwrap();
         let expected: Vec<f64> = alone.crossings().iter().map(|crossing| crossing.state.t).collect();
         let found =
