@@ -54,8 +54,7 @@ const SLACK: f64 = 1.0 / 1024.0;
 /// [`NoiseError::Time`] where times are too far apart to tell steps of this size from each other.
 fn number(t: f64, h: f64) -> Result<i64, NoiseError> {
     let steps = t / h;
-    // Also for NaN.
-    if !(steps.abs() <= FARTHEST) {
+    if steps.is_nan() || steps.abs() > FARTHEST {
         return Err(NoiseError::Time { t, limit: FARTHEST * h.abs() });
     }
     let slack = (4.0 * f64::EPSILON * steps.abs()).clamp(SLACK, 0.5);
