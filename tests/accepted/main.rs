@@ -5,6 +5,7 @@
 #![allow(clippy::all, clippy::unwrap_used, clippy::panic, reason = "programs as users may write them")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
+mod attributes;
 mod constants_only;
 mod embeddings;
 mod fields;

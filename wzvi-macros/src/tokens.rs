@@ -41,3 +41,7 @@ pub(crate) fn regrouped(like: &Group, content: TokenStream) -> TokenTree {
     group.set_span(like.span());
     group.into()
 }
+
+pub(crate) fn is_punct(token: &TokenTree, expected: char) -> bool {
+    matches!(token, TokenTree::Punct(punct) if punct.as_char() == expected)
+}

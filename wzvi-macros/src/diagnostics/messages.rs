@@ -31,6 +31,22 @@ messages! {
         `std::f64::consts::PI`, declare it inside with `const`, or pass it";
     recursion(call) = "this function calls itself, and recursion cannot be differentiated; write the sum or product \
         with an iterator";
+    /// `#[cfg(...)]` inside of a Hamiltonian.
+    condition_of_build(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build; write `#[cfg(...)]` \
+        above `#[hamiltonian]`, on one struct for each case, or choose a constant outside, as in `const K: f64 = if \
+        cfg!(feature = \"stiff\") {{ 4.0 }} else {{ 1.0 }};`";
+    condition_in_function(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build; write \
+        `#[cfg(...)]` above `#[hamiltonian_fn]`, on one function or `impl` for each case, or choose a constant, as in `const \
+        K: f64 = if cfg!(feature = \"stiff\") {{ 4.0 }} else {{ 1.0 }};` outside and `crate::K` here";
+    condition_of_struct(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build; write `#[cfg(...)]` \
+        above `#[hamiltonian]`, on one struct for each case";
+    /// A field whose place or type depends on the condition.
+    condition_of_field(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build, and reads one field \
+        of each name; write one struct for each case, with `#[cfg(...)]` above its `#[hamiltonian]`";
+    attribute_inside(attribute) = "this attribute is unknown, and could change what the Hamiltonian means; leave it out (`allow`, \
+        `expect`, comments and `rustfmt::skip` are known)";
+    attribute_of_function(attribute) = "this attribute is unknown, and could change the function after it was read; leave it \
+        out, or write it above `#[hamiltonian_fn]`";
     expected_key(tokens) { keys = keys(); } = "expected `key = value`; the keys are {keys}";
     unknown_strategy(name) = "unknown strategy `{name}`; there are `inline` and `sweep`";
     duplicate_key(key) = "`{key}` is given twice; merge the two";

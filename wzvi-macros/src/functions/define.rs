@@ -8,6 +8,7 @@ use syn::{FnArg, GenericParam, ImplItem, Item, ItemFn, ItemImpl, Path, Signature
 
 use super::{Question, calls};
 use crate::diagnostics::{Diagnostics, messages};
+use crate::input::{Carrier, check_attributes};
 use crate::lower::key;
 use crate::tokens;
 
@@ -52,6 +53,7 @@ fn crate_argument(input: syn::parse::ParseStream<'_>) -> syn::Result<Path> {
 }
 
 fn of_function(function: &ItemFn, diagnostics: &mut Diagnostics) -> Vec<Path> {
+    check_attributes(function, Carrier::Function, diagnostics);
     check_signature(&function.sig, diagnostics);
     let found = calls::of_function(None, &function.sig, &function.block);
     for constant in &found.constants {
@@ -67,10 +69,14 @@ fn of_impl(methods: &ItemImpl, diagnostics: &mut Diagnostics) -> Vec<Path> {
     if let Some((path, _)) = &methods.trait_ {
         diagnostics.report(messages::methods_of_trait(path));
     }
+    for attribute in &methods.attrs {
+        check_attributes(attribute, Carrier::Function, diagnostics);
+    }
     let own = own_type(methods);
     let mut asked: Vec<Path> = Vec::new();
     for item in &methods.items {
         let ImplItem::Fn(method) = item else { continue };
+        check_attributes(method, Carrier::Function, diagnostics);
         check_signature(&method.sig, diagnostics);
         for path in calls::of_function(own, &method.sig, &method.block).paths(None) {
             if !asked.iter().any(|known| key(known) == key(&path)) {

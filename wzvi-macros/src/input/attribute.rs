@@ -7,9 +7,11 @@ use syn::parse::{ParseStream, Parser};
 use syn::punctuated::Punctuated;
 use syn::{ExprClosure, Path, Token, token};
 
+use super::attributes::{self, Carrier};
 use super::{Library, embeddings, groups, nesting};
 use crate::diagnostics::{Diagnostics, Located, messages};
 use crate::embedding::{Embedding, listed};
+use crate::tokens::is_punct;
 
 /// Forces a form of the emitted steps: for tests that compare both forms.
 const STRATEGY: &str = "__strategy";
@@ -122,6 +124,7 @@ fn is_key(name: &str) -> bool {
 /// Reads the arguments of the attribute independently, so that a mistake in one does not hide others.
 pub(crate) fn read_attribute(attribute: TokenStream, diagnostics: &mut Diagnostics) -> Option<Declaration> {
     nesting::check(&attribute, diagnostics)?;
+    let attribute = attributes::without_refused(attribute, Carrier::Hamiltonian, diagnostics);
     let attribute = groups::without_single(attribute);
     let mut declaration = Declaration {
         closures: Vec::new(),
@@ -413,10 +416,6 @@ fn ends_operand(token: &TokenTree) -> bool {
         TokenTree::Punct(punct) => punct.as_char() == '>',
         TokenTree::Group(_) | TokenTree::Literal(_) => true,
     }
-}
-
-fn is_punct(token: &TokenTree, expected: char) -> bool {
-    matches!(token, TokenTree::Punct(punct) if punct.as_char() == expected)
 }
 
 /// Whether `tokens` start with `=`, and neither `==` nor `=>`.

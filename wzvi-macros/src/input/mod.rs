@@ -2,6 +2,7 @@
 //! Hamiltonian is read.
 
 mod attribute;
+mod attributes;
 mod embeddings;
 mod groups;
 mod library;
@@ -11,6 +12,7 @@ mod points;
 mod system;
 
 pub(crate) use attribute::{Declaration, Emission, Friction, Given, Hamiltonian, Role, read_attribute};
+pub(crate) use attributes::{Carrier, check as check_attributes};
 pub(crate) use groups::peeled;
 pub(crate) use library::{Function, Library};
 pub(crate) use nesting::check as check_nesting;

@@ -6,7 +6,7 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{GenericArgument, GenericParam, Item, ItemStruct, Member, PathArguments, Type};
 
-use super::nesting;
+use super::{attributes, nesting};
 use crate::diagnostics::{Diagnostics, messages, source};
 
 /// A struct that can carry a Hamiltonian system.
@@ -50,6 +50,7 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
             return None;
         }
     };
+    attributes::check_struct(&item, diagnostics);
     let fields = item.fields.members().zip(&item.fields).map(|(member, field)| {
         let conditions = field.attrs.iter().filter(|attribute| attribute.path().is_ident("cfg"));
         Field { member, kind: kind(&field.ty), conditions: conditions.cloned().collect() }
