@@ -13,3 +13,4 @@ mod functions;
 mod macros;
 mod parameters;
 mod phase_spaces;
+mod remedies;

@@ -3,6 +3,8 @@
 use std::fmt::Display;
 
 use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::{BinOp, Expr, ExprBinary, ExprUnary, Lit, UnOp};
 
 use super::{closest, quoted, source, suggest};
 
@@ -65,21 +67,31 @@ messages! {
     index_outside(found, index: i128, degrees: i128) = "in a branch, this reads degree of freedom {index}, and there \
         are {degrees}, numbered from 0: both branches of a condition are evaluated; where an index wraps around, write \
         `(i + n - 1) % n`";
-    nonlinear_sum(found) = "this Hamiltonian is a nonlinear function of a sum whose length is not unrolled: \
-        sums may be added, and multiplied by what they do not contain";
+    nonlinear_sum(found) = "this Hamiltonian is a nonlinear function of a sum of many terms: sums may \
+        be added, and multiplied by what they do not contain; write the square of a sum as a double sum, \
+        `(0..n).map(|i| (0..n).map(|j| x[i] * x[j]).sum::<f64>()).sum::<f64>()`; other functions of a sum need a \
+        length that is a literal, as in `q: [f64; 8]`";
     family_count(found) = "the number of noises of a family is an integer, a constant or a field, as in \
         `[|q, p, k| q[k]; N]`";
     too_many_members(found, limit: i128) = "more than {limit} noises that differ in more than a number: use the number \
         of the noise as an index, or as a factor";
     friction_closure(closure) = "`friction` is an expression of fields, a list of them by degree of freedom, \
-        or a closure of the coordinates, `|q| ...`";
+        or a closure of the coordinates, `|q| ...`; write friction that depends on momenta or the time as a force, as in \
+        `force = |q, p, t| -gamma * p`, without a temperature";
+    /// A temperature is one number.
+    temperature_closure(closure) = "`temperature` is kT, one number: an expression of fields and constants, as in \
+        `temperature = kt`; where it changes with time, run one system after the other, each from the end of the one before";
     damping_closure(closure) = "`damping` is a matrix of expressions of fields, or a closure of the coordinates, \
-        `|q| [[...]]`";
+        `|q| [[...]]`; write friction that depends on momenta or the time as a force, without a temperature";
+    /// A name in `friction`, `damping` or `temperature` that is none of a field.
+    unknown_name_of_key(name, fields: &[String], remedy: &str) {
+        list = listed_fields(fields, "the struct has no fields");
+    } = "no field named `{name}`; {list}; {remedy}";
     /// `p ^ 2` or `p**2`.
-    power(found, base: &syn::Expr, exponent: &syn::Expr) {
+    power(found, base: &syn::Expr, exponent: &syn::Expr, is_of_integers: bool) {
         text = source(exponent);
         is_integer = text.trim_matches(['(', ')', '-']).parse::<u32>().is_ok();
-        method = if is_integer { "powi" } else { "powf" };
+        method = if is_of_integers { "pow" } else if is_integer { "powi" } else { "powf" };
         base = receiver(base);
     } = "Rust has no operator for powers; write `{base}.{method}({text})`";
     /// `sin(q)`
@@ -111,10 +123,19 @@ messages! {
             _ => "a Hamiltonian can read `f64`, integers, and arrays, `Vec`s and slices of them",
         };
     } = "`{name}` has the type `{ty}`; {remedy}";
-    integer_not_real(found) {
-        text = found.to_string();
-        real = if text.parse::<u64>().is_ok() { format!("{text}.0") } else { format!("{text} as f64") };
-    } = "expected an `f64`, found an integer; write `{real}`";
+    integer_not_real(found) { real = as_real(&found); } = "expected an `f64`, found an integer; write `{real}`";
+    /// The receiver of a method of `f64`.
+    integer_receiver(found) { real = as_real_receiver(&found); } = "expected an `f64`, found an integer; write `{real}`";
+    /// `i32::pow(-2, 3)`
+    integer_function(found, ty: &str, method: &str, arguments: &[&syn::Expr]) {
+        call = match arguments {
+            [first, rest @ ..] => {
+                let rest: Vec<String> = rest.iter().copied().map(source).collect();
+                format!("{}.{method}({})", integer_receiver_of(first, ty), rest.join(", "))
+            }
+            [] => format!("n.{method}()"),
+        };
+    } = "functions of integers are methods here: write `{call}`";
     function_call(found) { text = found.to_string().replace(' ', ""); } = "`{text}` is opaque to the compiler: only \
         `f64` functions, local closures and functions with the attribute `#[hamiltonian_fn]` can be differentiated";
     unknown_method(found, name: &str, receiver: &str, known: &[&str]) {
@@ -185,6 +206,57 @@ fn receiver(expr: &syn::Expr) -> String {
         (true, false) => text,
         (true, true) => format!("{text}_f64"),
         (false, _) => format!("({text})"),
+    }
+}
+
+/// An integer expression with its operands as real numbers: `1.0 / 2.0` for `1 / 2`.
+fn as_real(tokens: &TokenStream) -> String {
+    match syn::parse2::<Expr>(tokens.clone()) {
+        Ok(expr) => real(&expr),
+        Err(_) => format!("({} as f64)", source(tokens)),
+    }
+}
+
+fn real(expr: &Expr) -> String {
+    match expr {
+        Expr::Lit(literal) => match &literal.lit {
+            Lit::Int(integer) => format!("{}.0", integer.base10_digits()),
+            other => source(other),
+        },
+        Expr::Group(inner) => real(&inner.expr),
+        Expr::Paren(inner) => {
+            let inner = real(&inner.expr);
+            if inner.starts_with('(') && inner.ends_with(" as f64)") { inner } else { format!("({inner})") }
+        }
+        Expr::Unary(ExprUnary { op: UnOp::Neg(_), expr, .. }) => format!("-{}", real(expr)),
+        Expr::Binary(ExprBinary { op, left, right, .. })
+            if matches!(op, BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::Div(_)) =>
+        {
+            format!("{} {} {}", real(left), op.to_token_stream(), real(right))
+        }
+        other => format!("({} as f64)", receiver(other)),
+    }
+}
+
+/// The same before a method: the type of a literal has to be known.
+fn as_real_receiver(tokens: &TokenStream) -> String {
+    let text = as_real(tokens);
+    match text.parse::<f64>() {
+        Ok(value) if value.is_sign_negative() => format!("({text}_f64)"),
+        Ok(_) => format!("{text}_f64"),
+        Err(_) if text.starts_with('(') && text.ends_with(')') => text,
+        Err(_) => format!("({text})"),
+    }
+}
+
+/// An integer as what a method of its type is called on.
+fn integer_receiver_of(expr: &Expr, ty: &str) -> String {
+    match expr {
+        Expr::Lit(_) => format!("{}_{ty}", source(expr)),
+        Expr::Unary(ExprUnary { op: UnOp::Neg(_), expr, .. }) if matches!(**expr, Expr::Lit(_)) => {
+            format!("(-{}_{ty})", source(expr))
+        }
+        other => receiver(other),
     }
 }
 

@@ -41,8 +41,8 @@ messages! {
     condition_of_struct(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build; write `#[cfg(...)]` \
         above `#[hamiltonian]`, on one struct for each case";
     /// A field whose place or type depends on the condition.
-    condition_of_field(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build, and reads one field \
-        of each name; write one struct for each case, with `#[cfg(...)]` above its `#[hamiltonian]`";
+    condition_of_field(attribute) = "the compiler of Hamiltonians cannot evaluate conditions of the build, which decide \
+        the place or the type of this field; write one struct for each case, with `#[cfg(...)]` above its `#[hamiltonian]`";
     attribute_inside(attribute) = "this attribute is unknown, and could change what the Hamiltonian means; leave it out (`allow`, \
         `expect`, comments and `rustfmt::skip` are known)";
     attribute_of_function(attribute) = "this attribute is unknown, and could change the function after it was read; leave it \
@@ -125,16 +125,30 @@ messages! {
     embedding_of_ito(name) = "there is no embedding `{name}`: {STRATONOVICH}";
     unknown_letter(ty) = "the letters of a splitting are `A` (drift), `B` (kick) and `O` (friction and noise of the \
         bath); `A<1, 4>` and `B<1, 4>` take a quarter of the step";
+    share_of_letter(ty) = "the share of a letter is a fraction of two integers above 0: `A<1, 4>` and `B<1, 4>` take a quarter of \
+        the step; there are no steps backwards in a bath";
     long_word(word, most: usize, letters: usize) = "a splitting has at most {most} letters, this one {letters}";
     missing_letter(word, letter: &str) = "a splitting needs drifts `A`, kicks `B` and friction `O`: there is no `{letter}`";
     shares_of_letters(word, letter: &str, total: Option<Rational>) {
         total = total.map_or("something else".to_owned(), |total| total.to_string());
     } = "the shares of `{letter}` add up to {total}, not to 1: each kind of letter covers the step once";
     /// A composition is not listed, but its base is.
-    composed(found, base: &syn::Type) { base = base.to_token_stream(); } = "compositions are not listed: list `{base}`, \
-        and its compositions are there";
+    composed(found, base: &syn::Type) {
+        base = source(base);
+        scheme = source(&found);
+    } = "compositions are not listed: list `{base}`, \
+        and name the composition where it runs, `simulate::<{scheme}>(h)`";
+    composed_alone(found) = "compositions are not listed: list the scheme that is composed, as in `embedding = Verlet`, and name the \
+        composition where it runs, `simulate::<Composed<Verlet, Yoshida4>>(h)`";
+    /// The weights of a composition in the place of a scheme.
+    weights_alone(found) { scheme = source(&found); } = "`{scheme}` composes steps of another scheme, and is not listed: list that \
+        scheme, as in `embedding = Verlet`, and name the composition where it runs, `simulate::<Composed<Verlet, {scheme}>>(h)`";
     closure_arity(patterns, found: usize) { plural = if found == 1 { "" } else { "s" }; } = "a Hamiltonian takes \
         coordinates, momenta and, if it needs it, time; this takes {found} parameter{plural}: {PATTERNS}";
+    /// `|q, p, w|` in a system with noise.
+    third_name(pattern) { name = source(&pattern); } = "the third parameter of a Hamiltonian is the time, and this system has noise: a \
+        noise is a Hamiltonian of its own, as in `noise = |q, p| sigma * q`; a family has its number as parameter, `noise = [|q, p, k| \
+        sigma * q[k]; N]`; if `{name}` is the time, call it `t`";
     swapped_names(patterns, q: &syn::Pat, p: &syn::Pat) {
         first = q.to_token_stream();
         second = p.to_token_stream();
@@ -173,6 +187,13 @@ pub(crate) fn is_of_ito(name: &syn::Ident) -> bool {
     let name = name.to_string().to_lowercase();
     ["ito", "itô", "stratonovich", "eulermaruyama", "milstein", "interpretation", "calculus"]
         .contains(&name.as_str())
+}
+
+/// The weights and tables of compositions.
+pub(crate) fn is_composition(name: &str) -> bool {
+    const NAMES: &str = "Yoshida4 Suzuki4 Yoshida6 KahanLi6 SuzukiUmeno8 KahanLi8 BlanesMoan4 BlanesMoan6 Srkn6 Aba864 Aba1064 \
+                         Chin4 TakahashiImada4";
+    NAMES.split(' ').any(|known| known == name)
 }
 
 /// What other texts call the same thing.

@@ -5,6 +5,7 @@ use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Attribute, ItemStruct, Member};
 
+use super::Field;
 use crate::diagnostics::{Diagnostics, messages};
 use crate::tokens::{is_punct, regrouped};
 
@@ -59,18 +60,21 @@ pub(super) fn without_refused(
 }
 
 /// `#[cfg]` on a struct is evaluated where it is above the attribute of this crate, and on a field where `rustc` still sees it: not on
-/// the struct below that attribute, on its generics, and on fields whose place or type it decides.
-pub(super) fn check_struct(item: &ItemStruct, diagnostics: &mut Diagnostics) {
-    let names: Vec<Member> = item.fields.members().collect();
+/// the struct below that attribute, on its generics, and on fields whose place or kind it decides.
+pub(super) fn check_struct(item: &ItemStruct, fields: &[Field], diagnostics: &mut Diagnostics) {
     let generics = item.generics.params.iter().flat_map(|parameter| match parameter {
         syn::GenericParam::Lifetime(parameter) => &parameter.attrs,
         syn::GenericParam::Type(parameter) => &parameter.attrs,
         syn::GenericParam::Const(parameter) => &parameter.attrs,
     });
-    let fields = item.fields.iter().zip(&names).filter(|(_, name)| {
-        matches!(name, Member::Unnamed(_)) || names.iter().filter(|other| other == name).count() > 1
-    });
-    let fields = fields.flat_map(|(field, _)| &field.attrs);
+    let has_rival = |field: &Field| {
+        let mut others = fields.iter().filter(|other| other.member == field.member && other.is_readable());
+        field.is_readable() && others.any(|other| other.kind != field.kind)
+    };
+    let ambiguous = item.fields.iter().zip(fields);
+    let ambiguous =
+        ambiguous.filter(|(_, field)| matches!(field.member, Member::Unnamed(_)) || has_rival(field));
+    let fields = ambiguous.flat_map(|(field, _)| &field.attrs);
     for attribute in item.attrs.iter().chain(generics).filter(|attribute| is_condition(attribute)) {
         diagnostics.report(messages::condition_of_struct(attribute));
     }

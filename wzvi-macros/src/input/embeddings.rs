@@ -122,14 +122,15 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
         ("Corrected" | "Uncorrected", ..) => {
             return Err(messages::scheme_arguments(ty, "Corrected<Midpoint>"));
         }
-        ("Gauss", Some([stages]), _) if is_whole => match number(stages)? {
-            stages @ 1..=16 => Embedding::Gauss(stages),
+        ("Gauss", Some([stages]), _) if is_whole => match stages_of(stages) {
+            Some(stages @ 1..=16) => Embedding::Gauss(stages),
             _ => return Err(messages::gauss_stages(ty)),
         },
         ("Gauss", ..) if is_whole => return Err(messages::scheme_arguments(ty, "Gauss<4>")),
         ("Composed", Some([GenericArgument::Type(base), _]), _) if is_whole => {
             return Err(messages::composed(ty, base));
         }
+        ("Composed", ..) if is_whole => return Err(messages::composed_alone(ty)),
         ("Splitting", Some([GenericArgument::Type(Type::Tuple(word))]), _) if is_whole => {
             Embedding::Splitting(splitting(word)?)
         }
@@ -146,6 +147,7 @@ fn embedding(ty: &Type, inside: Inside, declared: &[Declared]) -> syn::Result<Em
             return Err(messages::scheme_arguments(ty, "Thermostat<Midpoint>"));
         }
         _ if !is_whole && names().any(|known| known == text) => return Err(messages::whole_inside(ty)),
+        _ if messages::is_composition(&text) => return Err(messages::weights_alone(ty)),
         _ if messages::is_of_ito(name) => return Err(messages::embedding_of_ito(name)),
         _ => return Err(messages::unknown_embedding(name, meant(&text), &listed())),
     })
@@ -175,13 +177,23 @@ fn letter(ty: &Type) -> syn::Result<Letter> {
     let kind = kind.ok_or_else(|| messages::unknown_letter(ty))?;
     let share = match (arguments.as_deref(), kind) {
         (None, _) => None,
-        (Some([n, d]), Kind::Drift | Kind::Kick) => match (number(n)?, number(d)?) {
-            (n, d) if n == 0 || d == 0 => return Err(messages::unknown_letter(ty)),
-            share => Some(share),
+        (Some([n, d]), Kind::Drift | Kind::Kick) => match (share(n), share(d)) {
+            (Some(n), Some(d)) => Some((n, d)),
+            _ => return Err(messages::share_of_letter(ty)),
         },
         _ => return Err(messages::unknown_letter(ty)),
     };
     Ok(Letter { kind, share })
+}
+
+/// The number of stages of a Gauss method.
+fn stages_of(argument: &GenericArgument) -> Option<u32> {
+    literal(argument).and_then(|number| u32::try_from(number).ok())
+}
+
+/// A part of a share: an integer above 0.
+fn share(argument: &GenericArgument) -> Option<u32> {
+    literal(argument).and_then(|number| u32::try_from(number).ok()).filter(|&number| number > 0)
 }
 
 fn scheme(argument: &GenericArgument, inside: Inside, declared: &[Declared]) -> syn::Result<Embedding> {

@@ -169,7 +169,29 @@ pub(crate) fn read_phase_space(
             }
         }
     });
+    check_times(declaration, diagnostics);
     phase_space
+}
+
+/// In a system with noise a third parameter with another name than the time's may be meant as a noise.
+fn check_times(declaration: &Declaration, diagnostics: &mut Diagnostics) {
+    let is_noise = |closure: &Hamiltonian| matches!(closure.role, Role::Noise | Role::NoiseForce);
+    if !declaration.closures.iter().any(is_noise) {
+        return;
+    }
+    for closure in &declaration.closures {
+        if let Ok((_, _, Some(pattern))) = parameters(closure)
+            && time(pattern).is_ok_and(|name| !is_usual_time(&name))
+        {
+            diagnostics.report(messages::third_name(pattern));
+        }
+    }
+}
+
+fn is_usual_time(name: &str) -> bool {
+    let name = name.trim_matches('_').to_lowercase();
+    let is_numbered = name.strip_prefix('t').is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
+    is_numbered || ["", "tau", "τ", "s", "now"].contains(&name.as_str()) || name.contains("time")
 }
 
 /// The phase space of the drift.

@@ -24,6 +24,13 @@ pub(crate) struct Field {
     pub(crate) conditions: Vec<syn::Attribute>,
 }
 
+impl Field {
+    /// Whether a Hamiltonian can read it.
+    pub(crate) fn is_readable(&self) -> bool {
+        !matches!(self.kind, Kind::Other(_) | Kind::Tuple(..))
+    }
+}
+
 /// The kind of a field, or of an element of one.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
@@ -50,18 +57,19 @@ pub(crate) fn read_struct(item: TokenStream, diagnostics: &mut Diagnostics) -> O
             return None;
         }
     };
-    attributes::check_struct(&item, diagnostics);
     let fields = item.fields.members().zip(&item.fields).map(|(member, field)| {
         let conditions = field.attrs.iter().filter(|attribute| attribute.path().is_ident("cfg"));
         Field { member, kind: kind(&field.ty), conditions: conditions.cloned().collect() }
     });
+    let fields: Vec<Field> = fields.collect();
+    attributes::check_struct(&item, &fields, diagnostics);
     let sizes = item.generics.params.iter().filter_map(|parameter| match parameter {
         GenericParam::Const(parameter) if kind(&parameter.ty) == Kind::Integer(true) => {
             Some(parameter.ident.clone())
         }
         _ => None,
     });
-    Some(Container { fields: fields.collect(), sizes: sizes.collect(), item })
+    Some(Container { fields, sizes: sizes.collect(), item })
 }
 
 fn kind(ty: &Type) -> Kind {

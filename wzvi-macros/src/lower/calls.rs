@@ -7,7 +7,7 @@ use syn::{Expr as Syntax, ExprCall, ExprClosure, ExprMethodCall, ExprPath, FnArg
 use super::floats::meant_method;
 use super::integers::may_be_integer;
 use super::interpreter::{Closure, Interpreter};
-use super::names::{is_self, key, may_be_shared, type_of};
+use super::names::{integer_function, is_self, key, may_be_shared, type_of};
 use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{expressions, messages};
@@ -47,6 +47,10 @@ impl<'a> Interpreter<'a, '_> {
                         })
                     }
                 },
+                None if integer_function(path).is_some() => {
+                    let arguments: Vec<&Syntax> = syntax.args.iter().collect();
+                    return self.refuse_integer_function(path, &arguments);
+                }
                 None => self.function_of_reals(path),
             },
             other => self.evaluate(other).known(),

@@ -2,12 +2,13 @@
 //! `δq`, which is a sum like those of Hamiltonians; its components are the derivatives by `δq`. In the same way rates are
 //! `Σ_i γ_i δq_i p_i`, and a matrix is `δq · Γ p`.
 
+use quote::quote;
 use syn::Expr as Syntax;
 
 use super::interpreter::{Interpreter, result_of};
 use super::value::Value;
 use crate::diagnostics::expressions;
-use crate::input;
+use crate::input::{self, peeled};
 use crate::model::{Friction, Half, Index, Slot, Term};
 use crate::symbolic::Expr;
 
@@ -48,8 +49,14 @@ impl<'a, 'd> Interpreter<'a, 'd> {
             }
             body => (body, None),
         };
+        let advice = match (is_matrix, coordinates) {
+            (_, Some(_)) => None,
+            (true, None) => Some("a matrix of the coordinates is a closure, `damping = |q| [[...]]`"),
+            (false, None) => Some("friction of the coordinates is a closure, `friction = |q| ...`"),
+        };
         let (mut uniform, mut is_one_rate) = (None, false);
         let term = self.lowered(body, |this| {
+            this.now.advice = advice;
             if let Some(pattern) = coordinates {
                 let q = this.vector(Half::Coordinates);
                 this.bind(pattern, q);
@@ -81,7 +88,12 @@ impl<'a, 'd> Interpreter<'a, 'd> {
     /// `temperature = ...`
     pub(super) fn temperature(&mut self, declared: &'a input::Given) -> Option<Term> {
         let body = &declared.value;
+        if let Syntax::Closure(closure) = peeled(body) {
+            let (begin, inputs, end) = (&closure.inputs_begin, &closure.inputs, &closure.inputs_end);
+            return self.refuse(expressions::temperature_closure(quote!(#begin #inputs #end)));
+        }
         self.lowered(body, |this| {
+            this.now.advice = Some("a temperature is one number, of fields and constants");
             let value = this.evaluate(body);
             this.real(value, result_of(body))
         })

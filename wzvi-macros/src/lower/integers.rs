@@ -119,7 +119,7 @@ impl<'a> Interpreter<'a, '_> {
         syntax: &ExprMethodCall,
     ) -> Option<Value> {
         if !are_known(METHODS, &syntax.method) && is_real_method(&syntax.method.to_string()) {
-            return self.refuse(expressions::integer_not_real(&syntax.receiver));
+            return self.refuse(expressions::integer_receiver(&syntax.receiver));
         }
         let result = match (self.known_method(METHODS, "integers", syntax)?, arguments.first()) {
             ("abs", _) => Index::default().subtract(own).map(|negated| own.maximum(&negated)),

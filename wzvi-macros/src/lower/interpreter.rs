@@ -9,6 +9,7 @@ use super::loops::Loops;
 use super::scope::Scope;
 use super::sequences::Sequence;
 use super::tables::Tables;
+use super::type_checks::Untyped;
 use super::value::{Place, Value};
 use crate::diagnostics::{Diagnostics, expressions};
 use crate::distinct::Distinct;
@@ -50,6 +51,8 @@ pub(super) struct Interpreter<'a, 'd> {
     /// Integers of unsigned types that may be negative, in their loops.
     pub(super) naturals: Distinct<(Vec<Loop>, Index), (Vec<Loop>, Index)>,
     pub(super) now: Evaluation<'a>,
+    /// Sums and products of real numbers whose type is not written.
+    pub(super) untyped: Untyped,
     diagnostics: &'d mut Diagnostics,
 }
 
@@ -68,6 +71,8 @@ pub(super) struct Evaluation<'a> {
     pub(super) frame: usize,
     /// Whether a closure assigns to captured variables: then the items that it maps must be evaluated in order.
     pub(super) has_mutation: bool,
+    /// In `friction`, `damping` and `temperature`: what to do about a name that is none of a field.
+    pub(super) advice: Option<&'static str>,
     /// Number of undecided branches around the current expression.
     pub(super) branch: u32,
     pub(super) loops: Loops,
@@ -82,8 +87,8 @@ impl<'a, 'd> Interpreter<'a, 'd> {
         (system, root): (&'a Container, &'a Library),
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let (parameters, naturals, now) = Default::default();
-        Self { graph, system, parameters, root, symbols, tables, space, naturals, now, diagnostics }
+        let (parameters, naturals, now, untyped) = Default::default();
+        Self { graph, system, parameters, root, symbols, tables, space, naturals, now, untyped, diagnostics }
     }
 
     /// Starts the next Hamiltonian: clears everything but the graph and the meaning of its symbols.

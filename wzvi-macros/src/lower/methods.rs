@@ -85,6 +85,9 @@ impl<'a> Interpreter<'a, '_> {
                 Value::sequence(self.adapted(name, sequence, argument, (from, &syntax.args))?)
             }
         };
+        if matches!((name, &value), ("sum" | "product", Value::Real(_))) && syntax.turbofish.is_none() {
+            self.untyped.insert(&syntax.method);
+        }
         Some(match value {
             Value::Sequence(list) if makes_list && self.now.has_mutation => {
                 Value::list(self.items(&list, from)?)

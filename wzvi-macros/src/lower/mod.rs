@@ -88,8 +88,8 @@ pub(crate) fn lower(
     let temperature = declaration.temperature.as_ref().map(|given| interpreter.temperature(given));
     let invariants = interpreter.terms(declaration.of(Role::Invariant));
 
-    let Interpreter { mut graph, symbols, tables, parameters, space, naturals, .. } = interpreter;
-    let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape);
+    let Interpreter { mut graph, symbols, tables, parameters, space, naturals, untyped, .. } = interpreter;
+    let type_checks = type_checks::type_checks(&container, &declaration, &phase_space.shape, &untyped);
     let invariant_names = declaration
         .of(Role::Invariant)
         .map(|invariant| invariant.name.as_ref().map_or_else(String::new, |name| name.unraw().to_string()));

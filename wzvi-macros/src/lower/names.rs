@@ -9,7 +9,7 @@ use super::floats::is_real_method;
 use super::interpreter::Interpreter;
 use super::value::{Place, Value};
 use crate::diagnostics::expressions;
-use crate::input::{Field, Kind, peeled};
+use crate::input::{Field, Kind, is_integer_type, peeled};
 
 impl<'a> Interpreter<'a, '_> {
     /// A path that is used as a value.
@@ -44,6 +44,9 @@ impl<'a> Interpreter<'a, '_> {
             return Some(Value::Constant(Place::new(name.to_string(), tokens, Kind::Constant).into()));
         }
         let fields = self.field_names();
+        if let Some(advice) = self.now.advice {
+            return self.refuse(expressions::unknown_name_of_key(name, &fields, advice));
+        }
         let locals = self.now.scope.names();
         self.refuse(expressions::unknown_name(name, &fields, &locals))
     }
@@ -61,6 +64,16 @@ impl<'a> Interpreter<'a, '_> {
             return Some(Value::Constant(place.into()));
         }
         self.function_of_reals(path)
+    }
+
+    /// A call of a function of integers by its path.
+    pub(super) fn refuse_integer_function(
+        &mut self,
+        path: &ExprPath,
+        arguments: &[&Syntax],
+    ) -> Option<Value> {
+        let (ty, method) = integer_function(path)?;
+        self.refuse(expressions::integer_function(path, &ty, &method, arguments))
     }
 
     /// `f64::sin`
@@ -93,8 +106,11 @@ impl<'a> Interpreter<'a, '_> {
         let system = self.system;
         let mut fields = system.fields.iter().filter(|field| wanted(&field.member));
         let first = fields.next()?;
-        let is_usable = |field: &&Field| !matches!(field.kind, Kind::Other(_) | Kind::Tuple(..));
-        Some(if is_usable(&first) { first } else { fields.find(is_usable).unwrap_or(first) })
+        Some(if first.is_readable() {
+            first
+        } else {
+            fields.find(|field| field.is_readable()).unwrap_or(first)
+        })
     }
 
     fn read_field(&mut self, field: &Field, at: &dyn ToTokens) -> Option<Value> {
@@ -137,6 +153,13 @@ pub(crate) fn real_function(path: &ExprPath) -> Option<String> {
     of_f64.then_some(name)
 }
 
+/// The type and the method behind a path such as `i32::pow`.
+pub(crate) fn integer_function(path: &ExprPath) -> Option<(String, String)> {
+    let mut segments = path.path.segments.iter().rev().map(|segment| segment.ident.to_string());
+    let (method, ty) = (segments.next()?, segments.next()?);
+    (path.qself.is_none() && is_integer_type(&ty)).then_some((ty, method))
+}
+
 /// A name in upper case: `rustc` tells whether there is such a constant.
 pub(crate) fn is_constant_name(name: &Ident) -> bool {
     let name = name.unraw().to_string();
@@ -149,7 +172,7 @@ pub(crate) fn may_be_shared(path: &ExprPath) -> bool {
     let Some(last) = segments.last().map(|last| last.ident.to_string()) else { return false };
     let is_bare_method = segments.len() == 1 && is_real_method(&last);
     let is_function = !last.starts_with(char::is_uppercase) && !is_bare_method;
-    path.qself.is_none() && is_function && real_function(path).is_none()
+    path.qself.is_none() && is_function && real_function(path).is_none() && integer_function(path).is_none()
 }
 
 /// The type in `Type::function`.

@@ -11,6 +11,8 @@ use crate::input::{Kind, is_integer_type, peeled};
 use crate::model::Index;
 use crate::symbolic::{Expr, Junction, Rational, Relation};
 
+const OPERATORS: &str = "there are `+ - * / %`, comparisons, `&&`, `||` and `!`";
+
 /// The value of a chain of operators so far. Sums and products are collected before the graph sees them, so that a
 /// sum of n terms costs n and not n².
 enum Chain {
@@ -77,13 +79,10 @@ impl<'a> Interpreter<'a, '_> {
             return Some(self.assign_compound(syntax, operator));
         }
         if matches!(syntax.op, BinOp::BitXor(_)) {
-            let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
-            self.report(expressions::power(quote!(#base #exponent), base, exponent));
-            // The left side may contain further operators.
-            if let Syntax::Binary(_) = &*syntax.left {
-                self.evaluate(&syntax.left);
-            }
-            return None;
+            return self.exclusive_or(syntax);
+        }
+        if let BinOp::BitAnd(_) | BinOp::BitOr(_) = syntax.op {
+            return self.conditions(syntax);
         }
         if !is_arithmetic(&syntax.op) {
             let (left, right) = (self.evaluate(&syntax.left), self.evaluate(&syntax.right));
@@ -103,7 +102,7 @@ impl<'a> Interpreter<'a, '_> {
             let right = match power_of(link) {
                 Some(exponent) => {
                     let base = last_operand(&link.left);
-                    self.refuse(expressions::power(quote!(#base #exponent), base, exponent))
+                    self.refuse(expressions::power(quote!(#base #exponent), base, exponent, false))
                 }
                 None => self.evaluate(&link.right).known(),
             };
@@ -137,8 +136,13 @@ impl<'a> Interpreter<'a, '_> {
             },
             chain => Some(chain),
         };
+        let is_integer = right.is_integer();
         let right = self.real(right, &link.right);
-        let (chain, right) = (chain?, right?);
+        let Some(right) = right else {
+            // The chain is one of real numbers, and its other integers are mistakes, too.
+            return chain.filter(|_| is_integer);
+        };
+        let chain = chain?;
         let factor = match operator {
             BinOp::Add(_) => return self.add_term(chain, (right, Rational::ONE)),
             BinOp::Sub(_) => return self.add_term(chain, (right, Rational::MINUS_ONE)),
@@ -214,8 +218,7 @@ impl<'a> Interpreter<'a, '_> {
             BinOp::Ge(_) => (Relation::LessEqual, true),
             BinOp::Eq(_) | BinOp::Ne(_) => (Relation::Equal, false),
             _ => {
-                let remedy = "there are `+ - * / %`, comparisons, `&&`, `||` and `!`";
-                return self.refuse(expressions::unsupported(operator, "this operator", remedy));
+                return self.refuse(expressions::unsupported(operator, "this operator", OPERATORS));
             }
         };
         if let (&Value::Condition(condition), other) | (other, &Value::Condition(condition)) = (&left, &right)
@@ -257,6 +260,33 @@ impl<'a> Interpreter<'a, '_> {
             }
         };
         if matches!(operator, BinOp::Ne(_)) { self.denied(&holds) } else { Some(holds) }
+    }
+
+    /// `a ^ b` of conditions; of numbers it is no power.
+    fn exclusive_or(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
+        let left = self.evaluate(&syntax.left);
+        if let Value::Known(_) | Value::Condition(_) = left {
+            let right = self.evaluate(&syntax.right).known()?;
+            if self.denied(&right).is_none() {
+                return self.mismatch(&syntax.right, "a condition", &right);
+            }
+            let differ = BinOp::Ne(Default::default());
+            return self.compared(&differ, (left, &syntax.left), (right, &syntax.right), syntax);
+        }
+        let (base, exponent) = (last_operand(&syntax.left), first_operand(&syntax.right));
+        self.refuse(expressions::power(quote!(#base #exponent), base, exponent, left.is_integer()))
+    }
+
+    /// `a & b` and `a | b` of conditions.
+    fn conditions(&mut self, syntax: &'a ExprBinary) -> Option<Value> {
+        let junction = if matches!(syntax.op, BinOp::BitAnd(_)) { Junction::And } else { Junction::Or };
+        let (left, right) = (self.evaluate(&syntax.left), self.evaluate(&syntax.right));
+        if let (Value::Index(..) | Value::Real(_), _) | (_, Value::Index(..) | Value::Real(_)) =
+            (&left, &right)
+        {
+            return self.refuse(expressions::unsupported(&syntax.op, "this operator on numbers", OPERATORS));
+        }
+        self.combine(junction, (left, &*syntax.left), (right, &*syntax.right))
     }
 
     fn logical(&mut self, syntax: &'a ExprBinary) -> Option<Value> {

@@ -13,14 +13,19 @@ use crate::tokens::{self, words};
 
 /// Dead code with every closure, its parameters typed by the phase space, and with every scheme as it was
 /// written: it must name the type as which it was read, and its import counts as used.
-pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: &Shape) -> TokenStream {
+pub(super) fn type_checks(
+    system: &Container,
+    declaration: &Declaration,
+    shape: &Shape,
+    untyped: &Untyped,
+) -> TokenStream {
     let name = &system.item.ident;
     let (parameters, _, condition) = system.item.generics.split_for_impl();
     let arguments = arguments(&system.item.generics);
     let root = &declaration.crate_path;
     let (path, checks) = (quote!(#root::__private::checks), unused_name(system, declaration));
     let vector = if matches!(shape, Shape::Real) { quote!(#checks::f64) } else { shape.tokens() };
-    let takers = Takers { checks: &checks, vector: &vector };
+    let takers = Takers { checks: &checks, vector: &vector, untyped };
     let entries = match shape {
         Shape::Real => quote!(#checks::entry),
         Shape::Array(point, _) => {
@@ -40,7 +45,7 @@ pub(super) fn type_checks(system: &Container, declaration: &Declaration, shape: 
             // Token for token.
             (None, false) => closure.tokens.clone(),
         };
-        takers.check(system, closure, rewritten)
+        takers.check(system, closure, untyped.as_reals(rewritten, &checks))
     });
     let given = given(declaration).map(|given| takers.check_given(system, given));
     let schemes = declaration.embeddings.iter().map(|(embedding, written)| {
@@ -97,10 +102,41 @@ fn arguments(generics: &Generics) -> TokenStream {
     quote!(<#( #arguments ),*>)
 }
 
+/// `sum()` and `product()` of real numbers, by their places: `rustc` cannot infer their type in `0.5 * x.iter().sum()`, and the compiler
+/// knows it.
+#[derive(Default)]
+pub(super) struct Untyped(HashSet<String>);
+
+impl Untyped {
+    pub(super) fn insert(&mut self, method: &Ident) {
+        self.0.insert(place(method));
+    }
+
+    /// The tokens with `sum::<f64>()` in their places.
+    fn as_reals(&self, tokens: TokenStream, checks: &TokenStream) -> TokenStream {
+        if self.0.is_empty() {
+            return tokens;
+        }
+        tokens::replaced(tokens, &|token| match &token {
+            TokenTree::Ident(name)
+                if (name == "sum" || name == "product") && self.0.contains(&place(name)) =>
+            {
+                quote!(#name::<#checks::f64>)
+            }
+            _ => token.into(),
+        })
+    }
+}
+
+fn place(name: &Ident) -> String {
+    format!("{:?}", name.span())
+}
+
 /// The functions of the run time that take closures, by the arguments of these.
 struct Takers<'t> {
     checks: &'t TokenStream,
     vector: &'t TokenStream,
+    untyped: &'t Untyped,
 }
 
 impl Takers<'_> {
@@ -114,7 +150,7 @@ impl Takers<'_> {
             (3, Some(_)) => quote!(family),
             _ => quote!(family_of_time),
         };
-        let Self { checks, vector } = self;
+        let Self { checks, vector, .. } = self;
         let check = quote!(#checks::#function::<#vector, _>(#closure););
         if fields.is_empty() { check } else { quote!({ #(#fields)* #check }) }
     }
@@ -122,8 +158,8 @@ impl Takers<'_> {
     /// An expression of fields, or a closure of the coordinates.
     fn check_given(&self, system: &Container, given: &Given) -> TokenStream {
         let fields = fields_in(system, &given.tokens);
-        let expression = with_our_self(given.tokens.clone());
-        let Self { checks, vector } = self;
+        let Self { checks, vector, untyped } = self;
+        let expression = with_our_self(untyped.as_reals(given.tokens.clone(), checks));
         match given.value {
             syn::Expr::Closure(_) => quote!({ #(#fields)* #checks::of_place::<#vector, _, _>(#expression); }),
             _ => quote!({ #(#fields)* let _ = #expression; }),
