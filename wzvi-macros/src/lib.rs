@@ -5,6 +5,7 @@
 
 mod check;
 mod compile;
+mod dependency;
 mod describe;
 mod diagnostics;
 mod discretise;
@@ -18,6 +19,20 @@ mod model;
 mod passes;
 mod symbolic;
 mod tokens;
+
+use proc_macro2::TokenStream;
+
+/// The expansion, unless the names in it would lead nowhere.
+fn with_dependency(
+    attribute: TokenStream,
+    item: TokenStream,
+    expand: fn(TokenStream, TokenStream) -> TokenStream,
+) -> TokenStream {
+    match dependency::missing(&attribute) {
+        Some(error) => [item, error.to_compile_error()].into_iter().collect(),
+        None => expand(attribute, item),
+    }
+}
 
 /// Turns the Hamiltonians of a system into variational integrators.
 ///
@@ -59,7 +74,7 @@ pub fn hamiltonian(
     attribute: proc_macro::TokenStream,
     item: proc_macro::TokenStream,
 ) -> proc_macro::TokenStream {
-    compile::expand(attribute.into(), item.into()).into()
+    with_dependency(attribute.into(), item.into(), compile::expand).into()
 }
 
 /// Makes a function, or the methods of an `impl` of the struct, callable from Hamiltonians.
@@ -95,7 +110,7 @@ pub fn hamiltonian_fn(
     attribute: proc_macro::TokenStream,
     item: proc_macro::TokenStream,
 ) -> proc_macro::TokenStream {
-    functions::define(attribute.into(), item.into()).into()
+    with_dependency(attribute.into(), item.into(), functions::define).into()
 }
 
 /// An expansion goes on with the tokens of a shared function: called by generated code only.

@@ -215,6 +215,13 @@ pub(crate) fn missing_key(key: &str) -> Error {
     Error::new(Span::call_site(), format!("`{key}` is missing; for example `{example}`"))
 }
 
+/// A program that has the macros through another crate.
+pub(crate) fn no_dependency() -> Error {
+    let message = "this package does not depend on `wzvi`, which the generated code names: add it, `cargo add wzvi`, or name the path \
+                   through the crate that re-exports it, with the key `crate = that_crate::wzvi`";
+    Error::new(Span::call_site(), message)
+}
+
 /// The keys as a list.
 fn keys() -> String {
     let (others, last) = KEYS.rsplit_once(' ').unwrap_or_default();
