@@ -16,10 +16,9 @@ pub(super) fn ranges(figure: &Figure, layout: &Layout) -> [(f64, f64); 2] {
 
 fn range(axis: &Axis, places: &mut dyn Iterator<Item = f64>) -> (f64, f64) {
     if let Some((from, to)) = axis.range
-        && let (Some(from), Some(to)) = (axis.place(from), axis.place(to))
-        && from < to
+        && let Some(places) = axis.places(from, to)
     {
-        return (from, to);
+        return places;
     }
     let (low, high) = places
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| (low.min(place), high.max(place)));

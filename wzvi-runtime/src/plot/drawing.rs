@@ -1,5 +1,6 @@
 //! Figures as SVG and, with the feature `plot`, as pixels, by one drawing for both.
 
+use std::collections::HashSet;
 #[cfg(all(feature = "plot", not(target_arch = "wasm32")))]
 use std::sync::LazyLock;
 
@@ -17,8 +18,10 @@ use super::layout::{Entry, INDENT, KEY, Layout};
 use super::ticks::{Tick, ticks};
 use crate::error::PlotError;
 
-/// A line is drawn through about so many points at most.
+/// Lines of more points are drawn to the pixel ([`thinned`]).
 const DRAWN: usize = 2500;
+/// Lines that have more points even then are drawn as dots.
+const MOST_JOINED: usize = 20_000;
 /// Told apart with every kind of colour vision (Okabe and Ito), in the order of [`Colour`]. A page maps them to lighter ones in the dark.
 const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
@@ -98,6 +101,7 @@ fn drawn<B: DrawingBackend>(
     if !has_font() {
         return Err(failed(plots, &"its font is unusable"));
     }
+    plots.iter().try_for_each(|(_, plot)| plot.check())?;
     area.fill(&PAPER).map_err(|error| failed(plots, &error))?;
     for (corner, plot) in plots {
         let (width, height) = plot.layout.size;
@@ -117,6 +121,18 @@ impl<'a> Plot<'a> {
     pub(crate) fn new(figure: &'a Figure, layout: Layout, scale: i32) -> Self {
         let [x, y] = ranges(figure, &layout);
         Self { figure, layout, x, y, scale, is_bitmap: false }
+    }
+
+    /// Refuses limits that are no range.
+    fn check(&self) -> Result<(), PlotError> {
+        for (axis, name) in [(&self.figure.x, 'x'), (&self.figure.y, 'y')] {
+            if let Some((from, to)) = axis.range
+                && axis.places(from, to).is_none()
+            {
+                return Err(PlotError::Range { figure: self.figure.title.clone(), axis: name, from, to });
+            }
+        }
+        Ok(())
     }
 
     #[cfg(feature = "plot")]
@@ -201,8 +217,12 @@ impl<'a> Plot<'a> {
         line((left, top), (left, bottom), INK)?;
         let middle = ((left + right) / 2, (top + bottom) / 2);
         self.text(area, &self.figure.x.label, (middle.0, bottom + 30 * s), 15, HPos::Center, VPos::Top)?;
+        let label = &self.figure.y.label;
+        if label.chars().count() == 1 {
+            return self.text(area, label, (4 * s, middle.1), 15, HPos::Left, VPos::Center);
+        }
         let style = self.style(15, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
-        area.draw(&Text::new(self.letters(&self.figure.y.label), (4 * s, middle.1), style))
+        area.draw(&Text::new(self.letters(label), (4 * s, middle.1), style))
     }
 
     fn style(&self, size: i32, across: HPos, along: VPos) -> TextStyle<'static> {
@@ -228,15 +248,33 @@ impl<'a> Plot<'a> {
         number: usize,
         series: &Series,
     ) -> Outcome<B::ErrorType> {
-        let stride = if series.joined() { series.points.len().div_ceil(DRAWN).max(1) } else { 1 };
-        let last = series.points.len().saturating_sub(1);
-        let kept = series.points.iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last);
-        let points: Vec<Option<(i32, i32)>> = kept.map(|(_, point)| self.at(*point)).collect();
+        let points: Vec<Option<(i32, i32)>> = series.points.iter().map(|point| self.at(*point)).collect();
         // What is outside, or nowhere, interrupts a line.
-        for piece in points.split(Option::is_none) {
-            self.stroke(area, series, piece.iter().flatten().copied().collect())?;
+        let pieces = points.split(Option::is_none);
+        let pieces = pieces.map(|piece| piece.iter().flatten().copied().collect::<Vec<_>>());
+        let mut pieces: Vec<Vec<(i32, i32)>> = pieces.collect();
+        if series.joined() && points.len() > DRAWN {
+            pieces.iter_mut().for_each(|piece| *piece = thinned(piece));
+            if pieces.iter().map(Vec::len).sum::<usize>() > MOST_JOINED {
+                return self.dots(area, series, points.into_iter().flatten());
+            }
         }
+        pieces.into_iter().try_for_each(|piece| self.stroke(area, series, piece))?;
         points.into_iter().flatten().try_for_each(|at| self.mark(area, number, series, at))
+    }
+
+    /// A dot in each cell of its width that has a point.
+    fn dots<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        series: &Series,
+        points: impl Iterator<Item = (i32, i32)>,
+    ) -> Outcome<B::ErrorType> {
+        let (width, mut known) = (self.scale, HashSet::new());
+        let new = points.filter(|(x, y)| known.insert((x / width, y / width)));
+        let new: Vec<(i32, i32)> = new.collect();
+        let style = colour(series.colour).filled();
+        new.into_iter().try_for_each(|at| area.draw(&Circle::new(at, (width / 2).max(1), style)))
     }
 
     fn stroke<B: DrawingBackend>(
@@ -310,6 +348,24 @@ impl<'a> Plot<'a> {
         self.mark(area, entry.series, series, (x + KEY / 2 * s, y))?;
         self.text(area, &series.name, (x + INDENT * s, y), 14, HPos::Left, VPos::Center)
     }
+}
+
+/// A line with the same pixels and fewer points: of neighbours in one column of pixels the first, the lowest, the highest and the last, in
+/// their order.
+fn thinned(points: &[(i32, i32)]) -> Vec<(i32, i32)> {
+    let mut thin: Vec<(i32, i32)> = Vec::new();
+    for column in points.chunk_by(|a, b| a.0 == b.0) {
+        let place = |best: Option<usize>| best.unwrap_or(0);
+        let lowest = place((0..column.len()).min_by_key(|&i| column[i].1));
+        let highest = place((0..column.len()).max_by_key(|&i| column[i].1));
+        let kept = [0, lowest.min(highest), lowest.max(highest), column.len() - 1];
+        for at in kept.map(|i| column[i]) {
+            if thin.last() != Some(&at) {
+                thin.push(at);
+            }
+        }
+    }
+    thin
 }
 
 /// How far a place is along a range, 0 to 1.

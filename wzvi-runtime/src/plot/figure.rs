@@ -28,6 +28,12 @@ impl Axis {
         Self { logarithmic: true, ..Self::linear(label) }
     }
 
+    /// Where the limits of a range are, if it is one.
+    pub(crate) fn places(&self, from: f64, to: f64) -> Option<(f64, f64)> {
+        let places = (self.place(from)?, self.place(to)?);
+        (places.0 < places.1).then_some(places)
+    }
+
     /// Where a value is along the axis, before scaling; `None` if it is nowhere.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let place = if self.logarithmic { value.log10() } else { value };
@@ -182,7 +188,8 @@ impl Figure {
         self
     }
 
-    /// Sets the limits of the horizontal axis; lines are interrupted where they leave it.
+    /// Sets the limits of the horizontal axis; lines are interrupted where they leave it. Limits that are no range are an error when the figure is
+    /// drawn ([`PlotError::Range`](crate::error::PlotError::Range)).
     #[must_use]
     pub fn x_range(mut self, range: Range<f64>) -> Self {
         self.x.range = Some((range.start, range.end));

@@ -45,7 +45,8 @@ impl<V: Vector, E> PathPlot<'_, V, E> {
         self
     }
 
-    /// Momenta against coordinates, a curve for each degree of freedom.
+    /// Momenta against coordinates, a curve for each degree of freedom. A path that fills the plane, such as one with noise and many nodes, is drawn as
+    /// dots.
     pub fn phase_portrait(&self) -> Figure {
         let all: Vec<(usize, [String; 2])> = self.named().collect();
         let labels =
