@@ -8,6 +8,8 @@ pub(crate) mod due;
 pub mod handle;
 #[cfg(all(feature = "interrupt", not(target_family = "wasm")))]
 mod interrupt;
+#[cfg(feature = "serde")]
+pub(crate) mod loose;
 pub(crate) mod names;
 pub mod numbers;
 pub(crate) mod progress;

@@ -89,7 +89,7 @@ struct Path<V> {
     #[cfg_attr(feature = "serde", serde(default))]
     shorter: Option<f64>,
     /// What was observed at the recorded nodes, by name.
-    #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
+    #[cfg_attr(feature = "serde", serde(default = "Vec::new", with = "crate::ground::loose::lists"))]
     observed: Vec<(String, Vec<f64>)>,
     #[cfg_attr(feature = "serde", serde(default = "Vec::new"))]
     crossings: Vec<Crossing<V>>,
@@ -99,7 +99,7 @@ struct Path<V> {
     #[cfg_attr(feature = "serde", serde(default))]
     is_accounted: bool,
     /// What the energy gained, where it is not to be kept.
-    #[cfg_attr(feature = "serde", serde(default))]
+    #[cfg_attr(feature = "serde", serde(default, with = "crate::ground::loose::option"))]
     gained: Option<f64>,
 }
 

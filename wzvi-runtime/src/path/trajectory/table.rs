@@ -87,7 +87,8 @@ impl<V: Vector, E> PathTable<'_, V, E> {
         self.write(file.as_ref(), |table, file| table.write_csv(file))
     }
 
-    /// JSON records, an object for each node: `[{"t":0.0,"q":0.0,"p":1.0}, ...]`. Energies that are not finite are `null`. The folder and
+    /// JSON records, an object for each node: `[{"t":0.0,"q":0.0,"p":1.0}, ...]`. Observables and energies that are NaN or infinite are `null`,
+    /// as data frames expect; CSV and Parquet files have their values. The folder and
     /// the file as with [`PathTable::write_csv`].
     ///
     /// # Errors
