@@ -1,10 +1,13 @@
 //! The first time at which something happens.
 
+use std::fmt;
+
 use super::histogram::Histogram;
 use super::quantiles::Quantiles;
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
 use crate::algebra::welford::Welford;
+use crate::ground::digits::estimate;
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::{Parts, Rows};
 
@@ -61,6 +64,24 @@ impl Numbers for Passage {
             2 => Self::Lost(time),
             _ => return tape.refuse(),
         };
+    }
+}
+
+/// `rise: 812 of 1000 paths passed, at t = 3.14 ± 0.05 in the mean; 188 had not at the end`
+impl fmt::Display for Passages {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (passed, all) = (self.passed(), self.passed() + self.censored + self.lost);
+        write!(f, "{}: {passed} of {all} paths passed", self.name)?;
+        if passed > 0 {
+            write!(f, ", at t = {} in the mean", estimate(self.mean(), self.standard_error()))?;
+        }
+        if self.censored > 0 {
+            write!(f, "; {} had not at the end", self.censored)?;
+        }
+        if self.lost > 0 {
+            write!(f, "; {} were lost before", self.lost)?;
+        }
+        Ok(())
     }
 }
 

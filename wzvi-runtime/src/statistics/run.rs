@@ -17,7 +17,7 @@ use super::paths::Paths;
 use super::statistic::{AnyStatistic, Seen, Statistic};
 use crate::error::StatisticsError;
 use crate::error::{FileError, InternalError, UnknownName};
-use crate::ground::digits::estimate;
+use crate::ground::digits::{Brief, estimate};
 use crate::ground::numbers::{Numbers, Tape};
 use crate::saving::table::Parts;
 
@@ -348,7 +348,8 @@ impl TargetStatus {
     }
 }
 
-/// The means at the end, with their standard errors and the paths that are missing in them.
+/// The means at the end, with their standard errors and the paths that are missing in them; then the recorded times, the first passages and
+/// the crossings.
 impl fmt::Display for Statistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(end) = self.nodes().last() else { return Ok(()) };
@@ -377,6 +378,16 @@ impl fmt::Display for Statistics {
                 };
                 write!(f, " ({words})")?;
             }
+        }
+        if let [first, .., last] = self.nodes() {
+            let (first, last) = (Brief(first.time()), Brief(last.time()));
+            write!(f, "\nrecorded at {} times from t = {first} to {last}", self.nodes().len())?;
+        }
+        for passages in self.passages() {
+            write!(f, "\n{passages}")?;
+        }
+        for (section, crossings) in self.crossings().iter().enumerate() {
+            write!(f, "\nsection {section}: {} crossings", crossings.count())?;
         }
         Ok(())
     }

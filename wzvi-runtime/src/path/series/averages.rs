@@ -6,6 +6,7 @@ use super::BatchMeans;
 use super::tally::{Averaged, Tally, Targets};
 use crate::algebra::state::State;
 use crate::error::{FileError, UnknownName};
+use crate::ground::digits::estimate;
 use crate::increments::Divisible;
 use crate::path::Error;
 use crate::path::simulate::{Observer, Simulation};
@@ -68,6 +69,42 @@ impl<V> TimeAverages<V> {
     }
 }
 
+/// `q²  1.002 ± 0.003`, with the standard error; three digits where that is not known.
+impl fmt::Display for TimeAverage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.padded(0, f)
+    }
+}
+
+impl TimeAverage {
+    /// With the name filled up to this width.
+    fn padded(&self, width: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:width$}  {}", self.name, estimate(self.mean, self.standard_error))?;
+        if self.standard_error.is_nan() {
+            f.write_str(" (error not known yet)")?;
+        }
+        Ok(())
+    }
+}
+
+/// The averages of all observables, a line each.
+impl<V> fmt::Display for TimeAverages<V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let partial = if self.is_partial { " (partial)" } else { "" };
+        write!(f, "averages over {} steps{partial}", self.steps)?;
+        match self.met_targets {
+            Some(true) => f.write_str(", targets met")?,
+            Some(false) => f.write_str(", targets not met")?,
+            None => {}
+        }
+        let width = self.averages.iter().map(|average| average.name.chars().count()).max().unwrap_or(0);
+        self.averages.iter().try_for_each(|average| {
+            f.write_str("\n")?;
+            average.padded(width, f)
+        })
+    }
+}
+
 impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// Averages of the observables along the path, which is not kept: over all nodes, or every `record_every`-th.
     ///
@@ -75,7 +112,7 @@ impl<'a, H: Discretized<E>, E, N, O, R> Simulation<'a, H, E, N, O, R> {
     /// let run = system.simulate::<Baoab>(0.1).start(start).noise(Wiener::seed(7)).until(1e6);
     /// let run = run.observe("q²", |state| state.q[0].powi(2)).time_averages();
     /// let averages = run.discard(20.0).until_error("q²", 1e-3).run()?;
-    /// println!("{:?}", averages.of("q²")?);
+    /// println!("{}", averages.of("q²")?);
     /// ```
     ///
     /// With `checkpoint` a stopped run resumes from its file; its targets may differ.

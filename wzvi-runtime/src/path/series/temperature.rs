@@ -3,8 +3,11 @@
 //! Under the Gibbs measure `⟨p_i ∂H/∂p_i⟩ = ⟨q_i ∂H/∂q_i⟩ = kT` for every degree of freedom, the second where `q_i` is confined (R. C. Tolman, *The
 //! Principles of Statistical Mechanics*, 1938, section 42): a kinetic temperature and a configurational one, which a scheme need not both have.
 
+use std::fmt;
+
 use super::BatchMeans;
 use crate::algebra::state::{State, Vector};
+use crate::ground::digits::estimate;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
@@ -17,6 +20,13 @@ pub struct Share {
     pub standard_error: f64,
     /// `temperature ± 1.96 error_bound` covers it in 95 % ([`BatchMeans::error_bound`]).
     pub error_bound: f64,
+}
+
+/// `1.002 ± 0.003`, with the standard error.
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&estimate(self.temperature, self.standard_error))
+    }
 }
 
 impl Share {
@@ -37,6 +47,21 @@ pub struct Equipartition {
     pub kinetic_temperature: Share,
     /// `⟨q · ∂H/∂q⟩ / d`
     pub configurational_temperature: Share,
+}
+
+/// Both temperatures of the system, and a line for each degree of freedom.
+impl fmt::Display for Equipartition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kinetic_temperature, configurational_temperature, .. } = self;
+        write!(
+            f,
+            "kinetic temperature {kinetic_temperature}, configurational {configurational_temperature}"
+        )?;
+        for (i, (kinetic, configurational)) in self.kinetic.iter().zip(&self.configurational).enumerate() {
+            write!(f, "\n{i}: {kinetic}, {configurational}")?;
+        }
+        Ok(())
+    }
 }
 
 /// `x · y / d`
