@@ -148,6 +148,74 @@ fn a_main_that_fails_says_what_its_user_can_read() {
     assert!(error.to_string().contains("the step size is 0"), "{error}");
 }
 
+/// Observables that are NaN or infinite come back from JSON as they were.
+#[test]
+fn observables_that_are_no_numbers_are_read_back() {
+    let shaken = Shaken { sigma: 0.3 };
+    let run =
+        shaken.simulate::<DeltaPlus>(0.1).start(State::new([0.5], [0.0])).noise(Wiener::seed(7)).until(1.0);
+    let run = run.observe("pole", |state| 1.0 / (state.t - state.t)).observe("minus", |_| f64::NEG_INFINITY);
+    let path = run.run().unwrap();
+    let json = serde_json::to_string(&path).unwrap();
+    assert!(json.contains("\"inf\"") && json.contains("\"-inf\""), "{json}");
+    let back: Trajectory<wzvi::nalgebra::SVector<f64, 1>, DeltaPlus> = serde_json::from_str(&json).unwrap();
+    // `serde_json` reads numbers to the last place but one, unless it has its feature `float_roundtrip`.
+    assert!(back.iter().zip(path.iter()).all(|(back, state)| (back.q[0] - state.q[0]).abs() < 1e-15));
+    assert_eq!(back.iter().count(), path.iter().count());
+    for name in ["pole", "minus"] {
+        let bits = |path: &Trajectory<wzvi::nalgebra::SVector<f64, 1>, DeltaPlus>| {
+            path.observed(name).unwrap().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+        };
+        assert_eq!(bits(&back), bits(&path), "{name}");
+    }
+    // Files of the version before have `null`.
+    let old = json.replace("\"inf\"", "null");
+    let old: Trajectory<wzvi::nalgebra::SVector<f64, 1>, DeltaPlus> = serde_json::from_str(&old).unwrap();
+    assert!(old.observed("pole").unwrap().iter().all(|value| value.is_nan()));
+    let wrong = json.replace("\"inf\"", "\"much\"");
+    assert!(serde_json::from_str::<Trajectory<wzvi::nalgebra::SVector<f64, 1>, DeltaPlus>>(&wrong).is_err());
+}
+
+/// What `println!("{}", ...)` shows of averages and statistics.
+#[test]
+fn averages_and_statistics_are_shown() {
+    let shaken = Shaken { sigma: 0.3 };
+    let run =
+        shaken.simulate::<DeltaPlus>(0.1).start(State::new([0.5], [0.0])).noise(Wiener::seed(7)).until(1.0);
+    let averages =
+        run.observe("angle", |state| state.q[0]).observe("one", |_| 1.0).time_averages().run().unwrap();
+    let text = averages.to_string();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], format!("averages over {} steps", averages.steps));
+    assert!(lines[1].starts_with("angle  ") && lines[2].starts_with("one    1"), "{text}");
+    assert!(averages.of("angle").unwrap().to_string().starts_with("angle  "));
+
+    let run = shaken.ensemble::<DeltaPlus>(0.1).start(State::new([0.5], [0.0])).paths(20).seed(7);
+    let run = run.until(1.0).record_every(5).observe("angle", |state| state.q[0]);
+    let run = run
+        .first_passage("fall", |state| state.q[0] - 0.3)
+        .first_passage("never", |state| state.q[0] + 100.0);
+    let statistics = run.run().unwrap();
+    let text = statistics.to_string();
+    let fall = statistics.passage("fall").unwrap();
+    assert!(text.contains("recorded at 3 times from t = 0 to 1"), "{text}");
+    assert!(text.contains(&format!("fall: {} of 20 paths passed", fall.passed())), "{text}");
+    assert!(text.contains("never: 0 of 20 paths passed; 20 had not at the end"), "{text}");
+}
+
+/// An infinite field is named where it makes a state infinite, and only there.
+#[test]
+fn an_infinite_field_is_named() {
+    let start = State::new([0.5], [0.0]);
+    let shaken = Shaken { sigma: f64::INFINITY };
+    let error =
+        shaken.simulate::<DeltaPlus>(0.1).start(start).noise(Wiener::seed(1)).steps(3).run().unwrap_err();
+    assert!(error.to_string().contains("the parameter `sigma` of the system is infinite"), "{error}");
+    // No path is left.
+    let error = shaken.ensemble::<DeltaPlus>(0.1).start(start).paths(5).seed(1).steps(3).run().unwrap_err();
+    assert!(error.to_string().contains("the parameter `sigma` of the system is infinite"), "{error}");
+}
+
 #[test]
 fn a_plan_reads_as_a_sentence() {
     let plan = <Kepler as Discretized<Verlet>>::PLAN;
@@ -270,6 +338,62 @@ mod plots {
         let error = path.plot().section().write(&other).unwrap_err();
         assert_eq!(error, PlotError::Ending { path: other.clone() });
         assert!(error.to_string().ends_with("ends in .svg or .png") && !other.exists(), "{error}");
+    }
+
+    /// Limits that are no range are an error, not a default.
+    #[test]
+    fn ranges_are_ranges() {
+        let figure = || Figure::panel("Line", "x", "y").line("", 0, [(1.0, 1.0), (2.0, 2.0)]);
+        assert!(Sheet::new(1, (400, 300)).with(figure().x_range(0.0..3.0)).svg().is_ok());
+        let mistaken = [
+            (figure().x_range(3.0..0.0), 'x', [3.0, 0.0]),
+            (figure().y_range(1.0..1.0), 'y', [1.0, 1.0]),
+            (figure().y_range(0.0..f64::INFINITY), 'y', [0.0, f64::INFINITY]),
+            (figure().log_log().x_range(-1.0..10.0), 'x', [-1.0, 10.0]),
+        ];
+        for (figure, of_axis, limits) in mistaken {
+            for error in [
+                Sheet::new(1, (400, 300)).with(figure.clone()).svg().unwrap_err(),
+                Sheet::new(1, (400, 300)).with(figure.clone()).png().unwrap_err(),
+            ] {
+                let PlotError::Range { axis, from, to, .. } = error else { panic!("{error}") };
+                assert_eq!((axis, [from, to]), (of_axis, limits));
+            }
+        }
+    }
+
+    /// A line of many points has its extremes, wherever they are among the points; points that fill the plane are dots, not chords.
+    #[test]
+    fn long_lines_show_what_the_path_does() {
+        let svg = |figure| Sheet::new(1, (1280, 880)).with(figure).svg().unwrap();
+        let figure = |points: Vec<(f64, f64)>| Figure::panel("", "", "").line("", 0, points);
+        let polylines = |svg: &str| -> Vec<(i32, i32)> {
+            let lines = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains("#0072B2"));
+            let points = lines.flat_map(|line| {
+                line.split_once("points=\"").unwrap().1.split('"').next().unwrap().split(' ')
+            });
+            let points = points.filter(|point| !point.is_empty()).map(|point| point.split_once(',').unwrap());
+            points.map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).collect()
+        };
+
+        let spike = |i: i32| if i == 77_777 { 1.0 } else { 0.0 };
+        let line = polylines(&svg(figure((0..100_000).map(|i| (f64::from(i), spike(i))).collect())));
+        let [top, bottom] = [line.iter().map(|at| at.1).min(), line.iter().map(|at| at.1).max()];
+        assert!(
+            bottom.unwrap() - top.unwrap() > 500 && line.len() < 6000,
+            "{top:?} {bottom:?} {}",
+            line.len()
+        );
+
+        // Random points, each far from the one before: pixels of a chord between them are none of the path.
+        let mut word = 1_u64;
+        let mut uniform = move || {
+            word = word.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (word >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let cloud = svg(figure((0..100_000).map(|_| (uniform(), uniform())).collect()));
+        assert!(polylines(&cloud).is_empty());
+        assert!(cloud.matches("<circle").count() > 50_000);
     }
 
     /// A point of a sheet is where its figure is: right of the first, below the first row.

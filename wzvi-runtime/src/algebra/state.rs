@@ -65,7 +65,8 @@ pub(crate) fn dot<V: Vector>(x: &V, y: &V) -> f64 {
     label = "the system has as many degrees of freedom as `{V}` has components",
     note = "a state holds one number for each degree of freedom: `State::new([q1, q2], [p1, p2])` for two; points in the plane or \
             in space are arrays of their own, `[[x1, y1], [x2, y2]]`, or follow one another, `[x1, y1, x2, y2]`",
-    note = "systems of any size (`&[f64]`, `&[[f64; 3]]`) take a `Vec` of numbers or of points, or an array of any length"
+    note = "systems of any size (`&[f64]`, `&[[f64; 3]]`) take a `Vec` of numbers or of points, or an array of any length; others take arrays: \
+            `<[f64; 4]>::try_from(list)` makes one of a `Vec`, and is an error where the length differs"
 )]
 pub trait Components<V> {
     /// The same numbers as a vector.

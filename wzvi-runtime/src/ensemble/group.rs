@@ -26,7 +26,7 @@ use crate::path::retry::Subdivision;
 use crate::path::step::{Stepper, checks_starts};
 use crate::path::watch::{Room, Watch, keeps_energy};
 use crate::scheme::continuation::Hard;
-use crate::scheme::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf};
+use crate::scheme::system::{At, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, explained};
 use crate::statistics::PathFailure;
 
 /// A step to check, with room for what that leaves.
@@ -368,6 +368,7 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
             self.gather();
         }
         if self.counts[lane] {
+            let error = StepError { cause: explained(self.job.system, error.cause), ..error };
             self.failures.push(PathFailure { path: self.path + lane as u64, error });
         }
     }

@@ -48,6 +48,11 @@ pub enum StepFailure {
     },
     /// The new state (or an intermediate value) overflowed or is undefined.
     NonFinite,
+    /// The same of a system with an infinite parameter, the probable cause.
+    Infinite {
+        /// Its name in the Hamiltonians.
+        parameter: &'static str,
+    },
     /// The number of increments is not the number that a step needs.
     Increments {
         /// Number of noises, and of the normals of a bath.
@@ -111,6 +116,9 @@ messages! { StepFailure:
         "sweeps over the stages do not contract, and Newton's method would have to factor {unknowns} unknowns, more than {most}; \
          take a smaller step";
     Self::NonFinite => "the new state is not finite; take a smaller step or check the domain of H";
+    Self::Infinite { parameter } =>
+        "the new state is not finite, and the parameter `{parameter}` of the system is infinite; give it a finite value, or take a smaller \
+         step where the Hamiltonian is finite with it";
     Self::Increments { expected, got } =>
         "the system has {expected} noise{}, but {got} increment{} given",
         if *expected == 1 { "" } else { "s" }, if *got == 1 { " was" } else { "s were" };

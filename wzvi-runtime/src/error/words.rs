@@ -6,11 +6,12 @@ use crate::ground::numbers::Tape;
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Words after all of them: failed lanes, another solution, too many unknowns, and internal errors.
+/// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, and infinite parameters.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
 const TOO_MANY: u64 = LANES - 2;
 const INTERNAL: u64 = LANES - 3;
+const INFINITE: u64 = LANES - 4;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -30,6 +31,8 @@ impl StepFailure {
             Self::NoSolution { reached } => [2, reached.to_bits(), 0],
             Self::Unresolved { energy_error, scale } => [3, energy_error.to_bits(), scale.to_bits()],
             Self::NonFinite => [4, 0, 0],
+            // Here the name is lost.
+            Self::Infinite { .. } => [INFINITE, 0, 0],
             Self::Increments { expected, got } => [5, expected as u64, got as u64],
             Self::Dimension { expected, got } => [6, expected as u64, got as u64],
             Self::NonFiniteInput => [7, 0, 0],
@@ -67,6 +70,7 @@ impl StepFailure {
             TOO_MANY => {
                 Self::TooManyUnknowns { unknowns: usize::try_from(a).ok()?, most: usize::try_from(b).ok()? }
             }
+            INFINITE => Self::Infinite { parameter: "a parameter" },
             INTERNAL => Self::Internal(StepPromise::ALL.into_iter().find(|&promise| promise as u64 == a)?),
             _ => Self::Bath(BathError::from_words([which.checked_sub(BATH)?, a, b])?),
         })
@@ -90,6 +94,7 @@ mod tests {
             StepFailure::Internal(StepPromise::PlainConstants),
             StepFailure::Internal(StepPromise::Bath),
             StepFailure::NonFinite,
+            StepFailure::Infinite { parameter: "a parameter" },
             StepFailure::Increments { expected: 3, got: usize::MAX },
             StepFailure::Dimension { expected: 0, got: 2 },
             StepFailure::NonFiniteInput,

@@ -364,7 +364,8 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::Singular { .. }
         | StepFailure::NoSolution { .. }
         | StepFailure::TooManyUnknowns { .. }
-        | StepFailure::NonFinite => true,
+        | StepFailure::NonFinite
+        | StepFailure::Infinite { .. } => true,
         StepFailure::Unresolved { .. }
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }

@@ -15,7 +15,7 @@ use crate::scheme::continuation::Hard;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::plan::{NoiseClass, Solver};
 use crate::scheme::system::{
-    At, CarryOf, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are,
+    At, CarryOf, Discretized, Exchange, MemoryOf, PreparedOf, Scheme, SchemeOf, as_they_are, explained,
     mistaken_parameter,
 };
 use account::Ledger;
@@ -463,7 +463,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Stepper<'a, H, E, C> {
         let zero = of_state + zero_if_finite(dw) + 0.0 * state.t;
         cold();
         let is_good = zero == 0.0 || cause.is_of_arguments();
-        let cause = if is_good { cause } else { StepFailure::NonFiniteInput };
+        let cause = if is_good { explained(self.system, cause) } else { StepFailure::NonFiniteInput };
         StepError { step: self.steps(), t: state.t, h: self.h, cause }
     }
 }

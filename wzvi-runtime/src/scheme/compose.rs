@@ -126,9 +126,10 @@ pub trait Symmetric<K = General>: Sized {
     message = "`{Self}` cannot compose `{E}` for this system",
     label = "not for this system",
     note = "partitioned tables (`BlanesMoan4`, ..., `Table` of your own) compose `Verlet` only; palindromes (`Yoshida4`, ..., your own `Weights`) compose `Midpoint`, `Verlet` and `Gauss<S>`",
-    note = "`Srkn6` takes `T(p) + V(q, t)` with a kinetic energy that is quadratic with constant masses; `BlanesMoan6` and `KahanLi6` are of order 6 for every Hamiltonian",
-    note = "`Chin4` and `TakahashiImada4` take the same, for the square of the force; `BlanesMoan4` is of order 4 for every Hamiltonian",
-    note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`"
+    note = "`Srkn6`, `Chin4` and `TakahashiImada4` take `T(p) + V(q, t)` with constant masses, a kinetic energy that is quadratic, and neither friction \
+            nor a force that depends on momenta: `BlanesMoan4`, `BlanesMoan6` and `KahanLi6` compose `Verlet` for every Hamiltonian, with friction and \
+            forces, too",
+    note = "`Aba864` and `Aba1064` take two parts with exact flows: `T(p) + V(q, t)`, or `drift = [H_A, H_B]`, without friction"
 )]
 pub trait Composes<E, K = General> {
     /// The order of the composition.

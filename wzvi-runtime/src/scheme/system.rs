@@ -269,8 +269,10 @@ pub struct EulerLagrangeResidual<V> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exchange {
     /// By forces; in systems with forces, friction or a bath also by noises and explicit time: a quadrature along the steps.
+    #[cfg_attr(feature = "serde", serde(with = "crate::ground::loose::number"))]
     pub work: f64,
     /// By friction and bath.
+    #[cfg_attr(feature = "serde", serde(with = "crate::ground::loose::number"))]
     pub heat: f64,
 }
 
@@ -319,6 +321,17 @@ pub(crate) fn mistaken_parameter(system: &impl Hamiltonian) -> Option<&'static s
     parameters.find(|(_, value)| value.is_nan()).map(|(name, _)| name)
 }
 
+/// The cause with the name of a parameter that is infinite, if that may be why a state is not finite.
+#[cold]
+#[inline(never)]
+pub(crate) fn explained(system: &impl Hamiltonian, cause: StepFailure) -> StepFailure {
+    let mut parameters = (0..).map_while(|index| system.parameter(index));
+    match (cause, parameters.find(|(_, value)| value.is_infinite())) {
+        (StepFailure::NonFinite, Some((parameter, _))) => StepFailure::Infinite { parameter },
+        (cause, _) => cause,
+    }
+}
+
 /// # Errors
 /// [`ConfigError::Parameter`] if a parameter is not a number.
 pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
@@ -330,7 +343,10 @@ pub(crate) fn no_nan(system: &impl Hamiltonian) -> Result<(), ConfigError> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no discretisation by `{E}`",
     label = "this scheme was not generated for `{Self}`",
-    note = "add `{E}`, or the scheme that it composes, to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; only listed schemes are compiled"
+    note = "only listed schemes are compiled: add `{E}` to `embedding = [...]` in the `#[hamiltonian(...)]` of `{Self}`; of a composition \
+            `Composed<Verlet, ...>` add the scheme that it composes",
+    note = "the weights of a composition (`Yoshida4`, `KahanLi8`, ...) are no scheme by themselves: list `Verlet`, and write \
+            `Composed<Verlet, {E}>` here"
 )]
 pub trait Discretized<E>: Hamiltonian + Sized {
     /// The scheme of the steps.
