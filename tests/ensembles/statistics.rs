@@ -260,13 +260,11 @@ fn a_known_passage_comes_at_its_time() {
         .start(State::new([0.0], [1.0]))
         .paths(3)
         .until(4.0)
-        .first_passage("at the start", |state| state.q[0])
-        .first_passage("event1", |state| if state.t > 0.0 { state.q[0] } else { 1.0 })
-        .first_passage("event2", |state| state.q[0] - 2.0)
+        .first_passage("back", |state| state.q[0])
+        .first_passage("never", |state| state.q[0] - 2.0)
         .run()
         .unwrap();
-    let [start, back, never] = run.passages() else { panic!("{run:?}") };
-    assert_eq!((start.passed(), start.mean()), (3, 0.0));
+    let [back, never] = run.passages() else { panic!("{run:?}") };
     let expected = std::f64::consts::PI * (h / 2.0) / (h / 2.0_f64).atan();
     // The chord between two nodes: third order, h³/9√3 of the sine.
     assert!((back.mean() - expected).abs() < 0.07 * h * h * h, "{} {expected}", back.mean());
@@ -281,24 +279,73 @@ pub struct Line {
     pub s: f64,
 }
 
-/// Steps of an eighth along a straight line are exact: `q = 1` at the last node or at the first. The bins go from the start to the end, in either
-/// direction of time, and each passage is in one.
+/// A straight line without.
+#[hamiltonian(drift = |q, p| 0.5 * p * p, embedding = Midpoint)]
+pub struct Smooth;
+
+/// Of a line with a noise only the nodes are looked at. At an infinite value nothing but the sign is known: a
+/// passage is at the node of the other value. The bins go from the start to the end, in either direction of
+/// time, and each passage is in one.
 #[test]
 fn passages_at_either_end_are_in_a_bin() {
-    for (h, q, time, is_last) in [
-        (0.125, 0.0, 1.0, true),
-        (-0.125, 2.0, -1.0, false),
-        (0.125, 1.0, 0.0, false),
-        (-0.125, 1.0, 0.0, true),
-    ] {
+    for (h, is_last) in [(0.125, true), (-0.125, false), (0.125, false), (-0.125, true)] {
+        let end = 8.0 * h;
+        let is_at_end = f64::signum(h) > 0.0 && is_last || f64::signum(h) < 0.0 && !is_last;
+        let event = move |t: f64| match is_at_end {
+            true if t == end => 1.0,
+            true => f64::NEG_INFINITY,
+            false if t == 0.0 => -1.0,
+            false => f64::INFINITY,
+        };
         let run =
-            Line { s: 0.0 }.ensemble::<Midpoint>(h).start(State::new([q], [1.0])).steps(8).paths(3).seed(1);
-        let run = run.first_passage("one", |state| state.q[0] - 1.0).run().expect("an ensemble");
+            Line { s: 0.0 }.ensemble::<Midpoint>(h).start(State::new([0.0], [1.0])).steps(8).paths(3).seed(1);
+        let run = run.first_passage("one", move |state| event(state.t)).run().expect("an ensemble");
         let (passages, bins) = (&run.passages()[0], run.passages()[0].histogram());
-        assert_eq!((passages.passed(), passages.censored(), passages.mean()), (3, 0, time), "{h} {q}");
-        assert_eq!((bins.below(), bins.above()), (0, 0), "{h} {q}");
-        assert_eq!(bins.counts()[if is_last { bins.counts().len() - 1 } else { 0 }], 3, "{h} {q}");
+        let time = if is_at_end { end } else { 0.0 };
+        assert_eq!((passages.passed(), passages.censored(), passages.mean()), (3, 0, time), "{h}");
+        assert_eq!((bins.below(), bins.above()), (0, 0), "{h}");
+        assert_eq!(bins.counts()[if is_last { bins.counts().len() - 1 } else { 0 }], 3, "{h}");
     }
+}
+
+/// Steps of an eighth along `q = q_0 + t` are exact. With a noise, of strength 0, nodes are looked at,
+/// without one, steps: one rule.
+#[test]
+fn passages_are_changes_of_sign() {
+    let lines = |event: fn(f64) -> f64, q: f64| {
+        let start = State::new([q], [1.0]);
+        let nodes = Line { s: 0.0 }.ensemble::<Midpoint>(0.125).start(start).steps(16).paths(3).seed(1);
+        let inside = Smooth.ensemble::<Midpoint>(0.125).start(start).steps(16).paths(3);
+        let nodes = nodes.first_passage("zero", move |state| event(state.q[0])).run().expect("an ensemble");
+        let inside = inside
+            .first_passage("zero", move |state| event(state.q[0]))
+            .section(move |state| event(state.q[0]));
+        let inside = inside.keep_crossings(1).run().expect("an ensemble");
+        let first = inside.crossings()[0].iter().next().map(|crossing| crossing.t);
+        let passed = [&nodes, &inside].map(|run| {
+            let passages = &run.passages()[0];
+            (passages.passed() == 3).then(|| passages.mean())
+        });
+        assert_eq!(passed[1], first);
+        passed
+    };
+    // A start and an end at the level are no passages; neither is a start beyond it.
+    assert_eq!(lines(|q| q, 0.0), [None; 2]);
+    assert_eq!(lines(|q| q - 2.0, 0.0), [None; 2]);
+    assert_eq!(lines(|q| q + 1.0, 0.0), [None; 2]);
+    // From a start at the level, out and back; and from beyond it.
+    assert_eq!(lines(|q| q * (1.0 - q), 0.0), [Some(1.0); 2]);
+    assert_eq!(lines(|q| 1.0 - q, 0.5), [Some(0.5); 2]);
+    // Touched at a node; and at a node, where it is zero for a while, crossed.
+    assert_eq!(lines(|q| (q - 1.0).powi(2), 0.0), [None; 2]);
+    assert_eq!(lines(|q| (q - 1.0).min(0.0) + (q - 1.5).max(0.0), 0.0), [Some(1.0); 2]);
+    // From nowhere there is no side.
+    assert_eq!(lines(|q| if (0.9..1.1).contains(&q) { f64::NAN } else { q - 1.0 }, 0.0), [None; 2]);
+    // A pair within a step shows inside alone.
+    assert_eq!(
+        lines(|q| (q - 1.0625).powi(2) - 0.03125_f64.powi(2), 0.0).map(|time| time.is_some()),
+        [false, true]
+    );
 }
 
 #[test]

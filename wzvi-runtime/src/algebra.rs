@@ -10,6 +10,7 @@ pub mod shape;
 pub mod solve;
 pub mod stages;
 pub mod state;
+pub(crate) mod student;
 pub(crate) mod sum;
 pub(crate) mod threads;
 pub(crate) mod welford;

@@ -284,8 +284,9 @@ impl<'a, H: Hamiltonian, E, N, R, P> Ensemble<'a, H, E, N, R, P> {
         self
     }
 
-    /// Records when `event`, a function of the state, first crosses zero. It is evaluated at every node, which limits the accuracy of the
-    /// times ([`Passages`]). [`Ensemble::section`] finds all crossings. May be called more than once.
+    /// Records when `event`, a function of the state, first crosses zero, by the rule of
+    /// [`Ensemble::section`], which finds all crossings. With noise it is evaluated at the nodes alone, which
+    /// limits the accuracy of the times ([`Passages`]). May be called more than once.
     pub fn first_passage(
         mut self,
         name: impl Into<String>,

@@ -16,7 +16,6 @@ pub use crossings::{Crossings, PathCrossing};
 pub use histogram::Histogram;
 pub use loss::{LossError, PathFailure};
 pub(crate) use origin::Origin;
-pub(crate) use passage::crossing;
 pub use passage::{Passage, Passages};
 pub use paths::Paths;
 pub use quantiles::Quantiles;

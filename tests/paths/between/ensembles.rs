@@ -152,6 +152,33 @@ fn first_passages_are_exact_where_paths_are_smooth() {
     assert!(q.abs() < 1e-6 && p.abs() < 1e-6, "{q:e} {p:e}");
 }
 
+/// `q = (t + 6) (t - 2) (t + 2)` along the path from -120 at -8.
+#[hamiltonian(drift = |q, p, t| p * (3.0 * t * t + 12.0 * t - 4.0), embedding = Gauss<3>)]
+struct Cubic;
+
+/// Three crossings in a step, or one and a pair in two: the passage is the first, in either direction of
+/// time.
+#[test]
+fn the_first_of_several_crossings_in_a_step_is_the_passage() {
+    for (q, t, h, steps, first) in [
+        (-120.0, -8.0, 12.0, 1, -6.0),
+        (-120.0, -8.0, 6.0, 2, -6.0),
+        (21.0, -5.0, 8.0, 1, -2.0),
+        (120.0, 4.0, -12.0, 1, 2.0),
+        (-15.0, -1.0, -8.0, 1, -2.0),
+    ] {
+        let start = State::new([q], [0.0]).at(t);
+        let run = Cubic.ensemble::<Gauss<3>>(h).start(start).paths(3).steps(steps);
+        let run = run.first_passage("zero", |state| state.q[0]).section(|state| state.q[0]);
+        let run = run.keep_crossings(1).run().unwrap();
+        let passages = run.passage("zero").unwrap();
+        assert_eq!(passages.passed(), 3);
+        // Quadrature is exact to rounding of values of 120 with slopes of 12 and more.
+        assert!((passages.mean() - first).abs() < 1e-12, "{} {first}", passages.mean());
+        assert_eq!(Some(passages.mean()), run.crossings()[0].iter().next().map(|crossing| crossing.t));
+    }
+}
+
 #[test]
 fn statistics_between_nodes_are_those_of_the_solution() {
     let run = Oscillator.ensemble::<Gauss<8>>(0.25).start(start()).paths(2).until(2.0).record_at([0.6, 1.23]);

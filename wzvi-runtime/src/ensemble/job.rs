@@ -73,7 +73,19 @@ impl<H: Discretized<E>, E> Job<'_, H, E> {
 
     /// Whether something is looked for in each step.
     pub(super) fn looks_inside(&self) -> bool {
-        !self.sections.is_empty() || (!self.events.is_empty() && self.processes() == 0)
+        !self.sections.is_empty() || self.has_passages_inside()
+    }
+
+    /// Whether first passages are looked for inside steps: those of paths without noise, which are smooth
+    /// there.
+    pub(super) fn has_passages_inside(&self) -> bool {
+        !self.events.is_empty() && self.processes() == 0
+    }
+
+    /// Whether first passages are looked for at the nodes alone: inside a step a path with noise is not what
+    /// dense output says.
+    pub(super) fn has_passages_at_nodes(&self) -> bool {
+        !self.events.is_empty() && self.processes() > 0
     }
 
     /// Whether anything is looked for between nodes, in some steps or in each.

@@ -8,11 +8,11 @@ use crate::algebra::state::{State, Vector, copy_state};
 use crate::error::StoppedError;
 use crate::path::Error;
 use crate::path::recording::Recorded;
-use crate::path::section::{Crossing, Sections, Watch, first_zero};
+use crate::path::section::{Change, Crossing, Side, Watch, crossing_of_chord};
 use crate::path::steps::Advance;
 use crate::scheme::dense::DenseOutput;
 use crate::scheme::system::Discretized;
-use crate::statistics::{Passage, PathFailure, Seen, Statistics, crossing};
+use crate::statistics::{Passage, PathFailure, Seen, Statistics};
 
 /// Collects the statistics of one group of paths after the other.
 pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
@@ -22,12 +22,14 @@ pub(super) struct Observation<'j, 'a, H: Discretized<E>, E, const L: usize> {
     /// The last node that was looked at, and which of the recorded ones comes next.
     seen: u64,
     next: usize,
-    /// What each event's function was at the last node.
-    before: Vec<[f64; L]>,
+    /// Whether events are looked for inside steps, or at nodes alone.
+    watches_inside: bool,
+    watches_nodes: bool,
+    /// On which side each event's function was at the last node, and when it was zero; not used where steps
+    /// are looked into.
+    sides: Vec<[Side<f64>; L]>,
     /// When each event happened; NaN before.
     passed: Vec<[f64; L]>,
-    /// The values of events at both nodes of the step in which they happened, of one lane.
-    changes: Vec<Option<[f64; 2]>>,
     /// What is needed to look inside steps, by lane; none if nobody does.
     lanes: Vec<LaneInside<H::Vector>>,
     values: Vec<f64>,
@@ -38,7 +40,8 @@ struct LaneInside<V> {
     /// The state at the last node that was looked at.
     before: State<V>,
     dense: DenseOutput<V>,
-    watch: Watch<V>,
+    sections: Watch<V>,
+    events: Watch<V>,
     /// Crossings of the path so far, by section.
     counts: Vec<u64>,
     /// A recorded state.
@@ -46,16 +49,14 @@ struct LaneInside<V> {
 }
 
 impl<V: Vector> LaneInside<V> {
-    fn of_lanes(lanes: usize, sections: &Sections<'_, V>, start: &State<V>) -> Vec<Self> {
-        (0..lanes).map(|_| Self::new(sections, start)).collect()
-    }
-
-    fn new(sections: &Sections<'_, V>, start: &State<V>) -> Self {
+    fn new<H: Discretized<E, Vector = V>, E>(job: &Job<'_, H, E>) -> Self {
+        let start = &job.start;
         Self {
             before: start.clone(),
             dense: DenseOutput::of(start),
-            watch: Watch::new(sections, start),
-            counts: vec![0; sections.len()],
+            sections: Watch::new(job.sections.functions(), start),
+            events: Watch::new(job.events.iter(), start),
+            counts: vec![0; job.sections.len()],
             room: start.clone(),
         }
     }
@@ -72,10 +73,11 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
             pace: Pace::new(job.stop),
             seen: 0,
             next: 0,
-            before: vec![[0.0; L]; events],
-            passed: vec![[0.0; L]; events],
-            changes: vec![None; events],
-            lanes: LaneInside::of_lanes(lanes, &job.sections, &job.start),
+            watches_inside: job.has_passages_inside(),
+            watches_nodes: job.has_passages_at_nodes(),
+            sides: vec![[Side::at(0.0); L]; events],
+            passed: vec![[f64::NAN; L]; events],
+            lanes: (0..lanes).map(|_| LaneInside::new(job)).collect(),
             values: vec![0.0; observables],
         }
     }
@@ -86,90 +88,86 @@ impl<'j, 'a, H: Discretized<E>, E, const L: usize> Observation<'j, 'a, H, E, L> 
     /// If the run was stopped on the way.
     pub(super) fn begin<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>) -> Result<(), Error> {
         (self.seen, self.next) = (0, 0);
-        for lane in if self.job.events.is_empty() { 0..0 } else { 0..L } {
-            let start = group.state_at(lane, 0);
-            let memory = self.before.iter_mut().zip(&mut self.passed);
-            for ((before, passed), event) in memory.zip(&self.job.events) {
-                before[lane] = event(start);
-                passed[lane] = if before[lane] == 0.0 { start.t } else { f64::NAN };
+        self.passed.fill([f64::NAN; L]);
+        if self.watches_nodes {
+            for (sides, event) in self.sides.iter_mut().zip(&self.job.events) {
+                for (lane, side) in sides.iter_mut().enumerate() {
+                    *side = Side::at(event(group.state_at(lane, 0)));
+                }
             }
         }
-        for (lane, LaneInside { before, watch, dense, counts, .. }) in self.lanes.iter_mut().enumerate() {
+        for (lane, LaneInside { before, sections, events, dense, counts, .. }) in
+            self.lanes.iter_mut().enumerate()
+        {
             copy_state(before, group.state_at(lane, 0));
-            watch.begin(&self.job.sections, before);
+            sections.begin(self.job.sections.functions(), before);
+            events.begin(self.job.events.iter(), before);
             dense.forget();
             counts.fill(0);
         }
         self.record(group, 0)
     }
 
-    /// Looks for the events of the step that ended at this node.
+    /// Looks for the events of the step that ended at this node, by the states at its nodes.
     #[inline(never)]
-    fn watch<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
+    fn watch<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) {
         let times = [node - 1, node].map(|node| self.job.grid.time(node));
         for lane in 0..L {
             let is_over = !group.is_path(lane) || group.has_failed(lane);
             if is_over || have_passed(&self.passed, lane) {
                 continue;
             }
-            let mut crossed = false;
             let state = group.state_at(lane, node);
-            let memory = self.before.iter_mut().zip(&mut self.passed).zip(&mut self.changes);
-            for (((before, passed), change), event) in memory.zip(&self.job.events) {
-                *change = None;
+            let memory = self.sides.iter_mut().zip(&mut self.passed);
+            for ((sides, passed), event) in memory.zip(&self.job.events) {
                 if passed[lane].is_nan() {
-                    let values = [before[lane], event(state)];
-                    if let Some(time) = crossing(times, values) {
-                        (passed[lane], *change, crossed) = (time, Some(values), true);
+                    let (side, value) = (&mut sides[lane], event(state));
+                    let values = [side.value(), value];
+                    match side.go(value, || times[1]) {
+                        Some(Change::At(time)) => passed[lane] = time,
+                        Some(Change::Between) => passed[lane] = crossing_of_chord(times, values),
+                        None => {}
                     }
-                    before[lane] = values[1];
                 }
-            }
-            if crossed && self.job.processes() == 0 {
-                self.refine(group, lane, node)?;
             }
         }
-        Ok(())
     }
 
-    /// The times of the events that happened in the step of a lane before this node, on its dense output.
-    #[cold]
-    fn refine<P: Systems>(
-        &mut self,
-        group: &mut Group<'_, '_, H, E, P, L>,
-        lane: usize,
-        node: u64,
-    ) -> Result<(), Error> {
-        let Some(LaneInside { before, dense, room, .. }) = self.lanes.get_mut(lane) else { return Ok(()) };
-        let (events, changes, passed) = (&self.job.events, &mut self.changes, &mut self.passed);
-        group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
-            for ((event, change), passed) in events.iter().zip(&mut *changes).zip(&mut *passed) {
-                let Some([value, _]) = change else { continue };
-                let next = event(dense.end());
-                match first_zero(dense, &**event, [*value, next], room) {
-                    Some(time) => (passed[lane], *change) = (time, None),
-                    None => *value = next,
-                }
-            }
-        })
-    }
-
-    /// Counts the crossings of the step that ended at this node.
+    /// Looks into the step that ended at this node: for crossings of sections, and for the events of paths
+    /// without noise.
     #[inline(never)]
     fn follow<P: Systems>(&mut self, group: &mut Group<'_, '_, H, E, P, L>, node: u64) -> Result<(), Error> {
-        let (sections, statistics) = (&self.job.sections, &mut self.statistics);
-        for (lane, LaneInside { before, dense, watch, counts, .. }) in self.lanes.iter_mut().enumerate() {
-            if !group.is_path(lane) || group.has_failed(lane) {
+        let Self { job, statistics, passed, lanes, watches_inside, .. } = self;
+        for (lane, LaneInside { before, dense, sections, events, counts, .. }) in lanes.iter_mut().enumerate()
+        {
+            let waits = *watches_inside && !have_passed(passed, lane);
+            if !group.is_path(lane) || group.has_failed(lane) || (job.sections.is_empty() && !waits) {
                 continue;
             }
             let path = group.path(lane);
             group.look_inside(lane, node, before, dense, &mut |dense, _, _| {
-                watch.follow(sections, dense, |Crossing { section, direction, state }| {
+                sections.follow(job.sections.functions(), dense, &mut |crossing| {
+                    if !job.sections.want(&crossing) {
+                        return;
+                    }
+                    let Crossing { section, direction, state } = crossing;
                     let (before, t) = (counts[section], state.t);
                     let (q, p) = (state.q.components(), state.p.components());
                     statistics.see(path, &Seen::Crossing { section, before, direction, t, q, p });
                     counts[section] += 1;
                 });
+                if waits {
+                    events.follow(
+                        job.events.iter(),
+                        dense,
+                        &mut |Crossing { section: event, state, .. }| {
+                            let passed = &mut passed[event][lane];
+                            if passed.is_nan() {
+                                *passed = state.t;
+                            }
+                        },
+                    );
+                }
             })?;
         }
         Ok(())
@@ -301,10 +299,10 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Advance
         let (group, observation) = self;
         observation.work(node - observation.seen, node)?;
         observation.seen = node;
-        if !observation.job.events.is_empty() {
-            observation.watch(group, node)?;
+        if observation.watches_nodes {
+            observation.watch(group, node);
         }
-        if !observation.job.sections.is_empty() {
+        if observation.watches_inside || !observation.job.sections.is_empty() {
             observation.follow(group, node)?;
         }
         observation.record(group, node)?;

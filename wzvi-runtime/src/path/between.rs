@@ -34,7 +34,7 @@ impl<'s, 'a, V: Vector> Between<'s, 'a, V> {
     pub(crate) fn new(sections: &'s Sections<'a, V>, start: &State<V>) -> Self {
         Self {
             sections,
-            watch: Watch::new(sections, start),
+            watch: Watch::new(sections.functions(), start),
             before: start.clone(),
             node: 0,
             room: start.clone(),
@@ -86,6 +86,10 @@ impl<'s, 'a, V: Vector> Between<'s, 'a, V> {
             let later = |process: usize| part.later.get(process).copied().unwrap_or(0.0);
             recorder.keep_inside(room, |process| (1.0 - theta) * part.dw[process] + later(process));
         }
-        watch.follow(sections, dense, |crossing| recorder.cross(crossing));
+        watch.follow(sections.functions(), dense, &mut |crossing| {
+            if sections.want(&crossing) {
+                recorder.cross(crossing);
+            }
+        });
     }
 }

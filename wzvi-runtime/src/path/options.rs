@@ -54,6 +54,11 @@ impl<'a, V, K> Functions<'a, V, K> {
         self.0.push((said, Arc::new(f)));
     }
 
+    /// The functions alone.
+    pub(crate) fn functions(&self) -> impl Iterator<Item = &Observable<'a, V>> {
+        self.0.iter().map(|(_, function)| function)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -14,12 +14,15 @@
 //! that oscillate within a step faster than its polynomial.
 
 mod root;
+mod side;
 
 pub use crate::algebra::crossing::{Crossing, Direction};
 use crate::algebra::state::{State, Vector};
-use crate::path::options::Functions;
+use crate::path::options::{Functions, Observable};
 use crate::scheme::dense::{DenseOutput, Samples};
 use root::{lowest, root};
+use side::sign;
+pub(crate) use side::{Change, Side, crossing_of_chord};
 
 /// The fewest parts of a step at whose ends the function is evaluated.
 const LEAST_PARTS: usize = 4;
@@ -40,69 +43,69 @@ impl<V> Sections<'_, V> {
         words.collect::<Vec<_>>().join(", ")
     }
 
+    /// Whether a crossing has the direction that is wanted of its section.
+    pub(crate) fn want(&self, crossing: &Crossing<V>) -> bool {
+        let wanted = self.0.get(crossing.section).and_then(|(wanted, _)| *wanted);
+        wanted.is_none_or(|wanted| wanted == crossing.direction)
+    }
+
     /// Their values at a state.
     pub(crate) fn values(&self, state: &State<V>) -> Vec<f64> {
         self.0.iter().map(|(_, value)| value(state)).collect()
     }
 }
 
-/// Follows a path through its sections.
+/// Follows a path past the zeros of functions of its state: of sections, or of first passages.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch<V> {
-    sides: Vec<Side<V>>,
+    sides: Vec<Side<State<V>>>,
     /// Where functions are evaluated.
     room: State<V>,
     samples: Samples,
 }
 
-/// On which side of a section a path is.
-#[derive(Clone, Debug)]
-struct Side<V> {
-    /// The value at the last node.
-    value: f64,
-    /// The sign of the last value that was not zero; 0 before there is one, and after NaN.
-    sign: f64,
-    /// Where the value has been zero since.
-    touched: Option<State<V>>,
-}
-
-impl<V> Side<V> {
-    fn at(value: f64) -> Self {
-        let sign = if value.is_nan() { 0.0 } else { sign(value) };
-        Self { value, sign, touched: None }
-    }
-}
-
 impl<V: Vector> Watch<V> {
     /// Of a path that starts at `start`.
-    pub(crate) fn new(sections: &Sections<'_, V>, start: &State<V>) -> Self {
+    pub(crate) fn new<'f, 'a: 'f>(
+        functions: impl Iterator<Item = &'f Observable<'a, V>>,
+        start: &State<V>,
+    ) -> Self
+    where
+        V: 'f,
+    {
         let mut watch = Self { sides: Vec::new(), room: start.clone(), samples: Samples::default() };
-        watch.begin(sections, start);
+        watch.begin(functions, start);
         watch
     }
 
     /// Begins another path.
-    pub(crate) fn begin(&mut self, sections: &Sections<'_, V>, start: &State<V>) {
+    pub(crate) fn begin<'f, 'a: 'f>(
+        &mut self,
+        functions: impl Iterator<Item = &'f Observable<'a, V>>,
+        start: &State<V>,
+    ) where
+        V: 'f,
+    {
         self.sides.clear();
-        let values = sections.0.iter().map(|(_, value)| value(start));
-        self.sides.extend(values.map(Side::at));
+        self.sides.extend(functions.map(|value| Side::at(value(start))));
     }
 
-    /// The crossings of a step, section by section, each in the order of time.
-    pub(crate) fn follow(
+    /// The crossings of a step, function by function, each in the order of time; the number of the function
+    /// is that of the section.
+    pub(crate) fn follow<'f, 'a: 'f>(
         &mut self,
-        sections: &Sections<'_, V>,
+        functions: impl Iterator<Item = &'f Observable<'a, V>>,
         dense: &DenseOutput<V>,
-        mut found: impl FnMut(Crossing<V>),
-    ) {
+        found: &mut dyn FnMut(Crossing<V>),
+    ) where
+        V: 'f,
+    {
         let parts = dense.rows().clamp(LEAST_PARTS, MOST_PARTS);
         self.samples.set(dense.rows(), parts);
-        for (section, (side, (wanted, value))) in self.sides.iter_mut().zip(&sections.0).enumerate() {
+        for (section, (side, value)) in self.sides.iter_mut().zip(functions).enumerate() {
             let mut step = Step { dense, value: &**value, room: &mut self.room };
-            step.follow(side, &self.samples, parts, |direction, state| {
-                if wanted.is_none_or(|wanted| wanted == direction) {
-                    found(Crossing { section, direction, state });
-                }
+            step.follow(side, &self.samples, parts, &mut |direction, state| {
+                found(Crossing { section, direction, state });
             });
         }
     }
@@ -137,24 +140,6 @@ impl<V: Vector> Crossing<V> {
     }
 }
 
-/// When a function is first zero in a step or changes its sign there, if its `values` at both nodes say that it does.
-pub(crate) fn first_zero<V: Vector>(
-    dense: &DenseOutput<V>,
-    value: &dyn Fn(&State<V>) -> f64,
-    values: [f64; 2],
-    room: &mut State<V>,
-) -> Option<f64> {
-    let is_crossed = values[0] < 0.0 && values[1] >= 0.0 || values[0] > 0.0 && values[1] <= 0.0;
-    if !is_crossed {
-        return None;
-    }
-    if values[1] == 0.0 {
-        return Some(dense.end().t);
-    }
-    let mut step = Step { dense, value, room };
-    Some(step.crossing([0.0, 1.0], values).t)
-}
-
 /// One step and one section.
 struct Step<'s, V> {
     dense: &'s DenseOutput<V>,
@@ -170,10 +155,10 @@ impl<V: Vector> Step<'_, V> {
 
     fn follow(
         &mut self,
-        side: &mut Side<V>,
+        side: &mut Side<State<V>>,
         samples: &Samples,
         parts: usize,
-        mut found: impl FnMut(Direction, State<V>),
+        found: &mut dyn FnMut(Direction, State<V>),
     ) {
         let theta = |i: usize| i as f64 / parts as f64;
         let mut values = [0.0; MOST_PARTS + 1];
@@ -184,21 +169,15 @@ impl<V: Vector> Step<'_, V> {
         }
         values[parts] = (self.value)(self.dense.end());
         let values = &values[..=parts];
-        side.value = values[parts];
         for i in 0..parts {
             let (bracket, ends) = ([theta(i), theta(i + 1)], [values[i], values[i + 1]]);
             let after = sign(ends[1]);
-            if after.is_nan() {
-                (side.sign, side.touched) = (0.0, None);
-            } else if after == 0.0 {
-                if side.sign != 0.0 && side.touched.is_none() {
-                    side.touched = Some(self.dense.at(bracket[1]));
-                }
-            } else if side.sign == 0.0 || side.sign == after {
-                // From a start on the section, from nowhere, or back from it.
-                let was_touched = side.touched.take().is_some();
-                let turns = |i: usize| after * slope(values, i);
-                if sign(ends[0]) == after && !was_touched && turns(i) < 0.0 && turns(i + 1) > 0.0 {
+            let turns = |i: usize| after * slope(values, i);
+            match side.go(ends[1], || self.dense.at(bracket[1])) {
+                Some(Change::At(state)) => found(direction(after), state),
+                Some(Change::Between) => found(direction(after), self.crossing(bracket, ends)),
+                // An extremum towards zero, between two values of one sign.
+                None if after != 0.0 && sign(ends[0]) == after && turns(i) < 0.0 && turns(i + 1) > 0.0 => {
                     let bottom = lowest(bracket, |theta| after * self.at(theta));
                     if let Some((middle, value)) = bottom {
                         let [first, second] = [direction(-after), direction(after)];
@@ -206,11 +185,7 @@ impl<V: Vector> Step<'_, V> {
                         found(second, self.crossing([middle, bracket[1]], [after * value, ends[1]]));
                     }
                 }
-                side.sign = after;
-            } else {
-                let state = side.touched.take().unwrap_or_else(|| self.crossing(bracket, ends));
-                found(direction(after), state);
-                side.sign = after;
+                None => {}
             }
         }
     }
@@ -219,11 +194,6 @@ impl<V: Vector> Step<'_, V> {
         let theta = root(bracket, values, |theta| self.at(theta));
         self.dense.at(theta)
     }
-}
-
-/// -1, 0 or 1; NaN of NaN.
-fn sign(value: f64) -> f64 {
-    if value == 0.0 { 0.0 } else { value.signum() }
 }
 
 fn direction(sign: f64) -> Direction {

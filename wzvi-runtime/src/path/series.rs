@@ -12,7 +12,6 @@ mod batches;
 mod chains;
 #[cfg(feature = "correlation")]
 mod correlation;
-mod student;
 mod tally;
 mod temperature;
 #[cfg(feature = "correlation")]
@@ -24,7 +23,6 @@ pub use batches::BatchMeans;
 pub use chains::Chains;
 #[cfg(feature = "correlation")]
 pub use correlation::{Autocorrelation, ByLag};
-pub(crate) use student::NORMAL;
 pub(crate) use tally::Averaged;
 pub use temperature::{Equipartition, Share};
 pub(crate) use temperature::{configurational, configurational_of, kinetic, kinetic_of};

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::path::series::NORMAL;
+use crate::algebra::student::NORMAL;
 
 /// A number and its standard error (zero for a single deterministic value).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -6,6 +6,7 @@ use super::histogram::Histogram;
 use super::quantiles::Quantiles;
 use super::run::Statistics;
 use super::statistic::{Seen, Statistic, Tables};
+use crate::algebra::student;
 use crate::algebra::welford::Welford;
 use crate::ground::digits::estimate;
 use crate::ground::numbers::{Numbers, Tape};
@@ -13,11 +14,15 @@ use crate::saving::table::{Parts, Rows};
 
 /// When paths first crossed a zero of a function of the state.
 ///
-/// A path passes between the first two nodes at which the function has different signs, or is zero at the second. The time is interpolated
-/// linearly. A path that starts at zero passes at the start. A path that has not passed at the end is censored there; one that fails before
-/// is lost at its last node.
+/// A passage is the first crossing that a [section](crate::path::section) counts: a change of sign, in either
+/// direction. A path that starts at zero has not passed, and passes when the function changes the sign that
+/// it has after the start. A path that starts beyond the level passes when it comes back. One that ends at
+/// zero, or touches it, has not passed. A path that has not passed at the end is censored there; one that
+/// fails before is lost at its last node.
 ///
-/// A path that crosses and returns within a step is not seen. For a quantity that diffuses, mean times are therefore too long by a relative
+/// Without noise, crossings are found as those of sections are, between the nodes, too. With noise, signs are
+/// compared at the nodes, and the time is interpolated linearly: a path that crosses and returns within a
+/// step is not seen. For a quantity that diffuses, mean times are therefore too long by a relative
 /// error of order `√h`. A quantity that the noise reaches through a derivative, such as a position under noise in the momentum, does not
 /// have this error.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,9 +184,18 @@ impl Passages {
         self.times.variance()
     }
 
-    /// The standard error of [`Passages::mean`].
+    /// The standard error of [`Passages::mean`]. Of few passages it is uncertain itself: `mean ± 1.96
+    /// standard_error` covers 69, 89, 92 % for 2, 5, 10 of them.
     pub fn standard_error(&self) -> f64 {
         self.times.standard_error()
+    }
+
+    /// The half width of the 95 % interval of Student's t for [`Passages::mean`], over 1.96: `mean ± 1.96
+    /// error_bound` covers 95 % for normal times, of any number from two on. Times of rare passages are
+    /// exponential: for 5, 10, 30, 100 of them it covers 88, 90, 93, 94 %. NaN of fewer than two.
+    pub fn error_bound(&self) -> f64 {
+        let degrees = self.passed().saturating_sub(1) as f64;
+        self.standard_error() * student::quantile(degrees) / student::NORMAL
     }
 
     /// The quantiles of these times.
@@ -268,6 +282,7 @@ impl Events {
             .column("lost", |passages| passages.lost())
             .column("mean", |passages| passages.mean())
             .column("standard_error", |passages| passages.standard_error())
+            .column("error_bound", |passages| passages.error_bound())
             .column("rate", |passages| passages.rate())
             .column("rate_error", |passages| passages.rate_error())
             .parts("passages")
@@ -306,20 +321,6 @@ impl Events {
     }
 }
 
-/// The time between two nodes at which a function that is `before` and `after` there crosses zero, if it does.
-pub(crate) fn crossing([start, end]: [f64; 2], [before, after]: [f64; 2]) -> Option<f64> {
-    // All false for NaN.
-    let crosses = before < 0.0 && after >= 0.0 || before > 0.0 && after <= 0.0;
-    if !crosses {
-        return None;
-    }
-    // By halves, so that the difference does not overflow.
-    let fraction = 0.5 * before / (0.5 * before - 0.5 * after);
-    let time = start + (end - start) * fraction;
-    // Only the sign of an infinite value is known.
-    Some(if fraction.is_nan() { end } else { time })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -337,17 +338,14 @@ mod tests {
     }
 
     #[test]
-    fn crossings_are_interpolated() {
-        let between = |before, after| crossing([1.0, 2.0], [before, after]);
-        assert_eq!(between(-1.0, 3.0), Some(1.25));
-        assert_eq!(between(3.0, -1.0), Some(1.75));
-        assert_eq!(between(0.5, 0.0), Some(2.0));
-        assert_eq!(between(-f64::MAX, f64::MAX), Some(1.5));
-        for (before, after) in [(1.0, 2.0), (-1.0, -0.1), (0.0, 1.0), (f64::NAN, 1.0), (-1.0, f64::NAN)] {
-            assert_eq!(between(before, after), None);
-        }
-        assert_eq!(between(-1.0, f64::INFINITY), Some(1.0));
-        assert_eq!(between(f64::NEG_INFINITY, 1.0), Some(2.0));
+    fn errors_of_few_times_are_those_of_student() {
+        let bins = Histogram::new(0.0, 4.0, 4).unwrap();
+        let mut passages = Passages::new("few".into(), [0.0, 4.0], bins, false);
+        passages.push(Passage::At(1.0));
+        assert!(passages.error_bound().is_nan());
+        passages.push(Passage::At(3.0));
+        // A deviation of √2, of two times: a standard error of 1, and t = 12.706.
+        assert!((1.959_964 * passages.error_bound() - 12.706).abs() < 1e-3, "{}", passages.error_bound());
     }
 
     /// Exponential times with rate 1.5, censored at 1: the rate comes out right, the mean does not.

@@ -9,11 +9,13 @@ fn crossings(f: impl Fn(f64) -> f64 + Send + Sync, steps: u32) -> Vec<(f64, Dire
     let mut sections = Sections::default();
     sections.push(None, |state: &State<V1>| f(state.t));
     let state = |t: u32| State::new([0.0], [0.0]).at(f64::from(t));
-    let mut watch = Watch::new(&sections, &state(0));
+    let mut watch = Watch::new(sections.functions(), &state(0));
     let mut all = Vec::new();
     for step in 0..steps {
         let dense = DenseOutput::straight([state(step), state(step + 1)]);
-        watch.follow(&sections, &dense, |crossing| all.push((crossing.state.t, crossing.direction)));
+        watch.follow(sections.functions(), &dense, &mut |crossing| {
+            all.push((crossing.state.t, crossing.direction));
+        });
     }
     all
 }

@@ -18,7 +18,7 @@
 //!   by chance have an error that is rather too large. Both together cover 95 ± 2 % of the AR(1) and AR(2) series that have an error, where at least one in a hundred has one.
 //!   Where fewer have, 91 % (`x_n = 0.5 x_{n-1} + 0.4 x_{n-2} + ξ_n`, 1024 values: six in a thousand).
 
-use super::student;
+use crate::algebra::student;
 use crate::algebra::welford::Welford;
 use crate::ground::numbers::{Numbers, Tape};
 

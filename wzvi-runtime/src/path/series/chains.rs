@@ -1,7 +1,7 @@
 //! Several paths of one system, compared by their means.
 
 use super::TimeAverages;
-use super::student::{NORMAL, normal_of_ratio, quantile};
+use crate::algebra::student::{NORMAL, normal_of_ratio, quantile};
 use crate::error::wrong;
 use crate::path::Error;
 
