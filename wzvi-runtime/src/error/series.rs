@@ -15,6 +15,13 @@ pub enum SeriesError {
         /// Its index, from 0.
         index: usize,
     },
+    /// A lag that the series does not have.
+    Lag {
+        /// As it was requested, in time units.
+        lag: f64,
+        /// The longest.
+        longest: f64,
+    },
     /// Series that belong together have different lengths.
     Lengths {
         /// Length of the first series.
@@ -26,9 +33,11 @@ pub enum SeriesError {
 
 messages! { SeriesError:
     Self::Short { length } =>
-        "{length} values are too few for their correlation time; run longer, or record less often";
+        "the correlations of {length} values do not end within a tenth of the series; run longer";
     Self::Constant => "all values are the same: there is nothing to correlate";
     Self::NonFinite { index } => "value {index} (from 0) is NaN or infinite";
+    Self::Lag { lag, longest } =>
+        "no correlation at a lag of {lag}: it goes from 0 to {longest}, the length of the series in time units";
     Self::Lengths { expected, got } =>
         "the series have {expected} and {got} values; they must have the same length";
 }

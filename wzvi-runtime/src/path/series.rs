@@ -22,7 +22,7 @@ pub use averages::{TimeAverage, TimeAverages, TimeAveraging};
 pub use batches::BatchMeans;
 pub use chains::Chains;
 #[cfg(feature = "correlation")]
-pub use correlation::{Autocorrelation, ByLag};
+pub use correlation::{Autocorrelation, ByLag, LagIntegral};
 pub(crate) use tally::Averaged;
 pub use temperature::{Equipartition, Share};
 pub(crate) use temperature::{configurational, configurational_of, kinetic, kinetic_of};

@@ -32,7 +32,8 @@ pub struct TimeAverage {
     pub variance: f64,
     /// The standard error of the mean, correlations included ([`BatchMeans::standard_error`]); NaN while the path is too short to know it.
     pub standard_error: f64,
-    /// `mean ± 1.96 error_bound` covers the mean in 95 %: [`BatchMeans::error_bound`].
+    /// `mean ± 1.96 error_bound` covers the mean in 95 % of paths that last for 40 of their slowest
+    /// correlation times: [`BatchMeans::error_bound`].
     pub error_bound: f64,
     /// Degrees of freedom of the error ([`BatchMeans::degrees`]).
     pub degrees: f64,
@@ -141,8 +142,9 @@ where
     }
 
     /// Ends the run when the error of the average of an observable is `target` (units of the observable) or less, correlations included; the end of
-    /// the run is then a limit. The test uses [`BatchMeans::error_bound`], which is known once the path has lasted for some 200 correlation times. If
-    /// this is called more than once, all targets must be met.
+    /// the run is then a limit. The test uses [`BatchMeans::error_bound`], and the same by batches of half
+    /// the length; they are known once the path has lasted for some 50 correlation times. If this is called
+    /// more than once, all targets must be met.
     ///
     /// **A path samples only the regions that it visits.** A path that has stayed in one of two wells has a small error of the mean over that well, and
     /// meets the target. Where a system may have more than one region, run several paths from starts in different ones, and compare their

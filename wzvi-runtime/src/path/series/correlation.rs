@@ -1,15 +1,20 @@
 //! Autocorrelation functions, correlation times and errors.
 
 use super::SeriesError;
-use super::transform::lagged_products;
+use super::transform::{lagged_products, spectrum};
 use crate::algebra::state::{State, Vector};
 use crate::error::PathError;
 use crate::path::trajectory::Trajectory;
 use crate::scheme::system::Hamiltonian;
 
-/// How many correlation times the sum over the autocorrelation function goes (A. Sokal, "Monte Carlo methods in statistical mechanics: foundations and new
-/// algorithms", in *Functional Integration*, 1997, section 3): the rest of the sum is about `e^{-5}` of it, and the noise of the tail is excluded.
-const WINDOW: f64 = 5.0;
+/// Correlations have ended where the mean of `ρ²` over the second half of the window is this many times what it
+/// is without correlations, or less. One is noise alone. A shorter part of the window, or more noise, would end it
+/// where `ρ` changes its sign.
+const NOISE: f64 = 1.2;
+
+/// The shortest window: half of it has two lags, so that waves that are zero at every second value do not
+/// seem to have ended.
+const SHORTEST: usize = 4;
 
 /// Values that belong to times between two nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,14 +41,18 @@ pub struct Autocorrelation {
     pub variance: f64,
     /// `ρ(t)`, from `ρ(0) = 1` on.
     pub function: ByLag,
-    /// The integrated autocorrelation time, in time units: `τ = Δ (1/2 + Σ ρ)` up to [`Autocorrelation::window`].
+    /// The integrated autocorrelation time, in time units: `τ = Δ (1/2 + Σ ρ)` up to
+    /// [`Autocorrelation::window`], the last term by half. Where correlations cancel, as those of the
+    /// velocity of a bound particle, it is zero up to its error, and may come out negative.
     pub time: f64,
-    /// Its standard error (U. Wolff, "Monte Carlo errors with less errors", Comput. Phys. Commun. 156, 2004, equation 42).
+    /// Its standard error, by the spectrum of the series: that of correlations that oscillate, too
+    /// ([`Autocorrelation::integral`]).
     pub time_error: f64,
-    /// Number of lags in the sum: the least that covers five correlation times ([`time`](Autocorrelation::time)).
+    /// Number of lags in the sum: in its second half, the correlations are not larger than their errors.
     pub window: usize,
-    /// The standard error of the mean: `√(2 τ σ² / N Δ)`.
+    /// The standard error of the mean: `√(2 τ σ² / N Δ)`, with the error of `τ` where that is larger.
     pub standard_error: f64,
+    spectrum: Spectrum,
 }
 
 impl Autocorrelation {
@@ -87,14 +96,16 @@ impl Autocorrelation {
             .iter()
             .map(|values| values.as_ref().iter().map(|x| deviation(x) / of_deviations).collect())
             .collect();
-        let products = lagged_products(centred.iter().map(Vec::as_slice), length);
+        let power = spectrum(centred.iter().map(Vec::as_slice), length);
+        let products = lagged_products(&power, length);
         let at = |lag: usize| products[lag] / (series.len() * (length - lag)) as f64;
         let variance = at(0);
         let rho: Vec<f64> = (0..length).map(|lag| at(lag) / variance).collect();
-        let (window, time) = window(&rho).ok_or(SeriesError::Short { length })?;
+        let window = window(&rho, count).ok_or(SeriesError::Short { length })?;
         // What the mean takes from the correlations (equation 49 of Wolff).
-        let time = time * (1.0 + (2 * window + 1) as f64 / count as f64);
-        let time_error = time * (4.0 / count as f64 * (window as f64 + 0.5 - time).max(0.5)).sqrt();
+        let time = to_lag(&rho, window) * (1.0 + (2 * window) as f64 / count as f64);
+        let spectrum = Spectrum::new(&power, variance, series.len(), length);
+        let time_error = spectrum.error(window, time);
         Ok(Self {
             mean: mean * of_values,
             variance: variance * (of_deviations * of_values).powi(2),
@@ -102,8 +113,84 @@ impl Autocorrelation {
             time: time * spacing,
             time_error: time_error * spacing,
             window,
-            standard_error: (2.0 * time * variance / count as f64).sqrt() * of_deviations * of_values,
+            standard_error: (2.0 * time.max(time_error) * variance / count as f64).sqrt()
+                * of_deviations
+                * of_values,
+            spectrum,
         })
+    }
+
+    /// The integral of the autocorrelation function up to a lag (time units, to the nearest multiple of the
+    /// spacing), by the trapezoidal rule, with its error. Times the variance it is the Green-Kubo integral up
+    /// to there: of a velocity, the diffusion coefficient once it has stopped to change with the lag.
+    ///
+    /// # Errors
+    /// [`SeriesError::Lag`] for a lag that is negative, or longer than the series.
+    pub fn integral(&self, lag: f64) -> Result<LagIntegral, SeriesError> {
+        let ByLag { spacing, values } = &self.function;
+        let longest = (values.len() - 1) as f64 * spacing;
+        if !(0.0..=longest).contains(&lag) {
+            return Err(SeriesError::Lag { lag, longest });
+        }
+        let lag = (lag / spacing).round() as usize;
+        let count = self.spectrum.count as f64;
+        let value = to_lag(values, lag) + self.time / spacing * (2 * lag) as f64 / count;
+        Ok(LagIntegral { value: value * spacing, error: self.spectrum.error(lag, value) * spacing })
+    }
+}
+
+/// The integral of an autocorrelation function up to a lag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagIntegral {
+    /// In time units.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+/// `1/2 + Σ ρ` up to a lag, the last term by half: the integral by the trapezoidal rule, in samples.
+fn to_lag(rho: &[f64], lag: usize) -> f64 {
+    rho[..=lag].iter().sum::<f64>() - 0.5 * (rho[0] + rho[lag])
+}
+
+/// The power spectrum of a series, from which errors of sums over its autocorrelation function follow.
+///
+/// An autocovariance is a cosine transform of the spectrum, and powers at different frequencies are
+/// independent, of exponential laws about their means `S`. With `K(ω) = 1/2 + Σ cos ωt` up to the lag, the
+/// last term by half, the integral `τ` of the autocorrelation function has the variance `(2/N) ∫ S² (K - τ)²
+/// dω/2π` in units of the variance of the series (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 1946). `S²` is
+/// estimated by half of the square of the power; by `m` powers added up, in `m` series, by their square over
+/// `m (m + 1)`.
+#[derive(Clone, Debug, PartialEq)]
+struct Spectrum {
+    /// Powers from 0 to the highest frequency, over the number of values and their variance.
+    powers: Vec<f64>,
+    /// Number of series, and of values in all of them.
+    series: usize,
+    count: usize,
+}
+
+impl Spectrum {
+    fn new(power: &[f64], variance: f64, series: usize, length: usize) -> Self {
+        let count = series * length;
+        let powers = power.iter().take(power.len() / 2 + 1);
+        Self { powers: powers.map(|power| power / (count as f64 * variance)).collect(), series, count }
+    }
+
+    /// The standard error of the sum up to a lag, which is `time`, in samples.
+    fn error(&self, lag: usize, time: f64) -> f64 {
+        let half = self.powers.len() - 1;
+        let squares = self.powers.iter().enumerate().map(|(k, power)| {
+            let omega = std::f64::consts::PI * k as f64 / half as f64;
+            let kernel =
+                if k == 0 { lag as f64 } else { 0.5 * (lag as f64 * omega).sin() / (0.5 * omega).tan() };
+            // Other frequencies have a negative one of the same power.
+            let times = if k == 0 || k == half { 1.0 } else { 2.0 };
+            times * (power * (kernel - time)).powi(2)
+        });
+        let series = self.series as f64;
+        let per_series = (self.count / self.series) as f64;
+        (2.0 * squares.sum::<f64>() / ((series + 1.0) * per_series * (2 * half) as f64)).sqrt()
     }
 }
 
@@ -113,14 +200,23 @@ fn unit(values: impl Iterator<Item = f64>) -> f64 {
     f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE)
 }
 
-/// The first lag that is [`WINDOW`] correlation times, and that time in samples; `None` unless it is within a tenth of the series.
-fn window(rho: &[f64]) -> Option<(usize, f64)> {
-    let mut time = 0.5;
-    for (lag, rho) in rho.iter().enumerate().take(rho.len() / 10).skip(1) {
-        time += rho;
-        // Values that alternate have a time below that of independent ones.
-        if lag as f64 >= WINDOW * time.max(0.5) {
-            return Some((lag, time.max(0.0)));
+/// The number of lags after which correlations have ended; `None` unless it is within a tenth of all values,
+/// and a quarter of a series.
+/// Far from zero, `ρ` of `count` values has the variance `(1 + 2 Σ ρ²) / N` (Bartlett's): squares, so that
+/// nothing cancels in waves, as it does in `Σ ρ`, which would end the window in the first of them.
+fn window(rho: &[f64], count: usize) -> Option<usize> {
+    let (longest, count) = ((rho.len() / 4).min(count / 10), count as f64);
+    // Up to each lag.
+    let (mut sums, mut sum) = (Vec::new(), 0.0);
+    for (lag, rho) in rho.iter().enumerate().take(longest) {
+        sum += rho * rho;
+        sums.push(sum);
+        if lag >= SHORTEST {
+            let half = lag / 2;
+            let mean = (sum - sums[half - 1]) / (lag - half + 1) as f64;
+            if mean * count <= NOISE * (2.0 * sum - 1.0) {
+                return Some(lag);
+            }
         }
     }
     None
@@ -152,7 +248,8 @@ impl<V: Vector, E> Trajectory<V, E> {
         let spacing = self.spacing()?;
         let velocities: Vec<V> = self.iter().map(|state| system.energy_gradient(state).p).collect();
         let series = by_degree(&velocities);
-        let mut values = lagged_products(series.iter().map(Vec::as_slice), velocities.len());
+        let power = spectrum(series.iter().map(Vec::as_slice), velocities.len());
+        let mut values = lagged_products(&power, velocities.len());
         for (lag, value) in values.iter_mut().enumerate() {
             *value /= ((velocities.len() - lag) * series.len()) as f64;
         }
@@ -174,7 +271,7 @@ impl<V: Vector, E> Trajectory<V, E> {
             let mean = values.iter().sum::<f64>() / length as f64;
             values.iter_mut().for_each(|x| *x -= mean);
         }
-        let products = lagged_products(series.iter().map(Vec::as_slice), length);
+        let products = lagged_products(&spectrum(series.iter().map(Vec::as_slice), length), length);
         let square = |i: usize| series.iter().map(|values| values[i] * values[i]).sum::<f64>();
         let mut squares = 2.0 * (0..length).map(square).sum::<f64>();
         let mut values = Vec::with_capacity(length);

@@ -59,7 +59,7 @@ impl<'a, V> Tally<'a, V> {
     /// Whether all errors are small enough.
     pub(super) fn meets_targets(&self) -> bool {
         let mut all = self.batches.iter().zip(&self.wanted);
-        all.all(|(batches, wanted)| *wanted == f64::INFINITY || batches.error_bound() <= *wanted)
+        all.all(|(batches, wanted)| *wanted == f64::INFINITY || batches.meets(*wanted))
     }
 
     /// With their names.
