@@ -156,6 +156,10 @@ fn first_passages_are_exact_where_paths_are_smooth() {
 #[hamiltonian(drift = |q, p, t| p * (3.0 * t * t + 12.0 * t - 4.0), embedding = Gauss<3>)]
 struct Cubic;
 
+/// `q = (t - 1) (t - 2) (t - 3)`.
+#[hamiltonian(drift = |q, p, t| p * (3.0 * t * t - 12.0 * t + 11.0), embedding = Gauss<3>)]
+struct Near;
+
 /// Three crossings in a step, or one and a pair in two: the passage is the first, in either direction of
 /// time.
 #[test]
@@ -177,6 +181,11 @@ fn the_first_of_several_crossings_in_a_step_is_the_passage() {
         assert!((passages.mean() - first).abs() < 1e-12, "{} {first}", passages.mean());
         assert_eq!(Some(passages.mean()), run.crossings()[0].iter().next().map(|crossing| crossing.t));
     }
+    // All three between two of the points at which a step is looked at.
+    let start = State::new([-6.0], [0.0]).at(0.0);
+    let run = Near.ensemble::<Gauss<3>>(14.0).start(start).paths(3).steps(1);
+    let run = run.first_passage("zero", |state| state.q[0]).run().unwrap();
+    assert!((run.passage("zero").unwrap().mean() - 1.0).abs() < 1e-12);
 }
 
 #[test]

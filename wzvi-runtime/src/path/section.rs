@@ -8,7 +8,9 @@
 //! one that starts or ends on the section. Where the function is NaN, the path has no side, and crossings in between are unknown.
 //!
 //! **What is found.** In each step the function is evaluated at equidistant points, as many as the polynomial has coefficients (at least 4; 8 for
-//! `Gauss<8>`). Two neighbouring values of different sign enclose a crossing, which is always found; if they enclose three or more, one is found.
+//! `Gauss<8>`). Two neighbouring values of different sign enclose a crossing, which is always found. The
+//! function is then evaluated at the ends of four equal parts between them; if two of these enclose three or
+//! more, one is found.
 //! Two values of the same sign may enclose an extremum towards zero. Where differences indicate one, it is located, and two crossings close to each
 //! other are found, too. A pair closer than about `10^-8` of a step is a tangency up to rounding, and may be missed. So may crossings of functions
 //! that oscillate within a step faster than its polynomial.
@@ -175,7 +177,7 @@ impl<V: Vector> Step<'_, V> {
             let turns = |i: usize| after * slope(values, i);
             match side.go(ends[1], || self.dense.at(bracket[1])) {
                 Some(Change::At(state)) => found(direction(after), state),
-                Some(Change::Between) => found(direction(after), self.crossing(bracket, ends)),
+                Some(Change::Between) => self.crossings(bracket, ends, found),
                 // An extremum towards zero, between two values of one sign.
                 None if after != 0.0 && sign(ends[0]) == after && turns(i) < 0.0 && turns(i + 1) > 0.0 => {
                     let bottom = lowest(bracket, |theta| after * self.at(theta));
@@ -187,6 +189,29 @@ impl<V: Vector> Step<'_, V> {
                 }
                 None => {}
             }
+        }
+    }
+
+    /// The crossings between two points at which the function has different signs: of several, those that
+    /// more points between them tell apart.
+    fn crossings(
+        &mut self,
+        [start, end]: [f64; 2],
+        [before, after]: [f64; 2],
+        found: &mut dyn FnMut(Direction, State<V>),
+    ) {
+        let (mut side, mut last, length) = (Side::at(before), start, end - start);
+        for i in 1..=LEAST_PARTS {
+            let is_last = i == LEAST_PARTS;
+            let theta = if is_last { end } else { start + length * i as f64 / LEAST_PARTS as f64 };
+            let value = if is_last { after } else { self.at(theta) };
+            let values = [side.value(), value];
+            match side.go(value, || self.dense.at(theta)) {
+                Some(Change::At(state)) => found(direction(value), state),
+                Some(Change::Between) => found(direction(value), self.crossing([last, theta], values)),
+                None => {}
+            }
+            last = theta;
         }
     }
 

@@ -72,6 +72,12 @@ fn several_crossings_in_a_step_are_found() {
             assert!((gap - distance).abs() < 1e-14 / distance, "{distance} around {middle}: {gap}");
         }
     }
+    // Three between the same two.
+    let found = crossings(|t| (t - 0.55) * (t - 0.62) * (t - 0.7), 1);
+    let [(first, Rising), (second, Falling), (third, Rising)] = found[..] else { panic!("{found:?}") };
+    for (found, exact) in [(first, 0.55), (second, 0.62), (third, 0.7)] {
+        assert!((found - exact).abs() < 1e-14, "{found} {exact}");
+    }
     let found = crossings(|t| (std::f64::consts::TAU * t).sin() + 0.5, 2);
     assert_eq!(found.len(), 4, "{found:?}");
 }
