@@ -45,12 +45,30 @@ where
     H: Elements + Discretized<E>,
     W: Composes<E, H::Structure>,
 {
-    const TEXT: Text<ROOM> = Text::of(&W::LISTING, H::EQUATIONS);
+    /// That of the composed steps where it is higher.
+    const ORDER: u32 = if W::ORDER > H::PLAN.order { W::ORDER } else { H::PLAN.order };
+    const TEXT: Text<ROOM> = Text::of(&W::LISTING, Self::ORDER, H::EQUATIONS);
     /// The text.
     pub(super) const ALL: &'static str = {
         let text: &'static Text<ROOM> = &Self::TEXT;
         text.as_str()
     };
+}
+
+/// The beginning of lines in the texts of composed schemes: how closely a step keeps the energy, and its modified energy.
+const WITHIN: &str = "  H0 is a first integral: kept by the step nearly, within O(";
+const MODIFIED: &str = "  modified energy, kept within ";
+/// The most bytes by which the order of a composition is longer than that of a step.
+const ORDER_ROOM: usize = 8;
+
+/// Whether `text` is at this place.
+const fn begins(bytes: &[u8], at: usize, text: &str) -> bool {
+    let text = text.as_bytes();
+    let mut i = 0;
+    while i < text.len() && at + i < bytes.len() && bytes[at + i] == text[i] {
+        i += 1;
+    }
+    i == text.len()
 }
 
 /// A text of at most `N` bytes.
@@ -61,7 +79,8 @@ struct Text<const N: usize> {
 }
 
 impl<const N: usize> Text<N> {
-    const fn of(listing: &Listing, base: &str) -> Self {
+    /// The text of a composition of this order of steps with the text `base`.
+    const fn of(listing: &Listing, order: u32, base: &str) -> Self {
         let mut text = Self { bytes: [0; N], length: 0 };
         let (parts, coefficients) = match listing {
             Listing::Steps(weights) => {
@@ -91,8 +110,59 @@ impl<const N: usize> Text<N> {
             Listing::Turns { .. } => "where the flows are those in\n\n",
         });
         // The composed scheme has its own constant, of any length.
-        text.push(if text.length + base.len() <= N { base } else { "its own EQUATIONS\n" });
+        if text.length + base.len() + ORDER_ROOM <= N {
+            text.push_of_order(base, order);
+        } else {
+            text.push("its own EQUATIONS\n");
+        }
         text
+    }
+
+    /// Appends the text of the composed scheme, with the order of the composition in the fact on the energy, and without the modified energy of the composed
+    /// step.
+    const fn push_of_order(&mut self, base: &str, order: u32) {
+        let bytes = base.as_bytes();
+        let (mut at, mut is_of_modified) = (0, false);
+        while at < bytes.len() {
+            let mut end = at;
+            while end < bytes.len() && bytes[end] != b'\n' {
+                end += 1;
+            }
+            // The terms of the modified energy are indented by more.
+            is_of_modified = begins(bytes, at, MODIFIED) || is_of_modified && begins(bytes, at, "    ");
+            if !is_of_modified {
+                let power = if begins(bytes, at, WITHIN) { at + WITHIN.len() } else { end };
+                let mut i = at;
+                while i < end && self.length < N {
+                    self.bytes[self.length] = bytes[i];
+                    self.length += 1;
+                    i += 1;
+                    if i == power && power < end {
+                        self.push_order(order);
+                        while i < end && bytes[i] != b')' {
+                            i += 1;
+                        }
+                    }
+                }
+                self.push("\n");
+            }
+            at = end + 1;
+        }
+    }
+
+    /// The order as a power of `h`: `h`, `h²`, `h^4`.
+    const fn push_order(&mut self, order: u32) {
+        match order {
+            1 => self.push("h"),
+            2 => self.push("h²"),
+            _ => {
+                self.push("h^");
+                if order > 9 {
+                    self.push_digit((order / 10 % 10) as u128);
+                }
+                self.push_digit((order % 10) as u128);
+            }
+        }
     }
 
     const fn as_str(&self) -> &str {
@@ -190,9 +260,23 @@ mod tests {
     fn a_text_without_room_refers_to_that_of_the_scheme() {
         let listing = Listing::Steps(&[1.0]);
         let long = "a long text\n".repeat(20);
-        let whole = Text::<400>::of(&listing, &long);
+        let whole = Text::<400>::of(&listing, 2, &long);
         assert!(whole.as_str().ends_with(&long));
-        let short = Text::<200>::of(&listing, &long);
+        let short = Text::<200>::of(&listing, 2, &long);
         assert!(short.as_str().ends_with("  1 h\nof\n\nits own EQUATIONS\n"), "{}", short.as_str());
+    }
+
+    /// What the composed step does to the energy is not what the composition does.
+    #[test]
+    fn the_energy_is_kept_to_the_order_of_the_composition() {
+        let base = "Verlet\n\nFacts\n  H0 is a first integral: kept by the step nearly, within O(h²) between the kinks of H0\n  \
+                    modified energy, kept within O(h⁴): H0 + h² (...)\n    H_pp(H_q,H_q) = p²\n  first integral p\n";
+        for (order, power) in [(4, "h^4"), (8, "h^8"), (10, "h^10")] {
+            let text = Text::<600>::of(&Listing::Steps(&[1.0]), order, base);
+            let facts = format!(
+                "Facts\n  H0 is a first integral: kept by the step nearly, within O({power}) between the kinks of H0\n  first integral p\n"
+            );
+            assert!(text.as_str().ends_with(&facts), "{}", text.as_str());
+        }
     }
 }
