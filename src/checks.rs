@@ -50,6 +50,7 @@ impl<H: Hamiltonian> Scheme<H> for NoSteps {
         noise: NoiseClass::None,
         consistent: false,
         conserves_energy: Knowledge::Unknown,
+        energy_jumps: false,
         commuting: Knowledge::Unknown,
         has_weak_order_two: false,
     };

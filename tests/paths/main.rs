@@ -6,6 +6,7 @@
 mod between;
 mod checkpoint;
 mod high_order;
+mod jumps;
 mod orbits;
 mod refused;
 mod report;

@@ -48,6 +48,7 @@ fn kubo() {
             noise: Multiplicative,
             consistent: true,
             conserves_energy: Proven,
+            energy_jumps: false,
             commuting: Proven,
             // Its flow has; the step does not, being of order two.
             has_weak_order_two: true,

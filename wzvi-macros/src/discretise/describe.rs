@@ -233,9 +233,9 @@ fn quadrature(embedding: &Embedding, text: &mut String) {
 /// that differs by the order of the scheme (Hairer, Lubich, Wanner, Geometric Numerical Integration, IX.8): its error does not
 /// grow.
 fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
-    let jumps = facts.boundaries[0].iter().any(|known| matches!(known.crossing, Crossing::Jump(_)));
     let is_smooth = facts.boundaries[0].iter().all(|known| matches!(known.crossing, Crossing::Smooth));
     let has_noise = facts.noise != NoiseClass::None;
+    let is_watched = !has_noise && !embedding.is_thermostat();
     let order = match embedding.order() {
         1 => "O(h)".to_owned(),
         2 => "O(h²)".to_owned(),
@@ -253,12 +253,18 @@ fn energy(facts: &Facts, embedding: &Embedding, text: &mut String) {
             };
             say!(text, "  H0 is a first integral: {keeps}");
         }
-        Knowledge::Refuted(_) if jumps => {
-            say!(text, "  H0 is not a first integral: it jumps");
+        Knowledge::Refuted(_) if facts.energy.only_jumps => {
+            say!(text, "  H0 is not a first integral: it jumps, and is kept between its jumps");
+            if is_watched {
+                say!(text, "  runs do not compare H0 with its value at the start");
+            }
         }
         known => {
             let energy = knowledge(known, "is a first integral", "is not a first integral");
             say!(text, "  H0 {energy}");
+            if is_watched && matches!(known, Knowledge::Unknown(_)) {
+                say!(text, "  runs compare H0 with its value at the start, as if it were");
+            }
         }
     }
 }
@@ -275,12 +281,13 @@ fn followed(facts: &Facts, embedding: &Embedding) -> &'static str {
 fn crossings(facts: &Facts, text: &mut String) {
     let numbers = std::iter::once("0").chain(facts.numbers.iter().map(String::as_str));
     for (number, boundaries) in numbers.zip(&facts.boundaries) {
-        for Boundary { place, crossing } in boundaries {
+        for Boundary { place, crossing, .. } in boundaries {
             let finding = match crossing {
                 Crossing::Smooth => "is continuous, its slope, too",
                 Crossing::Kink => "is continuous, its slope jumps: the step has order 1 across",
                 Crossing::Jump(_) if number == "0" => "jumps: energy is kept on each side only",
                 Crossing::Jump(_) => "jumps: its derivatives are those of either side",
+                Crossing::JumpUnless(jump) => &format!("jumps unless {jump} = 0"),
                 Crossing::Undecided => "was not decided to be continuous",
             };
             say!(text, "  where {place}, H{number} {finding}");

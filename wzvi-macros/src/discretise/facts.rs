@@ -6,7 +6,7 @@ use self::form::{Form, has_constant_curvature};
 use self::invariants::invariant;
 use self::kinetic::is_diagonal;
 use super::branches::{Boundary, Crossing, boundaries};
-use super::sums::{Calculus, Increments, Judged, Space, Sum, Weighted, unweighted, weighted};
+use super::sums::{Calculus, Increments, Judged, Space, Sum, unweighted, weighted};
 use crate::diagnostics::{Extent, promised};
 use crate::embedding::{Correction, Embedding};
 use crate::model::{Atom, Element, Half, Index, Reads, System, Term};
@@ -122,6 +122,8 @@ pub(crate) struct Energy {
     pub(crate) powers: Vec<(String, Sum)>,
     /// Whether it is a first integral.
     pub(crate) is_kept: Knowledge,
+    /// Whether jumps of `H_0` are the only known reason why it is not.
+    pub(crate) only_jumps: bool,
     /// Whether there is no noise, and the drift does not read the time: then symplectic steps keep a modified energy.
     pub(crate) is_conservative: bool,
 }
@@ -144,13 +146,17 @@ impl Energy {
         let of_sums = [drift].into_iter().chain(noise);
         let boundaries: Vec<_> = of_sums.map(|sum| boundaries_of(sums.graph, sum, *t)).collect();
         let jumps = boundaries[0].iter().map(|boundary| kept_across("H0", boundary));
-        let is_kept = all([explicit].into_iter().chain(found).chain(jumps));
+        let on_pieces = all([explicit].into_iter().chain(found));
+        let across = all(jumps);
+        let only_jumps =
+            matches!(across, Knowledge::Refuted(_)) && !matches!(on_pieces, Knowledge::Refuted(_));
+        let is_kept = all([on_pieces, across]);
         let said =
             powers.into_iter().filter_map(|(said, power)| Some((said?, power.sum.unwrap_or_default())));
         // A vanishing rate is printed as zero, not as a difference of equal terms.
         let printed = |rate: Judged| rate.sum.filter(|_| !rate.known.is_proven()).unwrap_or_default();
         let rates = rates.into_iter().map(printed).collect();
-        (Self { rates, powers: said.collect(), is_kept, is_conservative }, boundaries)
+        (Self { rates, powers: said.collect(), is_kept, only_jumps, is_conservative }, boundaries)
     }
 }
 
@@ -172,8 +178,18 @@ impl Facts {
         });
         let (energy, boundaries) = Energy::of(sums, &hamiltonians);
         let class = noise_class(sums.graph, &noises);
+        let energy_form = match energy.is_kept {
+            Knowledge::Proven => invariants::form_of(sums, &hamiltonians, drift),
+            _ => Form::NONE,
+        };
+        let has_several_noises = system.noise.len() > 1 || noise.iter().chain(&forces.noise).any(is_family);
+        // Their brackets are those of the pieces.
+        let jumps = hamiltonians.numbers.iter().zip(&boundaries[1..]).flat_map(|(number, boundaries)| {
+            boundaries.iter().map(move |boundary| kept_across(&format!("H{number}"), boundary))
+        });
+        let jumps = if has_several_noises { all(jumps) } else { Knowledge::Proven };
         let commuting =
-            all([commuting_hamiltonians(sums, noise), commuting_forces(sums, noise, &forces.noise)]);
+            all([commuting_hamiltonians(sums, noise), commuting_forces(sums, noise, &forces.noise), jumps]);
         let has_weak_order_two =
             commuting.is_proven() && weak::has_order_two(sums, &hamiltonians, class, &energy.is_kept);
         Self {
@@ -190,11 +206,11 @@ impl Facts {
             half_force_defect: forces.defect(sums),
             counter_term,
             energy,
-            energy_form: Form::of(sums.graph, drift),
+            energy_form,
             boundaries,
             commuting,
             has_weak_order_two,
-            has_several_noises: system.noise.len() > 1 || noise.iter().chain(&forces.noise).any(is_family),
+            has_several_noises,
             invariants: declared.into_iter().map(|one| invariant(sums, &hamiltonians, one)).collect(),
             numbers: hamiltonians.numbers,
             drift: hamiltonians.drift,
@@ -266,12 +282,13 @@ fn is_family(noise: &Sum) -> bool {
 
 /// The boundaries of branches that the state or time can reach.
 fn boundaries_of(graph: &mut Graph, hamiltonian: &Sum, t: Symbol) -> Vec<Boundary> {
-    let of_element = |Weighted { element, .. }: &Weighted| {
-        let mut state = element.state();
-        state.push(t);
-        boundaries(graph, element.value, &state)
-    };
-    hamiltonian.iter().flat_map(of_element).collect()
+    hamiltonian.iter().flat_map(|weighted| boundaries_in(graph, &weighted.element, t)).collect()
+}
+
+fn boundaries_in(graph: &mut Graph, element: &Element, t: Symbol) -> Vec<Boundary> {
+    let mut state = element.state();
+    state.push(t);
+    boundaries(graph, element.value, &state)
 }
 
 /// Whether a function with this name has the same value on both sides of its boundary.
@@ -279,6 +296,9 @@ fn kept_across(name: &str, boundary: &Boundary) -> Knowledge {
     match &boundary.crossing {
         Crossing::Smooth | Crossing::Kink => Knowledge::Proven,
         Crossing::Jump(witness) => Knowledge::Refuted(witness.clone()),
+        Crossing::JumpUnless(jump) => {
+            Knowledge::Unknown(format!("{name} jumps where {}, unless {jump} = 0", boundary.place))
+        }
         Crossing::Undecided => Knowledge::Unknown(format!("{name} may jump where {}", boundary.place)),
     }
 }

@@ -27,6 +27,7 @@ pub(crate) fn facts(
     let known = [
         ("noise", noise),
         ("conserves_energy", knowledge(&facts.energy.is_kept)),
+        ("energy_jumps", facts.energy.only_jumps.then(|| quote!(true))),
         ("commuting", knowledge(&facts.commuting)),
         ("has_weak_order_two", (!facts.has_weak_order_two).then(|| quote!(false))),
         ("is_damped", is_damped.then(|| quote!(true))),

@@ -98,7 +98,7 @@ impl Graph {
 }
 
 /// The `i`-th coordinate of a trial point: simple numbers, then random ones of mixed sign and scale.
-fn coordinate(trial: usize, i: usize, random: &mut SplitMix) -> f64 {
+pub(super) fn coordinate(trial: usize, i: usize, random: &mut SplitMix) -> f64 {
     if trial < SIMPLE_POINTS {
         let value = SIMPLE[(trial + i * (1 + trial / SIMPLE.len()) + i / SIMPLE.len()) % SIMPLE.len()];
         // Every second simple point lies in the domain of roots and logarithms.

@@ -299,6 +299,9 @@ impl<'j, 'a, H: Discretized<E>, E, P: Systems, const L: usize> Group<'j, 'a, H, 
         if const { keeps_energy::<H, E>() } && !self.looked.is_empty() {
             self.end_look(step);
         }
+        if const { keeps_energy::<H, E>() } && step + 1 == self.job.steps {
+            self.arrive(step);
+        }
         Ok(())
     }
 

@@ -32,7 +32,11 @@ pub enum StepFailure {
         energy_error: f64,
         /// The mean of `|p · Δq / h|` so far, twice the kinetic energy of a mechanical system.
         scale: f64,
+        /// Whether a jump of `H` may be the cause instead: no proof says that it is continuous.
+        may_jump: bool,
     },
+    /// The state is finite, and its energy is not a number: a step left the domain of `H`.
+    UndefinedEnergy,
     /// Only in [derivatives](crate::path::simulate::Simulation::tangent): dual numbers solve each step anew, and found another solution than the step, or
     /// did not come back to its start.
     OtherSolution {
@@ -104,10 +108,17 @@ messages! { StepFailure:
     Self::NoSolution { reached } =>
         "the solution that continues the state could not be followed beyond {:.0} % of the step; \
          take a smaller step, or subdivide with `.retry(Retry::halving(n))`", 100.0 * reached;
-    Self::Unresolved { energy_error, scale } =>
+    Self::Unresolved { energy_error, scale, may_jump: false } =>
         "the step is too long for the motion: the energy is off by {energy_error:.1e}, and stays off, where the \
          mean of p · dq/dt is {scale:.1e}; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or check the \
          energy yourself with `.unwatched()`";
+    Self::Unresolved { energy_error, scale, may_jump: true } =>
+        "the step is too long for the motion, or H jumps: the energy is off by {energy_error:.1e}, and stays off, where the \
+         mean of p · dq/dt is {scale:.1e}; if H is continuous, take a smaller step, or subdivide with \
+         `.retry(Retry::halving(n))`; if it jumps, check the energy yourself with `.unwatched()`";
+    Self::UndefinedEnergy =>
+        "the energy of the new state is not a number: the step left the domain of H; take a smaller step, subdivide with \
+         `.retry(Retry::halving(n))`, or check the energy yourself with `.unwatched()`";
     Self::OtherSolution { apart } =>
         "dual numbers found another end of the step, {apart:.1e} of its length away, so the derivative is not known: its equations have \
          several solutions, the steps are unstable, so that the way back is lost in rounding, or `adjoint` names a scheme that is not the adjoint one; \
@@ -158,10 +169,17 @@ mod tests {
             let message = failure.to_string();
             assert!(message.ends_with(&format!("; {remedy}")), "{message}");
         }
-        let watched = StepFailure::Unresolved { energy_error: 0.2, scale: 1.0 }.to_string();
-        assert!(
-            watched.contains("; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or "),
-            "{watched}"
-        );
+        let unresolved =
+            |may_jump| StepFailure::Unresolved { energy_error: 0.2, scale: 1.0, may_jump }.to_string();
+        for watched in [unresolved(false), StepFailure::UndefinedEnergy.to_string()] {
+            assert!(
+                watched.contains("; take a smaller step, subdivide with `.retry(Retry::halving(n))`, or "),
+                "{watched}"
+            );
+        }
+        let undecided = unresolved(true);
+        let causes =
+            ["too long for the motion, or H jumps", "take a smaller step, or subdivide", "`.unwatched()`"];
+        assert!(causes.iter().all(|said| undecided.contains(said)), "{undecided}");
     }
 }

@@ -6,12 +6,14 @@ use crate::ground::numbers::Tape;
 /// Where those of a bath begin.
 const BATH: u64 = 9;
 
-/// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, and infinite parameters.
+/// Words after all of them: failed lanes, another solution, too many unknowns, internal errors, infinite parameters, and energies.
 const LANES: u64 = u64::MAX;
 const OTHER: u64 = LANES - 1;
 const TOO_MANY: u64 = LANES - 2;
 const INTERNAL: u64 = LANES - 3;
 const INFINITE: u64 = LANES - 4;
+const UNDECIDED: u64 = LANES - 5;
+const UNDEFINED: u64 = LANES - 6;
 
 impl StepFailure {
     pub(crate) fn pass(&mut self, tape: &mut Tape) {
@@ -29,7 +31,11 @@ impl StepFailure {
             Self::NotConverged { iterations, correction } => [0, u64::from(iterations), correction.to_bits()],
             Self::Singular { pivot, scale } => [1, pivot.to_bits(), scale.to_bits()],
             Self::NoSolution { reached } => [2, reached.to_bits(), 0],
-            Self::Unresolved { energy_error, scale } => [3, energy_error.to_bits(), scale.to_bits()],
+            Self::Unresolved { energy_error, scale, may_jump } => {
+                let which = if may_jump { UNDECIDED } else { 3 };
+                [which, energy_error.to_bits(), scale.to_bits()]
+            }
+            Self::UndefinedEnergy => [UNDEFINED, 0, 0],
             Self::NonFinite => [4, 0, 0],
             // Here the name is lost.
             Self::Infinite { .. } => [INFINITE, 0, 0],
@@ -55,7 +61,9 @@ impl StepFailure {
             0 => Self::NotConverged { iterations: u32::try_from(a).ok()?, correction: y },
             1 => Self::Singular { pivot: x, scale: y },
             2 => Self::NoSolution { reached: x },
-            3 => Self::Unresolved { energy_error: x, scale: y },
+            3 => Self::Unresolved { energy_error: x, scale: y, may_jump: false },
+            UNDECIDED => Self::Unresolved { energy_error: x, scale: y, may_jump: true },
+            UNDEFINED => Self::UndefinedEnergy,
             4 => Self::NonFinite,
             LANES if a != 0 => Self::Lanes(FailedLanes(a)),
             5 => Self::Increments { expected: usize::try_from(a).ok()?, got: usize::try_from(b).ok()? },
@@ -87,7 +95,9 @@ mod tests {
             StepFailure::NotConverged { iterations: u32::MAX, correction: 0.1 },
             StepFailure::Singular { pivot: -0.0, scale: f64::INFINITY },
             StepFailure::NoSolution { reached: 0.3 },
-            StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0 },
+            StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0, may_jump: false },
+            StepFailure::Unresolved { energy_error: 1e-300, scale: 7.0, may_jump: true },
+            StepFailure::UndefinedEnergy,
             StepFailure::OtherSolution { apart: 0.4 },
             StepFailure::TooManyUnknowns { unknowns: 2000, most: 1500 },
             StepFailure::Internal(StepPromise::ListedRates),

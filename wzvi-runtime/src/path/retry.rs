@@ -20,6 +20,7 @@ use crate::error::{ConfigError, StepError, StepFailure, wrong};
 pub use crate::increments::{Divisible as Serves, Halved, Whole};
 use crate::increments::{Interval, Noise};
 use crate::path::Error;
+use crate::path::span::Grid;
 use crate::path::step::{StepInfo, Stepper};
 use crate::path::steps::{Single, Step};
 use crate::path::watch::{AGREEMENT, Watch, disagreement};
@@ -111,7 +112,11 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         // A divided step whose halves do not agree is shorter than the steps of the run, and has been halved as often as it may be.
         let own = self.stepper.step_size();
         let is_unresolved = match error {
-            Error::Step(StepError { cause: StepFailure::Unresolved { .. }, h, .. }) => *h == own,
+            Error::Step(StepError {
+                cause: StepFailure::Unresolved { .. } | StepFailure::UndefinedEnergy,
+                h,
+                ..
+            }) => *h == own,
             _ => false,
         };
         let base = self.base();
@@ -230,7 +235,17 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let scale = motion.unwrap_or(of_step);
         // Also where one of them is no number.
         let is_settled = energy_error <= AGREEMENT * scale;
-        (!is_settled).then_some(StepFailure::Unresolved { energy_error, scale })
+        (!is_settled).then_some(StepFailure::Unresolved { energy_error, scale, may_jump: false })
+    }
+
+    /// At the end of a run: its energy is a number, if it is monitored.
+    ///
+    /// # Errors
+    /// [`StepFailure::UndefinedEnergy`] of the last step.
+    pub(crate) fn arrive(&self, state: &State<H::Vector>, grid: &Grid) -> Result<(), StepError> {
+        let (step, h) = (grid.steps.saturating_sub(1), self.stepper.step_size());
+        let arrived = self.watch.arrive::<H, E>(self.system, state);
+        arrived.map_err(|cause| StepError { step, t: grid.time(step), h, cause })
     }
 
     /// The last step.
@@ -367,6 +382,7 @@ pub(crate) fn is_curable(cause: StepFailure) -> bool {
         | StepFailure::NonFinite
         | StepFailure::Infinite { .. } => true,
         StepFailure::Unresolved { .. }
+        | StepFailure::UndefinedEnergy
         | StepFailure::Increments { .. }
         | StepFailure::Dimension { .. }
         | StepFailure::Index(_)

@@ -21,12 +21,19 @@
 //! on the chord of a mid-point, and a stiff direction that is excited at every other node. `A` is the size of the motion in units of energy, twice the
 //! kinetic energy of a mechanical system. Its mean does not grow with the error, unlike its largest value. It depends on the origin of `p`.
 //!
+//! The conserved quantity of a step across a jump of `H` is that of the piece on either side, so `H` changes by the jump. Where no proof says that `H` is
+//! continuous ([`EnergyWatch`]), the change that brings the energy off is looked for on the chord in phase space between the states of both tests: if at least half
+//! of it is a jump ([`Jumps`]), the reference becomes the energy behind it.
+//! Where the text of `H` shows a jump, nothing is monitored.
+//!
+//! An energy that is not a number ends a run at once, in a test or at its end: the state has left the domain of `H`.
+//!
 //! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps would have the same phase in each test.
 
 use crate::algebra::scalar::{Dual, Rounded};
 use crate::algebra::state::{State, Vector, copy_state, dot};
 use crate::error::{StepError, StepFailure};
-use crate::scheme::plan::{KeptEnergy, Knowledge, NoiseClass};
+use crate::scheme::plan::{EnergyWatch, KeptEnergy};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
 /// One step of so many is tested.
@@ -42,11 +49,24 @@ const HARMFUL: f64 = 0.1;
 /// `HARMFUL`.
 pub(crate) const AGREEMENT: f64 = HARMFUL / TAIL as f64;
 
+/// How the energy of a run of this scheme is monitored.
+const fn energy_watch<H: Discretized<E>, E>() -> EnergyWatch {
+    match H::PLAN.energy_watch() {
+        // Not every jump between two tests is seen on the chord between them.
+        EnergyWatch::BetweenJumps => EnergyWatch::Never,
+        watch if H::PROPERTIES.is_variational => watch,
+        _ => EnergyWatch::Never,
+    }
+}
+
 /// Whether the energy of a run of this scheme is monitored.
 pub(crate) const fn keeps_energy<H: Discretized<E>, E>() -> bool {
-    matches!(H::PLAN.noise, NoiseClass::None)
-        && matches!(H::PLAN.conserves_energy, Knowledge::Proven)
-        && H::PROPERTIES.is_variational
+    !matches!(energy_watch::<H, E>(), EnergyWatch::Never)
+}
+
+/// Whether no proof says that the monitored energy is continuous.
+const fn may_jump<H: Discretized<E>, E>() -> bool {
+    matches!(energy_watch::<H, E>(), EnergyWatch::Undecided)
 }
 
 /// The size of the motion so far, in units of energy: `|(p_i + p_{i+1})/2 · Δq/h|` over some steps.
@@ -94,6 +114,9 @@ pub(crate) struct Watch<V> {
     /// The deviation of the energy before the tested step; and at the last tests, the smaller one of both ends.
     off: f64,
     recent: [f64; SPAN],
+    /// Whether jumps are looked for: from the end of the last tested step and its energy.
+    follows_jumps: bool,
+    last: Option<Box<(State<V>, f64)>>,
     /// Made by the first look, and away in each.
     room: Option<Box<Room<V>>>,
 }
@@ -102,6 +125,10 @@ pub(crate) struct Watch<V> {
 #[derive(Clone, Debug)]
 pub(crate) struct Room<V> {
     before: State<V>,
+    /// Its `E_h`.
+    energy_before: f64,
+    /// Whether the `H` that was computed last is not a number.
+    is_undefined: bool,
     slopes: [V; 2],
     dual: [Vec<Dual<1>>; 4],
 }
@@ -112,22 +139,27 @@ impl<V> Default for Watch<V> {
         let recent = [0.0; SPAN];
         let (band, motion, room) = ([0.0; 2], Motion::default(), None);
         let (next, steps, is_refusing, suspected, off) = (u64::MAX, None, false, 0, 0.0);
-        Self { next, steps, is_refusing, suspected, band, motion, off, recent, room }
+        let (follows_jumps, last) = (false, None);
+        Self { next, steps, is_refusing, suspected, band, motion, off, recent, follows_jumps, last, room }
     }
 }
 
 impl<V: Vector> Watch<V> {
     /// For a run by this scheme from step 0, if the system conserves its energy. Deviations are refused, or only counted.
     pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_refusing: bool) -> Self {
-        Self { next: if keeps_energy::<H, E>() { 0 } else { u64::MAX }, is_refusing, ..Self::default() }
+        let next = if keeps_energy::<H, E>() { 0 } else { u64::MAX };
+        Self { next, is_refusing, follows_jumps: may_jump::<H, E>(), ..Self::default() }
     }
 
     /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then at eight times the step of the last test, and 64
     /// steps before the end. After a deviation it is tested like a single run, until the deviation ends. A path thus pays for four tests in its first
-    /// thousand steps and one more for eight times as many, and deviations up to 64 steps before its end are found.
+    /// thousand steps and one more for eight times as many, and deviations up to 64 steps before its end are found. Where `H` may jump it is
+    /// always tested like a single run, because jumps between rare tests are not seen.
     pub(crate) fn among_others<H: Discretized<E, Vector = V>, E>(steps: u64) -> Self {
         let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
-        Self { next, steps: Some(steps), is_refusing: true, ..Self::default() }
+        let is_rare = const { !may_jump::<H, E>() };
+        let steps = is_rare.then_some(steps);
+        Self { next, steps, is_refusing: true, follows_jumps: may_jump::<H, E>(), ..Self::default() }
     }
 
     /// The same, of the next path.
@@ -170,14 +202,58 @@ impl<V: Vector> Watch<V> {
         if self.motion.steps == 0 {
             self.band = [energy; 2];
         }
+        if const { may_jump::<H, E>() }
+            && let (Some(scale), Some(last)) = (self.motion.mean(), self.last.take())
+        {
+            self.follow::<H, E>(system, [(&last.0, last.1), (state, energy)], scale);
+            self.last = Some(last);
+        }
+        room.energy_before = energy;
         self.off = self.distance::<H, E>(energy);
         room
+    }
+
+    /// After a change of the energy between two states: moves the reference to the second energy if the change is a jump.
+    #[cold]
+    fn follow<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        system: &H,
+        [(before, earlier), (after, later)]: [(&State<V>, f64); 2],
+        scale: f64,
+    ) {
+        let change = later - earlier;
+        // No deviation comes from so little.
+        if change.abs() <= AGREEMENT * scale {
+            return;
+        }
+        let [least, largest] = self.band;
+        // The least shift of the reference after which the energy is right.
+        let shift = if later < least { later - least } else { (later - largest).max(0.0) };
+        if shift.abs() > HARMFUL * scale
+            && (change - Jumps::between(system, [before, after]).sum(change)).abs() <= 0.5 * change.abs()
+        {
+            self.band = [least + shift, largest + shift];
+            self.recent = [0.0; SPAN];
+        }
+    }
+
+    /// At the end of a run.
+    ///
+    /// # Errors
+    /// [`StepFailure::UndefinedEnergy`]
+    pub(crate) fn arrive<H: Discretized<E, Vector = V>, E>(
+        &self,
+        system: &H,
+        state: &State<V>,
+    ) -> Result<(), StepFailure> {
+        let is_left = const { keeps_energy::<H, E>() } && self.is_refusing && system.energy(state).is_nan();
+        if is_left { Err(StepFailure::UndefinedEnergy) } else { Ok(()) }
     }
 
     /// After that step, which led to this state.
     ///
     /// # Errors
-    /// [`StepFailure::Unresolved`]; the state is then what it was before the step.
+    /// [`StepFailure::Unresolved`] or [`StepFailure::UndefinedEnergy`]; the state is then what it was before the step.
     #[inline(never)]
     pub(crate) fn end<H: Discretized<E, Vector = V>, E>(
         &mut self,
@@ -189,8 +265,24 @@ impl<V: Vector> Watch<V> {
     ) -> Result<(), StepError> {
         // A stiff direction that alternates may excite every other node only.
         let energy = room.kept_energy::<H, E>(system, state, h);
+        if const { may_jump::<H, E>() } {
+            let mut motion = self.motion;
+            motion.add(h, [&room.before, state]);
+            let scale = motion.mean().unwrap_or(f64::NAN);
+            self.follow::<H, E>(system, [(&room.before, room.energy_before), (state, energy)], scale);
+            match &mut self.last {
+                Some(last) => {
+                    copy_state(&mut last.0, state);
+                    last.1 = energy;
+                }
+                last => *last = Some(Box::new((state.clone(), energy))),
+            }
+        }
         let off = self.off.min(self.distance::<H, E>(energy));
-        let judged = self.judge::<H, E>(system, [&room.before, state], h, step, off);
+        let judged = match room.is_undefined {
+            true => self.refuse(StepFailure::UndefinedEnergy),
+            false => self.judge::<H, E>(system, [&room.before, state], h, step, off),
+        };
         if judged.is_err() {
             copy_state(state, &room.before);
         }
@@ -237,9 +329,18 @@ impl<V: Vector> Watch<V> {
         self.suspected += 1;
         let least = self.recent.iter().fold(f64::INFINITY, |least, error| least.min(*error));
         if self.is_refusing && looks >= SPAN as u64 && least > harmful {
-            return Err(StepFailure::Unresolved { energy_error: least, scale });
+            let may_jump = const { may_jump::<H, E>() };
+            return Err(StepFailure::Unresolved { energy_error: least, scale, may_jump });
         }
         Ok(())
+    }
+
+    /// Counts what is wrong, and refuses it if deviations are refused.
+    #[cold]
+    fn refuse(&mut self, cause: StepFailure) -> Result<(), StepFailure> {
+        self.suspected += 1;
+        self.next = next_look(self.next);
+        if self.is_refusing { Err(cause) } else { Ok(()) }
     }
 
     /// The step to look at after this one.
@@ -251,25 +352,36 @@ impl<V: Vector> Watch<V> {
         }
     }
 
-    /// What a checkpoint keeps.
-    pub(crate) fn pass(&mut self, tape: &mut crate::ground::numbers::Tape) {
-        let Self { next, steps: _, is_refusing: _, suspected, band, motion, off: _, recent, room: _ } = self;
+    /// What a checkpoint keeps; `state` has the size of the system.
+    pub(crate) fn pass(&mut self, state: &State<V>, tape: &mut crate::ground::numbers::Tape) {
+        let Self { next, suspected, band, motion, recent, follows_jumps, last, .. } = self;
         [next, &mut motion.steps, suspected].into_iter().for_each(|word| tape.word(word));
         tape.number(&mut motion.sum);
         tape.numbers(band);
         tape.numbers(recent);
+        if *follows_jumps {
+            let mut has_last = last.is_some();
+            tape.flag(&mut has_last);
+            if has_last {
+                let last = last.get_or_insert_with(|| Box::new((state.clone(), 0.0)));
+                last.0.pass(tape);
+                tape.number(&mut last.1);
+            }
+        }
     }
 }
 
 impl<V: Vector> Room<V> {
     fn of(state: &State<V>) -> Self {
         let slopes = [&state.q, &state.p].map(|vector| V::zeros(vector.components().len()));
-        Self { before: state.clone(), slopes, dual: Default::default() }
+        let (energy_before, is_undefined) = (0.0, false);
+        Self { before: state.clone(), energy_before, is_undefined, slopes, dual: Default::default() }
     }
 
     /// `E_h`
     fn kept_energy<H: Discretized<E, Vector = V>, E>(&mut self, system: &H, state: &State<V>, h: f64) -> f64 {
         let energy = system.energy(state);
+        self.is_undefined = energy.is_nan();
         if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::Hamiltonian | KeptEnergy::Nearly) } {
             return energy;
         }
@@ -298,6 +410,93 @@ impl<V: Vector> Room<V> {
             return energy - 0.125 * h * h * bent;
         }
         energy
+    }
+}
+
+/// Halvings of a chord after which the change of the energy is noted, and after which the search ends.
+const COARSE: u32 = 20;
+const FINE: u32 = 36;
+/// The most energies that are computed in one search.
+const EFFORT: usize = 256;
+/// Jumps below this share of the whole change are not looked for.
+const LEAST_SHARE: f64 = 1.0 / 16.0;
+
+/// The jumps of `H` on the chord between two states.
+///
+/// The part of the chord with the largest change of the energy is halved again and again, until no change is above a sixteenth of the whole one. A change that is left on the `2⁻³⁶`th
+/// part of the chord is a jump if it is the same there as on the `2⁻²⁰`th part around it. What is continuous like `|x|^a` falls by `2^(-16a)` between the
+/// two, to nine tenths for `a = 0.01`; at a pole the change grows.
+struct Jumps<'s, H: Hamiltonian> {
+    system: &'s H,
+    ends: [&'s State<H::Vector>; 2],
+    /// A point of the chord.
+    point: State<H::Vector>,
+}
+
+/// A part of a chord: its ends as shares of the chord, their energies, how often the chord was halved, and the change on the part of `2^-COARSE` around it.
+#[derive(Clone, Copy)]
+struct Piece {
+    ends: [f64; 2],
+    energies: [f64; 2],
+    depth: u32,
+    coarse: f64,
+}
+
+impl Piece {
+    fn change(&self) -> f64 {
+        self.energies[1] - self.energies[0]
+    }
+
+    fn is_steady(&self) -> bool {
+        (self.change() - self.coarse).abs() <= 0.1 * self.change().abs()
+    }
+}
+
+impl<'s, H: Hamiltonian> Jumps<'s, H> {
+    fn between(system: &'s H, ends: [&'s State<H::Vector>; 2]) -> Self {
+        Self { system, ends, point: ends[0].clone() }
+    }
+
+    /// The sum of the jumps, of those that are not much less than this change.
+    fn sum(mut self, change: f64) -> f64 {
+        let energies = self.ends.map(|state| self.system.energy(state));
+        let mut pieces = vec![Piece { ends: [0.0, 1.0], energies, depth: 0, coarse: f64::INFINITY }];
+        let mut sum = 0.0;
+        for _ in 0..EFFORT {
+            let sizes = pieces.iter().map(|piece| piece.change().abs()).enumerate();
+            // Of numbers only: what is none is no jump.
+            let largest = sizes.fold((0, 0.0), |most, piece| if piece.1 > most.1 { piece } else { most });
+            if largest.1 <= LEAST_SHARE * change.abs() {
+                break;
+            }
+            let piece = pieces.swap_remove(largest.0);
+            if piece.depth == FINE {
+                sum += if piece.is_steady() { piece.change() } else { 0.0 };
+                continue;
+            }
+            let Piece { ends: [start, end], energies: [first, last], depth, coarse } = piece;
+            let middle = 0.5 * (start + end);
+            let (energy, depth) = (self.energy(middle), depth + 1);
+            for (ends, energies) in [([start, middle], [first, energy]), ([middle, end], [energy, last])] {
+                let half = Piece { ends, energies, depth, coarse };
+                pieces.push(if depth == COARSE { Piece { coarse: half.change(), ..half } } else { half });
+            }
+        }
+        sum
+    }
+
+    /// At this share of the chord.
+    fn energy(&mut self, share: f64) -> f64 {
+        let ([from, to], point) = (self.ends, &mut self.point);
+        let lists = [(&mut point.q, &from.q, &to.q), (&mut point.p, &from.p, &to.p)];
+        for (into, from, to) in lists {
+            let ends = from.components().iter().zip(to.components());
+            for (into, (from, to)) in into.components_mut().iter_mut().zip(ends) {
+                *into = from + share * (to - from);
+            }
+        }
+        point.t = from.t + share * (to.t - from.t);
+        self.system.energy(point)
     }
 }
 

@@ -222,5 +222,5 @@ impl<H: Elements> Damped<H> {
 const fn with_bath(plan: Plan) -> Plan {
     let order = if plan.order < 2 { plan.order } else { 2 };
     let noise = if matches!(plan.noise, NoiseClass::None) { NoiseClass::Thermal } else { plan.noise };
-    Plan { order, noise, conserves_energy: Knowledge::Refuted, ..plan }
+    Plan { order, noise, conserves_energy: Knowledge::Refuted, energy_jumps: false, ..plan }
 }

@@ -46,6 +46,20 @@ pub enum Knowledge {
     Unknown,
 }
 
+/// How a run without noise monitors its energy: [`Plan::energy_watch`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EnergyWatch {
+    /// `H_0` is conserved, by proof: its values are compared with that at the start.
+    FromStart,
+    /// Nothing shows that `H_0` changes or jumps, and no proof excludes it. The values are compared with that at the start, and with
+    /// that behind a jump where the run finds one.
+    Undecided,
+    /// Not at all: the text of `H_0` shows a jump, and not every crossing between two tests is seen.
+    BetweenJumps,
+    /// Not at all: noise, forces, friction or explicit time change `H_0`.
+    Never,
+}
+
 /// The energy that the steps of a scheme conserve to rounding in a linear system: [`Properties::kept_energy`](crate::scheme::system::Properties::kept_energy).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeptEnergy {
@@ -68,6 +82,8 @@ pub struct Facts {
     pub noise: NoiseClass,
     /// As [`Plan::conserves_energy`].
     pub conserves_energy: Knowledge,
+    /// As [`Plan::energy_jumps`].
+    pub energy_jumps: bool,
     /// As [`Plan::commuting`].
     pub commuting: Knowledge,
     /// As [`Plan::has_weak_order_two`].
@@ -106,6 +122,7 @@ impl Facts {
             degrees,
             noise: NoiseClass::None,
             conserves_energy: Knowledge::Proven,
+            energy_jumps: false,
             commuting: Knowledge::Proven,
             has_weak_order_two: true,
             is_damped: false,
@@ -124,8 +141,18 @@ impl Facts {
 
     /// The plan of a scheme of this order with such a step.
     pub const fn plan(self, solver: Solver, unknowns: usize, order: u32, consistent: bool) -> Plan {
-        let Self { noise, conserves_energy, commuting, has_weak_order_two, .. } = self;
-        Plan { solver, unknowns, order, noise, consistent, conserves_energy, commuting, has_weak_order_two }
+        let Self { noise, conserves_energy, energy_jumps, commuting, has_weak_order_two, .. } = self;
+        Plan {
+            solver,
+            unknowns,
+            order,
+            noise,
+            consistent,
+            conserves_energy,
+            energy_jumps,
+            commuting,
+            has_weak_order_two,
+        }
     }
 
     /// The plan of an explicit step of order two made of flows.
@@ -147,8 +174,10 @@ pub struct Plan {
     pub noise: NoiseClass,
     /// Whether the scheme converges to the Stratonovich system as `h -> 0`.
     pub consistent: bool,
-    /// Whether the continuous system conserves the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, and no explicit time.
+    /// Whether the continuous system conserves the drift Hamiltonian: `{H_k, H_0} = 0` for every noise, no explicit time, and no jump of `H_0`.
     pub conserves_energy: Knowledge,
+    /// Whether jumps that the text of `H_0` shows are the only reason why it is not conserved: then it is, from one jump to the next.
+    pub energy_jumps: bool,
     /// Whether `{H_j, H_k}` is constant for all noises: then the strong order of a consistent scheme is one.
     pub commuting: Knowledge,
     /// Whether increments that are frozen over a step leave a weak order of two: the noises commute and `Σ_k {H_k, {H_k, H_0}}` is constant,
@@ -188,6 +217,7 @@ impl fmt::Display for Plan {
         }
         f.write_str(match self.conserves_energy {
             Knowledge::Proven => "; the system keeps its energy",
+            Knowledge::Refuted if self.energy_jumps => "; the system keeps its energy between its jumps",
             Knowledge::Refuted => "; the energy of the system changes",
             Knowledge::Unknown => "; whether the system keeps its energy is not known",
         })
@@ -195,6 +225,16 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
+    /// How deterministic runs of a variational step monitor their energy.
+    pub const fn energy_watch(&self) -> EnergyWatch {
+        match (self.noise, self.conserves_energy) {
+            (NoiseClass::None, Knowledge::Proven) => EnergyWatch::FromStart,
+            (NoiseClass::None, Knowledge::Unknown) => EnergyWatch::Undecided,
+            (NoiseClass::None, Knowledge::Refuted) if self.energy_jumps => EnergyWatch::BetweenJumps,
+            _ => EnergyWatch::Never,
+        }
+    }
+
     /// The order in `h` of the root mean square error of paths driven by the same increments; `None` if the scheme does not converge
     /// to the Stratonovich system. It is 1 if the brackets of the noises are known to be constant, else 1/2, since increments alone
     /// determine no more of the path.

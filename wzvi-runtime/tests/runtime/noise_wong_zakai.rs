@@ -85,6 +85,7 @@ pub(crate) const IMPLICIT: Plan = Plan {
     noise: NoiseClass::Multiplicative,
     consistent: true,
     conserves_energy: Knowledge::Unknown,
+    energy_jumps: false,
     commuting: Knowledge::Proven,
     has_weak_order_two: false,
 };

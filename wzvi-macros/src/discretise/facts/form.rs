@@ -17,6 +17,18 @@ pub(crate) struct Form {
 impl Form {
     /// That of a function which no step is known to keep exactly.
     pub(super) const NONE: Self = Self { quadratic: false, bilinear: false };
+    /// That of a constant.
+    pub(super) const CONSTANT: Self = Self { quadratic: true, bilinear: true };
+
+    /// That of a function of both: what keeps both keeps it.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self { quadratic: self.quadratic && other.quadratic, bilinear: self.bilinear && other.bilinear }
+    }
+
+    /// Whether some step keeps a first integral of this form exactly.
+    pub(super) fn is_known(self) -> bool {
+        self.quadratic || self.bilinear
+    }
 
     pub(super) fn of(graph: &mut Graph, value: &Sum) -> Self {
         let [quadratic, bilinear] = [Degree::Quadratic, Degree::Bilinear]

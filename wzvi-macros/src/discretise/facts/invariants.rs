@@ -1,10 +1,14 @@
 //! First integrals: the rates of a function along the drift, the noises and the forces.
 
 use super::forces::{self, Forces};
-use super::{Form, Hamiltonians, boundaries_of, kept_across};
+use super::form::is_quadratic;
+use super::{Form, Hamiltonians, boundaries_in, kept_across};
+use std::collections::HashMap;
+
 use crate::diagnostics::Extent;
-use crate::discretise::{Calculus, Increments, Judged, Sum};
-use crate::symbolic::{Knowledge, Rational};
+use crate::discretise::{Calculus, Increments, Judged, Sum, Weighted};
+use crate::model::Element;
+use crate::symbolic::{Expr, Knowledge, Node, Rational};
 
 /// A declared first integral with its rate of change.
 pub(crate) struct Invariant {
@@ -54,7 +58,7 @@ pub(super) fn invariant(
     (extent, name, value): (Extent, String, Sum),
 ) -> Invariant {
     let Hamiltonians { noise, numbers, forces, t, .. } = hamiltonians;
-    let mut rates = Rates { sums, failure: None };
+    let mut rates = Rates { sums: &mut *sums, failure: None };
     rates.check(along_drift(forces), |sums| rate_of_drift(sums, hamiltonians, &value));
     let named = |number: &str| number.trim_start_matches('_').to_owned();
     for (number, hamiltonian) in numbers.iter().zip(noise) {
@@ -69,17 +73,129 @@ pub(super) fn invariant(
         let reason = "a bath with a temperature acts on every momentum with friction".to_owned();
         rates.state("the bath".to_owned(), Knowledge::Unknown(reason));
     }
-    // Its derivatives are those of the pieces.
-    for boundary in boundaries_of(rates.sums.graph, &value, *t) {
-        rates.state(format!("motions across {}", boundary.place), kept_across("it", &boundary));
+    // Its derivatives are those of the pieces. No motion crosses a surface on which another first integral is constant.
+    for Weighted { element, .. } in &value {
+        for boundary in boundaries_in(rates.sums.graph, element, *t) {
+            let known = kept_across("it", &boundary);
+            if !known.is_proven() && !stays(rates.sums, hamiltonians, element, boundary.surface) {
+                rates.state(format!("motions across {}", boundary.place), known);
+            }
+        }
     }
-    // Steps take friction as a flow of its own, and explicit time at the nodes of a quadrature: what depends on both parts is not kept exactly.
-    let reads_time = value.iter().any(|weighted| rates.sums.graph.depends_on(weighted.element.value, &[*t]));
-    let damping = forces::along(rates.sums, &forces.friction, &value);
-    let is_exact = !reads_time && rates.sums.vanishes(damping, Increments::Each).known.is_proven();
-    let form = if is_exact { Form::of(rates.sums.graph, &value) } else { Form::NONE };
     let failure = rates.failure;
+    let form = form_of(sums, hamiltonians, &value);
     Invariant { extent, name, form, value, failure }
+}
+
+/// The form of a first integral, or of the first integrals of which it is a function: `(x p_y - y p_x)²` is kept where `x p_y - y p_x` is.
+pub(super) fn form_of(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> Form {
+    if !is_exact(sums, of, value) {
+        return Form::NONE;
+    }
+    let form = Form::of(sums.graph, value);
+    if form.is_known() || value.iter().any(|weighted| !weighted.element.loops.is_empty()) {
+        return form;
+    }
+    let terms: Vec<Expr> = value.iter().map(|weighted| weighted.element.value).collect();
+    // In a copy: the order of sums in the code is that in which their nodes were made.
+    let mut graph = sums.graph.clone();
+    let whole = graph.sum(&terms);
+    let sums = &mut Calculus { space: &mut sums.space.clone(), graph: &mut graph };
+    form_of_part(sums, of, whole, &mut HashMap::new())
+}
+
+/// Steps take friction as a flow of its own, and explicit time at the nodes of a quadrature: what depends on both parts is not kept exactly.
+fn is_exact(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> bool {
+    let reads_time = value.iter().any(|weighted| sums.graph.depends_on(weighted.element.value, &[of.t]));
+    let damping = forces::along(sums, &of.forces.friction, value);
+    !reads_time && sums.vanishes(damping, Increments::Each).known.is_proven()
+}
+
+/// Of a part of a first integral: of a polynomial of degree two that is one itself, or of all operands.
+fn form_of_part(
+    sums: &mut Calculus<'_>,
+    of: &Hamiltonians,
+    part: Expr,
+    known: &mut HashMap<Expr, Form>,
+) -> Form {
+    if let Some(&form) = known.get(&part) {
+        return form;
+    }
+    let element = sums.space.element_of(sums.graph, part);
+    let form = if element.state().is_empty() && !sums.graph.depends_on(part, &[of.t]) {
+        Form::CONSTANT
+    } else {
+        let value = vec![Weighted { element, increments: Vec::new() }];
+        let form = Form::of(sums.graph, &value);
+        if form.is_known() {
+            let is_kept = is_exact(sums, of, &value) && is_constant(sums, of, &value);
+            if is_kept { form } else { Form::NONE }
+        } else {
+            form_of_operands(sums, of, part, known)
+        }
+    };
+    known.insert(part, form);
+    form
+}
+
+fn form_of_operands(
+    sums: &mut Calculus<'_>,
+    of: &Hamiltonians,
+    part: Expr,
+    known: &mut HashMap<Expr, Form>,
+) -> Form {
+    let operands = match sums.graph.node(part).clone() {
+        Node::Sum { terms, .. } => {
+            // Terms of degree two are one first integral together.
+            let (low, mut rest): (Vec<_>, Vec<_>) = terms.iter().copied().partition(|&(term, _)| {
+                let element = sums.space.element_of(sums.graph, term);
+                is_quadratic(sums.graph, &element)
+            });
+            if !low.is_empty() {
+                rest.insert(0, (sums.graph.linear_combination(&low), Rational::ONE));
+            }
+            rest.into_iter().map(|(term, _)| term).collect()
+        }
+        node => node.operands(),
+    };
+    let mut form = Form::CONSTANT;
+    for operand in operands {
+        // A polynomial of degree two has been tried as a whole.
+        form = if operand == part { Form::NONE } else { form.and(form_of_part(sums, of, operand, known)) };
+        if !form.is_known() {
+            return Form::NONE;
+        }
+    }
+    if sums.graph.as_symbol(part).is_some() { Form::NONE } else { form }
+}
+
+/// Whether a function of the variables of an element without loops is constant along the motion.
+fn stays(sums: &mut Calculus<'_>, of: &Hamiltonians, element: &Element, function: Expr) -> bool {
+    if !element.loops.is_empty() {
+        return false;
+    }
+    let element = sums.space.element_of(sums.graph, function);
+    is_constant(sums, of, &vec![Weighted { element, increments: Vec::new() }])
+}
+
+/// Whether all rates of a function vanish.
+fn is_constant(sums: &mut Calculus<'_>, of: &Hamiltonians, value: &Sum) -> bool {
+    let Hamiltonians { noise, forces, .. } = of;
+    let rate = rate_of_drift(sums, of, value);
+    let vanishes = |sums: &mut Calculus<'_>, rate| sums.vanishes(rate, Increments::Each).known.is_proven();
+    if forces.is_warm || !vanishes(sums, rate) {
+        return false;
+    }
+    for hamiltonian in noise {
+        let rate = sums.bracket(hamiltonian, value);
+        if !vanishes(sums, rate) {
+            return false;
+        }
+    }
+    forces.noise.iter().all(|force| {
+        let rate = forces::along(sums, force, value);
+        vanishes(sums, rate)
+    })
 }
 
 /// The formula of the rate along the drift with its forces.

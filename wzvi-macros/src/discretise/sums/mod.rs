@@ -141,6 +141,11 @@ impl Space {
         symbol
     }
 
+    /// An element without loops.
+    pub(crate) fn element_of(&self, graph: &Graph, value: Expr) -> Element {
+        self.element(graph, Vec::new(), value)
+    }
+
     /// An element with the locals that its value reads.
     fn element(&self, graph: &Graph, loops: Vec<Loop>, value: Expr) -> Element {
         let symbols = graph.symbols_in(value).into_iter();
@@ -211,6 +216,11 @@ struct Group {
 
 impl Groups {
     fn add(&mut self, loops: Vec<Loop>, increments: Vec<Index>, value: Expr, factor: Rational) {
+        // A loop of a literal size may have no turn.
+        let turns = |known: &Loop| known.end.subtract(&known.start)?.as_integer();
+        if loops.iter().any(|known| turns(known).is_some_and(|turns| turns <= 0)) {
+            return;
+        }
         let key = (loops.clone(), increments.clone());
         let place = self.0.place(key, || Group { loops, increments, values: Vec::new() });
         self.0.values[place].values.push((value, factor));

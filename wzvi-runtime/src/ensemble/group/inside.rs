@@ -42,6 +42,7 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
             }
         }
         (self.steppers, self.is_over) = (steppers, true);
+        self.arrive(step);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Group, Systems};
 use crate::algebra::state::{State, copy_state};
+use crate::error::StepError;
 use crate::path::watch::{Motion, Watch, keeps_energy, next_look};
 use crate::scheme::system::Discretized;
 
@@ -109,6 +110,25 @@ impl<H: Discretized<E>, E, P: Systems, const L: usize> Group<'_, '_, H, E, P, L>
         }
         self.looked = looked;
         self.find_next_look();
+    }
+
+    /// At the end of the paths, after this step: their energy is a number.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn arrive(&mut self, step: u64) {
+        for lane in 0..L.min(self.watches.len()) {
+            if self.is_over(lane) {
+                continue;
+            }
+            let (watch, job, path) =
+                (std::mem::take(&mut self.watches[lane]), self.job, self.source_of(lane));
+            let arrived = watch.arrive::<H, E>(job.system_of(path), self.state_at(lane, step + 1));
+            self.watches[lane] = watch;
+            if let Err(cause) = arrived {
+                let h = job.grid.shorter.filter(|_| self.is_over).unwrap_or(job.h);
+                self.fail(lane, StepError { step, t: self.time(step), h, cause });
+            }
+        }
     }
 
     fn is_over(&self, lane: usize) -> bool {

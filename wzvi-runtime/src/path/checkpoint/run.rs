@@ -83,7 +83,7 @@ fn pass<H: Discretized<E>, E>(
     stepper.pass(tape);
     recorder.pass(tape);
     looks.iter_mut().for_each(|looks| looks.pass(recorder, tape));
-    watch.pass(tape);
+    watch.pass(state, tape);
     observer.pass(tape);
     wiener.pass(tape);
     forces

@@ -96,6 +96,7 @@ impl<'a, H: Discretized<E>, E, N: Noise> Bare<'a, H, E, N> {
             let (whole, step) = path.step(step);
             take(whole, step)?;
         }
+        whole.arrive(&state, &grid)?;
         Ok(state)
     }
 }

@@ -84,7 +84,8 @@ where
             if first == 0 {
                 nodes.run.show(path.state, 0, path.dw);
             }
-            match take_all(&mut path, first, &mut nodes) {
+            let all = take_all(&mut path, first, &mut nodes);
+            match all.and_then(|()| Ok(path.stepper.arrive(path.state, &nodes.grid)?)) {
                 Ok(()) => break None,
                 Err(Error::Stopped(_)) if nodes.run.observer.has_enough() => break None,
                 // A run that is kept does not start again: its file says that it went this far. Nor do averages, which have seen its nodes.
