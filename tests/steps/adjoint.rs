@@ -1,8 +1,8 @@
 //! Gradients of functions of the end of a run, in one pass backwards.
 
 use fixtures::are_refused;
-use fixtures::small::{DoubleWell, Kepler};
-use wzvi::error::{Error, StepFailure};
+use fixtures::small::{DoubleWell, Kepler, Pendulum};
+use wzvi::error::Error;
 use wzvi::nalgebra::DVector;
 use wzvi::prelude::*;
 use wzvi::state::Vector;
@@ -28,6 +28,22 @@ struct Forced;
 
 #[hamiltonian(drift = |q, p| 0.5 * p * p + q * q, friction = 0.1, embedding = Midpoint)]
 struct Damped;
+
+struct Trapezoidal;
+
+/// A mass that depends on the place, and a noise with a counter-term.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p * (1.0 + 0.1 * q * q) + q.powi(4),
+    noise = [|q, p| 0.2 * q * p],
+    embedding = [
+        Corrected<Lambda<1, 3>>, Corrected<Lambda<2, 3>>, Uncorrected<Mixed<DeltaPlus, Lambda<1, 3>>>,
+        Uncorrected<Mixed<DeltaMinus, Lambda<2, 3>>>, Trapezoidal = [(0, 1/2), (1, 1/2)],
+    ],
+)]
+struct Metric;
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p - 0.5 * q * q, embedding = Verlet)]
+struct Saddle;
 
 fn numbers<V: Vector>(Gradient { q, p }: &Gradient<V>) -> Vec<f64> {
     [q.components(), p.components()].concat()
@@ -79,10 +95,57 @@ fn what_has_no_adjoint_is_refused() {
     are_refused(pushed.adjoint::<Midpoint>(gradient), "symplectic");
     are_refused(forced.adjoint::<Midpoint>(gradient), "symplectic");
     are_refused(damped.adjoint::<Midpoint>(gradient), "symplectic");
-    // A scheme that is not the adjoint does not lead back.
     let [q, p] = [vec![0.4, -0.2], vec![0.1, 0.3]];
     let run = Chain.simulate::<DeltaPlus>(0.1).start(State::new(q, p)).noise(Wiener::seed(1)).steps(5);
-    let error = run.adjoint::<DeltaPlus>(|end| Gradient { q: end.q.clone(), p: end.p.clone() }).unwrap_err();
-    let Error::Step(step) = error else { panic!("{error}") };
-    assert!(matches!(step.cause, StepFailure::OtherSolution { .. }) && step.step == 4, "{step}");
+    are_refused(
+        run.adjoint::<DeltaPlus>(|end| Gradient { q: end.q.clone(), p: end.p.clone() }),
+        "`adjoint::<DeltaPlus>` of a run by `DeltaPlus`",
+    );
+}
+
+/// At rest every scheme leads back, but with another derivative.
+#[test]
+fn the_adjoint_of_a_scheme_does_not_depend_on_the_state() {
+    fn refused<E, T>()
+    where
+        Pendulum: Discretized<E> + Discretized<T, Vector = wzvi::nalgebra::SVector<f64, 1>>,
+    {
+        let run = Pendulum.simulate::<E>(0.1).start(State::new([0.0], [0.0])).steps(9);
+        are_refused(run.adjoint::<T>(|end| Gradient { q: end.q, p: end.p }), "backwards does not undo");
+    }
+    refused::<DeltaPlus, Midpoint>();
+    refused::<DeltaPlus, DeltaPlus>();
+    refused::<Midpoint, DeltaMinus>();
+    refused::<Lambda<1, 4>, Lambda<1, 4>>();
+    refused::<Gauss<2>, Gauss<3>>();
+    refused::<Verlet, Midpoint>();
+    refused::<Verlet, Composed<Verlet, Yoshida4>>();
+    refused::<Composed<Verlet, Suzuki4>, Composed<Verlet, Yoshida4>>();
+    let rest = State::new([0.0], [0.0]);
+    check::<_, DeltaPlus, DeltaMinus>(&Pendulum, &rest, 0.1);
+    check::<_, Verlet, Verlet>(&Pendulum, &rest, 0.1);
+}
+
+/// Counter-terms of a point and of its mirror image have opposite signs.
+#[test]
+fn mirrored_points_are_adjoint() {
+    let start = State::new([0.4], [0.7]);
+    check::<_, Corrected<Lambda<1, 3>>, Corrected<Lambda<2, 3>>>(&Metric, &start, 0.02);
+    check::<_, Uncorrected<Mixed<DeltaPlus, Lambda<1, 3>>>, Uncorrected<Mixed<DeltaMinus, Lambda<2, 3>>>>(
+        &Metric, &start, 0.02,
+    );
+    check::<_, Trapezoidal, Trapezoidal>(&Metric, &start, 0.02);
+    let run = Metric.simulate::<Corrected<Lambda<1, 3>>>(0.1).start(start).noise(Wiener::seed(1)).steps(5);
+    let gradient = |end: &State<wzvi::nalgebra::SVector<f64, 1>>| Gradient { q: end.q, p: end.p };
+    are_refused(run.adjoint::<Corrected<Lambda<1, 3>>>(gradient), "`Lambda<D - N, D>`");
+}
+
+/// A gradient beyond the range of numbers says so.
+#[test]
+fn gradients_out_of_range_are_named() {
+    let run = Saddle.simulate::<Verlet>(0.1).start(State::new([0.0], [0.0])).until(800.0);
+    let error = run.adjoint::<Verlet>(|_| Gradient { q: [1.0].into(), p: [0.0].into() }).unwrap_err();
+    let Error::Derivative(error) = error else { panic!("{error}") };
+    // Verlet steps of 0.1 grow by e^(0.1 + 0.1³/24).
+    assert!((error.ln_size - 800.0).abs() < 1.5 && error.by == "the state", "{error}");
 }

@@ -4,6 +4,7 @@ use fixtures::are_refused;
 use fixtures::small::{DoubleWell, Kepler, Kubo};
 use fixtures::steps::form_apart;
 use fixtures::stiff::another_solution_is_named_or_there_is_none;
+use wzvi::error::Error;
 use wzvi::nalgebra::{self, DMatrix};
 use wzvi::prelude::*;
 
@@ -222,4 +223,76 @@ fn constants_without_derivatives_are_refused() {
 #[test]
 fn another_solution_is_named() {
     assert!(another_solution_is_named_or_there_is_none(500) > 1);
+}
+
+/// Integers, read as real numbers in a sum, as an exponent, and in loops.
+#[hamiltonian(drift = |q, p| 0.5 * p * p + k * n as f64 * q * q + 0.1 * (q * q + 1.0).powi(m), embedding = Midpoint)]
+struct Counted {
+    k: f64,
+    n: u32,
+    m: i32,
+}
+
+#[hamiltonian(
+    drift = |q: &[f64], p: &[f64]| (0..q.len()).map(|i| 0.5 * p[i] * p[i] + k * n as f64 * q[i] * q[i]).sum::<f64>(),
+    embedding = Midpoint,
+)]
+struct CountedSites {
+    k: f64,
+    n: usize,
+}
+
+#[test]
+fn integers_have_no_derivatives() {
+    let counted = Counted { k: 1.5, n: 2, m: 3 };
+    let run = || counted.simulate::<Midpoint>(0.1).start(State::new([0.4], [0.7])).steps(10);
+    are_refused(run().tangent_by(&["n"]), "`n`, an integer");
+    are_refused(run().tangent_by(&["k", "m"]), "`m`, an integer");
+    are_refused(run().tangent_by(&["x"]), "read are `k`");
+    assert!(run().tangent_by(&["k"]).is_ok());
+    let sites = CountedSites { k: 1.5, n: 2 };
+    let run = || sites.simulate::<Midpoint>(0.1).start(State::new(vec![0.4; 9], vec![0.7; 9])).steps(2);
+    are_refused(run().tangent_by(&["n"]), "`n`, an integer");
+    assert!(run().tangent_by(&["k"]).is_ok());
+}
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p + q * q, friction = 1.0, embedding = [Midpoint, Verlet, Gauss<2>])]
+struct Damped;
+
+#[hamiltonian(drift = |q, p| 0.5 * p * p - 0.5 * q * q, embedding = [Midpoint, Verlet])]
+struct Saddle;
+
+/// The area of phase space shrinks by `e^{-t}`, and each column by its root times a bounded factor.
+#[test]
+fn derivatives_out_of_range_are_named_with_their_size() {
+    fn damped<E>()
+    where
+        Damped: Discretized<E, Vector = nalgebra::SVector<f64, 1>>,
+    {
+        // At rest, and where the state itself becomes subnormal.
+        let run = |q, t| Damped.simulate::<E>(0.1).start(State::new([q], [0.0])).until(t).tangent();
+        for q in [0.0, 0.3] {
+            let error = run(q, 1480.0).unwrap_err();
+            let Error::Derivative(error) = error else { panic!("{q}: {error}") };
+            assert!((error.ln_size + 740.0).abs() < 3.0, "{error}");
+        }
+        let Err(Error::Derivative(error)) = run(0.0, 1600.0) else { panic!("it has a size") };
+        assert!((error.ln_size + 800.0).abs() < 3.0 && error.by == "`q` of the start", "{error}");
+        assert_eq!((error.step, error.t), (16_000, 1600.0));
+        // Scaled on the way, and held at the end: the determinant is that of friction alone.
+        let held = run(0.3, 700.0).unwrap().by_start;
+        let scale = held.amax();
+        let logarithm = (held / scale).determinant().ln() + 2.0 * scale.ln();
+        // Seven thousand matrices, each with a few roundings.
+        assert!((logarithm + 700.0).abs() < 1e-9, "{logarithm}");
+    }
+    damped::<Midpoint>();
+    damped::<Verlet>();
+    damped::<Gauss<2>>();
+    let run = |t| Saddle.simulate::<Verlet>(0.1).start(State::new([0.0], [0.0])).until(t).tangent();
+    let Err(Error::Derivative(error)) = run(800.0) else { panic!("it has a size") };
+    assert!((error.ln_size - 800.0).abs() < 1.5, "{error}");
+    // A power of the matrix of one step, whose larger eigenvalue is e^x with cosh x = 1 + h²/2.
+    let (held, rate) = (run(600.0).unwrap().by_start[(0, 0)], 1.005_f64.acosh());
+    assert!((held.ln() - (6000.0 * rate + 0.5_f64.ln())).abs() < 1e-9, "{held:e}");
 }

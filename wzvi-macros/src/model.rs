@@ -46,6 +46,8 @@ pub(crate) struct Parameter {
     pub(crate) symbol: Symbol,
     /// An `f64` expression in which `self` is a reference to the struct.
     pub(crate) tokens: TokenStream,
+    /// Whether it is an integer as a real number, by which nothing has a derivative.
+    pub(crate) is_integer: bool,
 }
 
 /// A list or an integer that the struct or a constant holds.

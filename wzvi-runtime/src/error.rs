@@ -23,6 +23,7 @@ mod bath;
 pub(crate) mod checkpoint;
 #[cfg(feature = "mpi")]
 mod cluster;
+mod derivative;
 mod failed;
 mod failure;
 pub(crate) mod file;
@@ -47,6 +48,7 @@ pub use crate::ground::calculus::DomainError;
 pub use checkpoint::{CheckpointError, Damage, Difference};
 #[cfg(feature = "mpi")]
 pub use cluster::ClusterError;
+pub use derivative::DerivativeError;
 pub use failed::FailedLanes;
 pub use failure::StepFailure;
 pub use file::FileError;

@@ -38,7 +38,7 @@ pub(crate) fn state_names(names: &mut Names, graph: &Graph, phase: &Phase) -> [V
 
 /// Names of parameters: fields keep theirs, constants become `constant_` and their name in lower case.
 pub(crate) fn parameter_names(names: &mut Names, graph: &Graph, parameters: &[Parameter]) -> Vec<Ident> {
-    let wish = |Parameter { symbol, tokens }: &Parameter| {
+    let wish = |Parameter { symbol, tokens, .. }: &Parameter| {
         let name = graph.symbol_name(*symbol);
         let is_field = tokens.to_string().contains("self");
         if is_field { name.to_owned() } else { format!("constant_{}", name.to_lowercase()) }
@@ -72,7 +72,7 @@ pub(crate) fn evaluation_over(
     let bound: Vec<(Op, Ident)> =
         bound.into_iter().map(|(symbol, name)| (lowering.input(symbol, Level::State), name)).collect();
     let mut reads = Vec::new();
-    for (number, (name, Parameter { symbol, tokens })) in own.into_iter().zip(parameters).enumerate() {
+    for (number, (name, Parameter { symbol, tokens, .. })) in own.into_iter().zip(parameters).enumerate() {
         let op = lowering.input(*symbol, Level::Prepared);
         reads.push((op, Read { number, name, tokens: tokens.clone() }));
     }

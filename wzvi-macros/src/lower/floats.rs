@@ -122,7 +122,7 @@ impl Interpreter<'_, '_> {
     ) -> Option<Value> {
         let x = self.real(x.clone(), x_at);
         let parameter = match n {
-            Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
+            Value::Constant(place) => Some(self.integer_parameter(&place.name, place.as_real())),
             Value::Index(index, _) if index.as_integer().is_none() && index.loops().is_empty() => {
                 Some(self.index_as_real(index))
             }

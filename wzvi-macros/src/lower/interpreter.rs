@@ -283,7 +283,16 @@ impl<'a, 'd> Interpreter<'a, 'd> {
 
     /// A symbol that stands for the `f64` expression `tokens`.
     pub(super) fn parameter(&mut self, name: &str, tokens: TokenStream) -> Expr {
-        let made = || Parameter { symbol: self.graph.new_symbol(name), tokens: tokens.clone() };
+        self.new_parameter(name, tokens, false)
+    }
+
+    /// The same of an integer: `tokens` are its cast.
+    pub(super) fn integer_parameter(&mut self, name: &str, tokens: TokenStream) -> Expr {
+        self.new_parameter(name, tokens, true)
+    }
+
+    fn new_parameter(&mut self, name: &str, tokens: TokenStream, is_integer: bool) -> Expr {
+        let made = || Parameter { symbol: self.graph.new_symbol(name), tokens: tokens.clone(), is_integer };
         let place = self.parameters.place(tokens.to_string(), made);
         self.graph.symbol(self.parameters.values[place].symbol)
     }

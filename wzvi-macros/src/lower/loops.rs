@@ -180,7 +180,7 @@ impl<'a> Interpreter<'a, '_> {
     fn index_parameter(&mut self, atom: &Atom) -> Option<Expr> {
         let Atom::Given(id, indices) = atom else { return None };
         let (name, tokens) = indices.is_empty().then(|| self.tables.integer(*id))??;
-        Some(self.parameter(&name, tokens))
+        Some(self.integer_parameter(&name, tokens))
     }
 
     /// An integer as a real number.

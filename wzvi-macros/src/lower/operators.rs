@@ -365,7 +365,7 @@ impl<'a> Interpreter<'a, '_> {
     pub(super) fn cast_to_real(&mut self, value: Value, at: &dyn ToTokens) -> Option<Expr> {
         match value {
             Value::Index(..) => self.settled(&value, at).map(|index| self.index_as_real(&index)),
-            Value::Constant(place) => Some(self.parameter(&place.name, place.as_real())),
+            Value::Constant(place) => Some(self.integer_parameter(&place.name, place.as_real())),
             value => self.real(value, at),
         }
     }

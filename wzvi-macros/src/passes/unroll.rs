@@ -213,7 +213,7 @@ pub(crate) fn written_out(system: &mut System) -> Option<StraightLine> {
             }
             Slot::Entry(table, entries) => indices.constant_entry(*table, entries),
         };
-        parameters.push(Parameter { symbol, tokens });
+        parameters.push(Parameter { symbol, tokens, is_integer: matches!(slot, Slot::Number(_)) });
     }
     // In order of first use.
     parameters.sort_by_key(|parameter| parameter.symbol.index());

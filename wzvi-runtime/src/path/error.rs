@@ -3,8 +3,8 @@
 use std::fmt;
 
 use crate::error::{
-    ConfigError, DomainError, FileError, InternalError, NoiseError, PathError, StepError, StoppedError,
-    UnknownName,
+    ConfigError, DerivativeError, DomainError, FileError, InternalError, NoiseError, PathError, StepError,
+    StoppedError, UnknownName,
 };
 
 /// An enum of errors, each of which it is made of: its messages are theirs.
@@ -43,6 +43,8 @@ any_of! {
     Config(ConfigError),
     /// A step failed.
     Step(StepError),
+    /// A derivative of the end of a run is out of the range of numbers.
+    Derivative(Box<DerivativeError>),
     /// The source of the increments had none for this run or this step.
     Noise(NoiseError),
     /// A recorded path cannot answer.

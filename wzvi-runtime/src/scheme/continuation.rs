@@ -323,7 +323,9 @@ fn is_steeper<V: Vector>(start: [&V; 2], [from, to]: [&[V; 2]; 2], share: f64) -
 pub(crate) fn is_near<V: Vector>(start: &V, [a, b]: [&V; 2]) -> bool {
     let ends = a.components().iter().zip(b.components());
     start.components().iter().zip(ends).all(|(start, (a, b))| {
-        let (way, rounding) = (a - start, f64::EPSILON * (a.abs() + b.abs() + start.abs()));
+        // Subnormal numbers have a rounding of their own.
+        let size = (a.abs() + b.abs() + start.abs()).max(f64::MIN_POSITIVE);
+        let (way, rounding) = (a - start, f64::EPSILON * size);
         (a - b).abs() <= 1e-6 * way.abs() + 64.0 * rounding
     })
 }

@@ -52,7 +52,7 @@ mod windows;
 
 pub(crate) use bath::{damping, rates};
 pub use beside::Placements;
-pub(crate) use hamiltonian::{DRIFT, forces};
+pub(crate) use hamiltonian::{COUNTER_TERM, DRIFT, forces};
 pub use in_loops::{InLoops, Loops};
 pub(crate) use lagrangian::{discrete_lagrangian, discrete_lagrangian_gradient, step_momentum};
 pub use memory::Memory;
@@ -225,6 +225,11 @@ pub trait Elements: Sized {
     fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
         let _ = index;
         None
+    }
+
+    /// As `Hamiltonian::integers`.
+    fn integers(&self) -> &'static [usize] {
+        &[]
     }
 
     /// The weighted value of a part; 0 if the part does not exist. All slices have the checked number of degrees of

@@ -134,6 +134,11 @@ pub trait Hamiltonian {
         None
     }
 
+    /// The numbers of those parameters that are integers, which have no derivatives.
+    fn integers(&self) -> &'static [usize] {
+        &[]
+    }
+
     /// `H_term(q, p, t)`: the drift for `term = 0`, noise `term - 1` otherwise, zero for a noise force; NaN for a term that does not exist.
     ///
     /// NaN unless `q` and `p` have [`Hamiltonian::degrees`] elements.

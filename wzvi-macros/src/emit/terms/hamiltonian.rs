@@ -81,15 +81,25 @@ fn number_of(name: &str, number: &TokenStream) -> TokenStream {
     }
 }
 
-/// Names and values of the parameters; the default of the trait if there are none.
+/// Names and values of the parameters, and which are integers; the default of the trait if there are none.
 fn parameter(graph: &Graph, parameters: &[Parameter]) -> Option<TokenStream> {
     let (f64, option) = (f64_type(), quote!(__wzvi::Option));
-    let entries = parameters.iter().map(|Parameter { symbol, tokens }| {
+    let entries = parameters.iter().map(|Parameter { symbol, tokens, .. }| {
         let name = graph.symbol_name(*symbol);
         quote!((#name, #tokens))
     });
+    let integers = (0..).zip(parameters).filter(|(_, parameter)| parameter.is_integer);
+    let integers: Vec<_> = integers.map(|(number, _)| count(number)).collect();
+    let integers = (!integers.is_empty()).then(|| {
+        quote! {
+            fn integers(&self) -> &'static [__wzvi::usize] {
+                &[#(#integers),*]
+            }
+        }
+    });
     (!parameters.is_empty()).then(|| {
         quote! {
+            #integers
             fn parameter(&self, __index: __wzvi::usize) -> #option<(&'static __wzvi::str, #f64)> {
                 [#(#entries),*].get(__index).copied()
             }

@@ -93,7 +93,7 @@ fn noise_count(model: &System) -> TokenStream {
 fn parameters(model: &System, code: &TokenStream) -> TokenStream {
     let names = parameter_names(&mut Names::default(), &model.graph, &model.parameters);
     let read = names.iter().zip(&model.parameters).filter(|(name, _)| mentions(code, &name.to_string()));
-    let reads = read.map(|(name, Parameter { tokens, symbol })| {
+    let reads = read.map(|(name, Parameter { tokens, symbol, .. })| {
         let number = model.listed().iter().take_while(|known| known.symbol != *symbol).count();
         let number = count(number);
         quote!(let #name = __at.parameter(#number, #tokens);)

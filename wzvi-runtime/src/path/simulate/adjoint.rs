@@ -9,15 +9,17 @@
 //! with the adjoint scheme `Φ*` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.3 and VI.2): the transposed matrix takes one derivative
 //! of the step backwards in one direction, for any number of degrees of freedom.
 
-use super::tangent::Columns;
+use super::tangent::{Columns, is_held, ln_scaled, scaled};
 use super::{Simulation, Unobserved};
 use crate::algebra::scalar::Dual;
 use crate::algebra::state::{State, Vector};
-use crate::error::{StepError, StepFailure, wrong};
+use crate::error::{DerivativeError, StepError, StepFailure, wrong};
+use crate::ground::names::short_name;
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::steps::Step;
-use crate::scheme::system::{Discretized, Gradient, as_they_are};
+use crate::scheme::elements::{COUNTER_TERM, Stage};
+use crate::scheme::system::{Discretized, Gradient, Scheme, SchemeOf, as_they_are};
 
 /// The end of a run, and the gradient of a function of the end by the start.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,8 +45,8 @@ where
     /// The cost is one more step in dual numbers of one derivative for each step, whatever the number of degrees of freedom; the run keeps all of its states
     /// meanwhile. [`Simulation::tangent`] returns the whole matrix instead.
     ///
-    /// `T` is the adjoint scheme, whose step over `-h` undoes that of `E` over `h`: `E` itself for symmetric schemes (`Midpoint`, `Verlet`, `Gauss<S>`, and symmetric
-    /// compositions of them), `DeltaMinus` for `DeltaPlus` and the other way round. It must be listed for the system, too.
+    /// `T` is the adjoint scheme, whose step over `-h` undoes that of `E` over `h`: `E` itself for symmetric schemes (`Midpoint`, `Verlet`, `Gauss<S>`, and
+    /// compositions of them), `DeltaMinus` for `DeltaPlus` and the other way round, `Lambda<D - N, D>` for `Lambda<N, D>`. It must be listed for the system, too.
     ///
     /// ```ignore
     /// use wzvi::prelude::*;
@@ -63,8 +65,9 @@ where
     ///
     /// # Errors
     /// Those of [`Simulation::tangent`]; [`ConfigError::Setting`](crate::error::ConfigError::Setting) where steps are not symplectic: with forces,
-    /// friction or a bath, and for schemes of the program.
-    /// [`StepFailure::OtherSolution`] where the step of `T` backwards does not end where the step began.
+    /// friction or a bath, for schemes of the program, and where `T` is not the adjoint of `E`.
+    /// [`StepFailure::OtherSolution`] where the step of `T` backwards does not end where the step began, [`DerivativeError`] where the gradient is
+    /// out of the range of `f64`.
     pub fn adjoint<T>(
         self,
         gradient: impl FnOnce(&State<H::Vector>) -> Gradient<H::Vector>,
@@ -79,6 +82,14 @@ where
             return wrong(
                 "`adjoint` needs symplectic steps, without forces, friction and baths: take `tangent`",
             );
+        }
+        if !are_adjoint::<H, E, T>() {
+            let [of_run, other] = [short_name::<E>(), short_name::<T>()];
+            return wrong(format!(
+                "`adjoint::<{other}>` of a run by `{of_run}`: a step of `{other}` backwards does not undo one of `{of_run}`. \
+                 Symmetric schemes are their own adjoint (`Midpoint`, `Verlet`, `Gauss<S>`, compositions of these); a point l has \
+                 the adjoint 1 - l (`DeltaPlus` and `DeltaMinus`, `Lambda<N, D>` and `Lambda<D - N, D>`)"
+            ));
         }
         let bare = self.bare("adjoint")?;
         let (system, h) = (bare.system, bare.h);
@@ -97,11 +108,55 @@ where
         for (step, Taken { before, dw }) in taken.into_iter().enumerate().rev() {
             let ends = [&before, &after];
             let pulled = pull(&mut back, system, ends, &dw, &mut by_start, (&mut reversed, &mut room));
-            pulled.map_err(|cause| StepError { step: step as u64, t: before.t, h, cause })?;
+            let (step, t) = (step as u64, before.t);
+            pulled.map_err(|cause| match cause {
+                // The step itself has a finite end.
+                StepFailure::NonFinite => derivative(f64::INFINITY, step, t),
+                cause => StepError { step, t, h, cause }.into(),
+            })?;
             after = before;
+        }
+        let (size, [exponent]) = (back.size(0), back.exponents);
+        if !is_held(size, exponent) {
+            return Err(derivative(ln_scaled(size, exponent), 0, after.t));
+        }
+        for vector in [&mut by_start.q, &mut by_start.p] {
+            vector.components_mut().iter_mut().for_each(|x| *x = scaled(*x, exponent));
         }
         Ok(Adjoint { end, by_start })
     }
+}
+
+/// A gradient that numbers do not hold.
+fn derivative(ln_size: f64, step: u64, t: f64) -> Error {
+    Box::new(DerivativeError { by: "the state".into(), ln_size, step, t }).into()
+}
+
+/// Whether a step of `T` over `-h` undoes a step of `E` over `h` for every state.
+fn are_adjoint<H: Discretized<E> + Discretized<T>, E, T>() -> bool {
+    match (SchemeOf::<H, E>::POINTS, SchemeOf::<H, T>::POINTS) {
+        (Some(ours), Some(theirs)) => are_mirrored(ours, theirs) && are_mirrored(theirs, ours),
+        // A scheme without points is symmetric, and its text is its own.
+        (None, None) => <H as Discretized<E>>::EQUATIONS == <H as Discretized<T>>::EQUATIONS,
+        _ => false,
+    }
+}
+
+/// Whether each part of the step Hamiltonian at a point `l` is at `1 - l` among `theirs`, with the same weight. Counter-terms
+/// are of second order in the increments, which change their signs: their weight `1/2 - l` does, too.
+fn are_mirrored(ours: &[Stage], theirs: &[Stage]) -> bool {
+    // Points and weights are fractions of small numbers, rounded.
+    let is_same = |a: f64, b: f64| (a - b).abs() < 4.0 * f64::EPSILON;
+    let is_there = |point: f64, part: usize, weight: f64| {
+        let at_point = theirs.iter().filter(|stage| is_same(stage.point, point));
+        at_point.flat_map(|stage| stage.parts).any(|&(other, w)| other == part && is_same(w, weight))
+    };
+    let is_mirrored = |&Stage { point, parts, .. }: &Stage| {
+        parts.iter().all(|&(part, weight)| {
+            is_there(1.0 - point, part, if part == COUNTER_TERM { -weight } else { weight })
+        })
+    };
+    ours.iter().all(is_mirrored)
 }
 
 /// `λ_{i+1} → λ_i`, by a step backwards with one derivative; the last lists are scratch for its increments and its end.
@@ -124,6 +179,7 @@ fn pull<H: Discretized<T>, T>(
     reversed.clear();
     reversed.extend(dw.iter().map(|dw| Dual::constant(-dw)));
     back.vary(system, 0, [after, before], reversed, end)?;
+    back.rescale();
     // `-J M⁻¹ J λ`
     for (into, numbers, sign) in [(by_q, &back.p, -1.0), (by_p, &back.q, 1.0)] {
         into.components_mut().iter_mut().zip(numbers).for_each(|(into, x)| *into = sign * x.derivative[0]);

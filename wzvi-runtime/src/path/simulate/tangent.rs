@@ -1,14 +1,19 @@
 //! Derivatives of the end of a run by its start, by parameters of the system and by the step size.
+//!
+//! A derivative by the start is a column that every step multiplies by a matrix. Before its numbers leave the range of `f64` it is divided by
+//! a power of two, which changes no digit; the exponents are summed.
 
 use std::array::from_fn;
+use std::f64::consts::LN_2;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{Simulation, Unobserved};
+use crate::algebra::memory::{Request, StepMemory};
 use crate::algebra::scalar::{Constant, Dual, Over, Scalar};
 use crate::algebra::state::{State, Vector, copy_state};
-use crate::error::{ConfigError, StepError, StepFailure, wrong};
+use crate::error::{ConfigError, DerivativeError, StepError, StepFailure, wrong};
 use crate::increments::{Noise, Whole};
 use crate::path::Error;
 use crate::path::retry::Subdivision;
@@ -21,6 +26,30 @@ use crate::scheme::system::{
 /// Derivatives that are taken beside each other.
 const BESIDE: usize = 4;
 type Number = Dual<BESIDE>;
+
+/// The exponent of two from which a column is scaled. One step, whose matrix is far below `2^500`, does not leave the range of numbers.
+const LARGE: i64 = 500;
+
+/// `x 2^exponent`
+pub(super) fn scaled(mut x: f64, mut exponent: i64) -> f64 {
+    while exponent != 0 && x != 0.0 && x.is_finite() {
+        let part = exponent.clamp(-1000, 1000);
+        x *= 2.0_f64.powi(part as i32);
+        exponent -= part;
+    }
+    x
+}
+
+/// Whether `f64` has `size 2^exponent` with all its digits: the largest entry of a column, which is zero only where the whole column is.
+pub(super) fn is_held(size: f64, exponent: i64) -> bool {
+    let size_held = scaled(size, exponent);
+    size == 0.0 || (size_held >= f64::MIN_POSITIVE && size_held.is_finite())
+}
+
+/// Its natural logarithm.
+pub(super) fn ln_scaled(size: f64, exponent: i64) -> f64 {
+    size.ln() + exponent as f64 * LN_2
+}
 
 /// The end of a run, and its derivatives.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +87,8 @@ where
     /// # Errors
     /// Those of [`Simulation::run`]; [`ConfigError::Setting`] for settings without meaning here: observables, sections, recorded nodes, a checkpoint,
     /// an exact end, and what would stop the run. [`StepFailure::OtherSolution`] where a step was followed along its length, and dual numbers, which do not do that, end
-    /// elsewhere.
+    /// elsewhere. [`DerivativeError`] where the derivatives by one variable of the start are out of the range of `f64`, as after a long run with
+    /// friction or of a chaotic system: it has the logarithm of their size.
     pub fn tangent(self) -> Result<Tangent<H::Vector>, Error> {
         self.varied(None)
     }
@@ -92,7 +122,9 @@ where
         let bare = self.bare("tangent")?;
         let degrees = bare.start.q.components().len();
         let mut varied = Varied::<H, E>::new(bare.system, bare.h, &bare.start, parameters)?;
+        let (start, h) = (bare.start.t, bare.h);
         let end = bare.run(|whole, step| varied.take_step(whole, step))?;
+        varied.are_held(((end.t - start) / h).round() as u64, end.t)?;
         let named = parameters.map_or(0, <[&str]>::len);
         Ok(Tangent {
             by_start: matrix(&varied.by_start, degrees, 0..2 * degrees),
@@ -104,6 +136,13 @@ where
     }
 }
 
+/// What a column is the derivative by: a coordinate or a momentum of the start, or a parameter, after which the step size comes.
+#[derive(Clone, Copy)]
+enum By {
+    Start(usize),
+    Constant(usize),
+}
+
 /// The derivatives of the state of a run.
 struct Varied<'a, H: Discretized<E>, E> {
     system: &'a H,
@@ -111,6 +150,8 @@ struct Varied<'a, H: Discretized<E>, E> {
     /// By the state of the start, and by parameters and the step size.
     by_start: Vec<Columns<H, E, f64, BESIDE>>,
     by_constants: Vec<Columns<H, E, Number, BESIDE>>,
+    /// The names of those parameters.
+    names: Vec<String>,
     dw: Vec<Number>,
     /// The state before a step, and one of both ends that dual numbers have.
     before: State<H::Vector>,
@@ -123,6 +164,8 @@ pub(super) struct Columns<H: Discretized<E>, E, K: Constant, const N: usize> {
     h: K,
     pub(super) q: Vec<Dual<N>>,
     pub(super) p: Vec<Dual<N>>,
+    /// The derivatives of each column are `2^exponent` times those of the numbers.
+    pub(super) exponents: [i64; N],
     memory: MemoryOf<H, E, Dual<N>>,
 }
 
@@ -138,7 +181,37 @@ where
         [q, p]: [Vec<Dual<N>>; 2],
     ) -> Result<Self, ConfigError> {
         let prepared = SchemeOf::<H, E>::prepare(system, lift, h)?;
-        Ok(Self { prepared, h, q, p, memory: Default::default() })
+        Ok(Self { prepared, h, q, p, exponents: [0; N], memory: Default::default() })
+    }
+
+    /// The largest derivative of a column.
+    pub(super) fn size(&self, column: usize) -> f64 {
+        self.q.iter().chain(&self.p).map(|number| number.derivative[column].abs()).fold(0.0, f64::max)
+    }
+
+    /// The column with the largest derivatives.
+    fn largest(&self) -> usize {
+        (0..N)
+            .fold(0, |largest, column| if self.size(column) > self.size(largest) { column } else { largest })
+    }
+
+    /// Divides columns by powers of two, so that the next step cannot leave the range of numbers. Only where steps multiply them: not
+    /// where constants have derivatives, which steps add.
+    pub(super) fn rescale(&mut self) {
+        for column in 0..N {
+            let size = self.size(column);
+            // Its exponent; that of zero is far below all others.
+            let exponent = (size.to_bits() >> 52) as i64 - 1023;
+            if size == 0.0 || !size.is_finite() || exponent.abs() <= LARGE {
+                continue;
+            }
+            for number in self.q.iter_mut().chain(&mut self.p) {
+                number.derivative[column] = scaled(number.derivative[column], -exponent);
+            }
+            self.exponents[column] += exponent;
+            // Past steps have other factors.
+            self.memory.tell(&Request::Forget);
+        }
     }
 
     /// The derivatives of the step number `step` from one state to another.
@@ -153,7 +226,7 @@ where
         dw: &[Dual<N>],
         end: &mut H::Vector,
     ) -> Result<(), StepFailure> {
-        let Self { prepared, h, q, p, memory } = self;
+        let Self { prepared, h, q, p, exponents: _, memory } = self;
         for (numbers, values) in [(&mut *q, &before.q), (&mut *p, &before.p)] {
             numbers.iter_mut().zip(values.components()).for_each(|(number, value)| number.value = *value);
         }
@@ -173,18 +246,20 @@ fn matrix<H: Discretized<E>, E, K: Constant>(
 ) -> DMatrix<f64> {
     DMatrix::from_fn(2 * degrees, range.len(), |row, column| {
         let column = range.start + column;
-        let Columns { q, p, .. } = &columns[column / BESIDE];
+        let Columns { q, p, exponents, .. } = &columns[column / BESIDE];
         let number = if row < degrees { &q[row] } else { &p[row - degrees] };
-        number.derivative[column % BESIDE]
+        scaled(number.derivative[column % BESIDE], exponents[column % BESIDE])
     })
 }
 
 /// The numbers of parameters with these names.
 ///
 /// # Errors
-/// [`ConfigError::Setting`] for a name that does not exist, and for one that does not name all of what the number is.
+/// [`ConfigError::Setting`] for a name that does not exist, for an integer, and for a name that does not name all of what the number is.
 fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, ConfigError> {
-    let known: Vec<&str> = (0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect();
+    let (known, integers): (Vec<&str>, _) =
+        ((0..).map_while(|index| system.parameter(index)).map(|(name, _)| name).collect(), system.integers());
+    let reals = || (0..).zip(&known).filter(|(number, _)| !integers.contains(number)).map(|(_, name)| *name);
     let find = |name: &&str| {
         let number = known.iter().position(|other| other == name);
         let twin =
@@ -194,10 +269,13 @@ fn numbers(system: &impl Hamiltonian, names: &[&str]) -> Result<Vec<usize>, Conf
                 "`tangent_by` does not know what `{name}` is: the Hamiltonians read `{twin}`, too, which may be the same number or \
                  another of the same name"
             )),
+            (Some(number), None) if integers.contains(&number) => wrong(format!(
+                "nothing has a derivative by `{name}`, an integer: take differences of runs, or make it a field of type `f64`"
+            )),
             (Some(number), None) => Ok(number),
             (None, _) => wrong(format!(
                 "`tangent_by` knows no parameter `{name}`: numbers that the Hamiltonians read are `{}`",
-                known.join("`, `")
+                reals().collect::<Vec<_>>().join("`, `")
             )),
         }
     };
@@ -248,6 +326,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
             h,
             by_start: firsts.map(of_start).collect::<Result<_, ConfigError>>()?,
             by_constants,
+            names: parameters.unwrap_or_default().iter().map(|&name| format!("`{name}`")).collect(),
             dw: Vec::new(),
             before: start.clone(),
             end: start.q.clone(),
@@ -257,16 +336,58 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
     /// The derivatives of the step to this state.
     ///
     /// # Errors
-    /// If a step has no solution, or another one.
-    fn vary(&mut self, step: u64, after: &State<H::Vector>, dw: &[f64]) -> Result<(), StepFailure> {
+    /// If a step has no solution, another one, or no finite derivative.
+    fn vary(&mut self, step: u64, after: &State<H::Vector>, dw: &[f64]) -> Result<(), Error> {
         let Self { system, by_start, by_constants, dw: own, before, end, .. } = self;
         own.clear();
         own.extend(dw.iter().map(|dw| Dual::constant(*dw)));
-        for columns in by_start {
-            columns.vary(system, step, [before, after], own, end)?;
+        let mut failed = None;
+        for (block, columns) in by_start.iter_mut().enumerate() {
+            let varied = columns.vary(system, step, [before, after], own, end);
+            failed =
+                failed.or(varied.err().map(|cause| (cause, By::Start(BESIDE * block + columns.largest()))));
+            columns.rescale();
         }
-        for columns in by_constants {
-            columns.vary(system, step, [before, after], own, end)?;
+        for (block, columns) in by_constants.iter_mut().enumerate() {
+            let varied = columns.vary(system, step, [before, after], own, end);
+            failed = failed
+                .or(varied.err().map(|cause| (cause, By::Constant(BESIDE * block + columns.largest()))));
+        }
+        match failed {
+            None => Ok(()),
+            // The step itself has a finite end.
+            Some((StepFailure::NonFinite, by)) => {
+                let (by, t) = (self.name(by), self.before.t);
+                Err(Box::new(DerivativeError { by, ln_size: f64::INFINITY, step, t }).into())
+            }
+            Some((cause, _)) => Err(StepError { step, t: self.before.t, h: self.h, cause }.into()),
+        }
+    }
+
+    /// The name of a column.
+    fn name(&self, by: By) -> String {
+        let (degrees, variables) = (self.before.q.components().len(), self.system.variables());
+        match by {
+            By::Start(i) if i < degrees => format!("`{}` of the start", variables.q.name(i)),
+            By::Start(i) => format!("`{}` of the start", variables.p.name(i - degrees)),
+            By::Constant(i) => self.names.get(i).map_or("the step size", String::as_str).to_owned(),
+        }
+    }
+
+    /// Whether numbers hold the derivatives by the start, after so many steps.
+    ///
+    /// # Errors
+    /// [`DerivativeError`]
+    fn are_held(&self, step: u64, t: f64) -> Result<(), Error> {
+        for (block, columns) in self.by_start.iter().enumerate() {
+            for (column, &exponent) in columns.exponents.iter().enumerate() {
+                let size = columns.size(column);
+                if !is_held(size, exponent) {
+                    let (by, ln_size) =
+                        (self.name(By::Start(BESIDE * block + column)), ln_scaled(size, exponent));
+                    return Err(Box::new(DerivativeError { by, ln_size, step, t }).into());
+                }
+            }
         }
         Ok(())
     }
@@ -280,8 +401,7 @@ impl<'a, H: Discretized<E>, E> Varied<'a, H, E> {
         let Step { state, interval, noise, dw } = step;
         copy_state(&mut self.before, state);
         whole.take_step(Step { state, interval, noise, dw })?;
-        let (step, t, h) = (interval.step, self.before.t, self.h);
-        Ok(self.vary(step, state, dw).map_err(|cause| StepError { step, t, h, cause })?)
+        self.vary(interval.step, state, dw)
     }
 }
 

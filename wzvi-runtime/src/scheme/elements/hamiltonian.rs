@@ -14,8 +14,8 @@ use crate::scheme::system::{Gradient, Hamiltonian, Kind};
 pub(crate) const DRIFT: usize = 0;
 /// The number of the part for the noises, `Σ_k ΔW_k H_k`.
 pub(super) const NOISE: usize = 1;
-/// The number of the part for the counter-term.
-pub(super) const COUNTER_TERM: usize = 2;
+/// The number of the part for the counter-terms, of second order in the increments.
+pub(crate) const COUNTER_TERM: usize = 2;
 /// The number of the part for the force beside the drift, with the slopes `-h f`.
 pub(super) const FORCE: usize = 3;
 
@@ -93,6 +93,10 @@ impl<H: Elements> Hamiltonian for H {
 
     fn parameter(&self, index: usize) -> Option<(&'static str, f64)> {
         Elements::parameter(self, index)
+    }
+
+    fn integers(&self) -> &'static [usize] {
+        Elements::integers(self)
     }
 
     fn evaluate<S: Scalar>(&self, term: usize, q: &[S], p: &[S], t: f64) -> S {

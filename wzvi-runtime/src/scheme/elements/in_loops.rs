@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use super::explicit::advance_explicit;
 use super::side_by_side::go_side_by_side;
 use super::{
-    Elements, Memory, Quadrature, Unknowns, check_new, discrete_lagrangian, discrete_lagrangian_gradient,
-    iterate, step_momentum,
+    Elements, Memory, Quadrature, Stage, Unknowns, check_new, discrete_lagrangian,
+    discrete_lagrangian_gradient, iterate, step_momentum,
 };
 use crate::algebra::carry::{Carry, Compensated, Plain};
 use crate::algebra::scalar::{Constant, Over, Scalar};
@@ -59,6 +59,7 @@ where
         in_lanes: Of::<H, E>::IS_EXPLICIT || go_side_by_side(&H::FACTS, Of::<H, E>::QUADRATURE),
         ..Properties::of(&<Self as Scheme<H>>::PLAN, 0)
     };
+    const POINTS: Option<&'static [Stage]> = Some(Of::<H, E>::QUADRATURE.stages);
     /// All parameters, where they have derivatives.
     type Prepared<K: Constant> = Vec<K>;
     type Memory<S: Scalar> = Memory<S>;

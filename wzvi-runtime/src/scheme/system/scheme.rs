@@ -11,6 +11,7 @@ use crate::algebra::solve::Effort;
 use crate::algebra::state::{State, Vector};
 use crate::error::{ConfigError, StepFailure, wrong};
 use crate::scheme::dense::{Slopes, hermite_order};
+use crate::scheme::elements::Stage;
 use crate::scheme::plan::{KeptEnergy, NoiseClass, Plan, Solver};
 use crate::scheme::poles::Poles;
 
@@ -170,6 +171,10 @@ pub trait Scheme<H: Hamiltonian> {
 
     /// Further properties for runs.
     const PROPERTIES: Properties = Properties::of(&Self::PLAN, size_of::<Self::Memory<f64>>());
+
+    /// The quadrature points of the discrete Lagrangian, where they define the step. Steps without are symmetric.
+    #[doc(hidden)]
+    const POINTS: Option<&'static [Stage]> = None;
 
     /// The data that depend on the system and the step size only, in constants `K`: of one system, of one system per lane, or with derivatives.
     type Prepared<K: Constant>: Clone + Debug + Send + Sync;

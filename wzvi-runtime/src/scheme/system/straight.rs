@@ -178,6 +178,7 @@ where
         poles: H::QUADRATURE.poles(),
         ..Properties::of(&H::PLAN, size_of::<H::Memory<f64>>())
     };
+    const POINTS: Option<&'static [elements::Stage]> = Some(H::QUADRATURE.stages);
     type Prepared<K: Constant> = Of<H::Prepared, K>;
     type Memory<S: Scalar> = H::Memory<S>;
     type Compensated<S: Scalar> = Compensation<S, D>;
