@@ -14,7 +14,7 @@
 //! `W` is compared with a tenth. Each `E_h` is the modified energy to the order of the scheme, and an exact first integral of every linear system
 //! `T(p) + V(q)`: with `V = ω² q²/2` a step of kick, drift, kick conserves `p² + ω² (1 - h² ω²/4) q²`, one of the point `l` conserves `p² + ω² q² +
 //! (2l - 1) h ω² q p`, and a mid-point conserves every quadratic form that the flow conserves. A stable linear motion therefore changes `E_h` by rounding only,
-//! at any `ω h`; in others the change is of one order more than the scheme.
+//! at any `ω h`. In others `E_h` changes in one step by one order in `h` more than the order of the scheme, and oscillates over a run.
 //!
 //! Compositions of kicks and drifts conserve an energy near `H`, whose distance from `H` grows towards the limit of stability. Their `E_h(0)` is the range
 //! of `H` over the first eight tests (`KeptEnergy::Nearly`), so errors before that are not detected. The minimum ignores excursions that return, at a pericentre or
