@@ -282,7 +282,7 @@ macro_rules! options {
         }
     };
     (@ watch) => {
-        /// Continues where the energy has changed permanently; without it, a run of a system that conserves its energy ends there with
+        /// Does not monitor the energy, and continues where it has changed permanently; without it, a run of a system that conserves its energy ends there with
         /// [`StepFailure::Unresolved`](crate::error::StepFailure::Unresolved). Use it if you check the energy yourself.
         pub fn unwatched(mut self) -> Self {
             self.setup.is_watched = false;

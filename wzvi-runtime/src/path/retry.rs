@@ -98,7 +98,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         threads: Threads,
     ) -> Result<Self, ConfigError> {
         let stepper = stepper(system, h, threads)?;
-        let (way, watch) = (Way::Whole, Watch::of::<H, E>(is_watched));
+        let (way, watch) = (Way::Whole, Watch::of::<H, E>(is_watched, retry.most > 0));
         Ok(Self { system, h, retry, is_watched, threads, way, watch, stepper, part: Vec::new() })
     }
 
@@ -123,7 +123,7 @@ impl<'a, H: Discretized<E>, E, C: Carry<f64>> Subdivision<'a, H, E, C> {
         let may = is_unresolved && base < self.retry.most && self.way != Way::Last;
         if may {
             self.way = Way::Halved(base + 1);
-            self.watch = Watch::of::<H, E>(self.is_watched);
+            self.watch = Watch::of::<H, E>(self.is_watched, self.retry.most > 0);
             self.stepper = self.stepper(part_of(self.h, base + 1))?;
         }
         Ok(may)

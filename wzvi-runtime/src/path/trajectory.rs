@@ -39,8 +39,8 @@ pub struct Iterations {
     pub halved: u64,
     /// The most halvings of a step.
     pub halvings: u32,
-    /// Monitored steps, one in eight, whose energy was off by more than a tenth of the mean of `p · dq/dt`: excursions that returned, or a
-    /// run that was [`unwatched`](crate::path::simulate::Simulation::unwatched).
+    /// Monitored steps whose energy was off by more than a tenth of the mean of `p · dq/dt`: excursions that returned. 0 in a run that was
+    /// [`unwatched`](crate::path::simulate::Simulation::unwatched).
     #[cfg_attr(feature = "serde", serde(default))]
     pub suspected: u64,
 }

@@ -28,11 +28,17 @@
 //!
 //! An energy that is not a number ends a run at once, in a test or at its end: the state has left the domain of `H`.
 //!
+//! As long as the last test found nothing, `H` itself is compared with the reference first, and `E_h` is computed only where `H` is off by more than `A/10`: a run
+//! that keeps `H` is no wrong one. A test evaluates the energy site by site, which costs several steps that go window by window. In a system of 96
+//! degrees of freedom or more, one step in 64 is tested after the first 64 steps, until one is off, unless its steps may be halved or its energy may jump.
+//! A run that is not monitored computes no energy; if its steps may be halved, it adds up `A`, which decides whether halves agree.
+//!
 //! The tested step is not always the same one of eight: a motion whose period is a multiple of eight steps would have the same phase in each test.
 
 use crate::algebra::scalar::{Dual, Rounded};
 use crate::algebra::state::{State, Vector, copy_state, dot};
 use crate::error::{StepError, StepFailure};
+use crate::scheme::elements::LEAST_IN_WINDOWS;
 use crate::scheme::plan::{EnergyWatch, KeptEnergy};
 use crate::scheme::system::{Discretized, Hamiltonian};
 
@@ -42,6 +48,8 @@ const STRIDE: u64 = 8;
 const SPAN: usize = 8;
 /// The steps that they span.
 const TAIL: u64 = STRIDE * SPAN as u64;
+/// One step of so many is tested in a large system whose energy is right.
+const LONG_STRIDE: u64 = 64;
 /// How far the energy may be off, in units of the mean of `p · dq/dt`. Resolved motions of all kinds stay below 0.031, and those that are wrong
 /// leave the constant energy by a multiple of their kinetic energy.
 const HARMFUL: f64 = 0.1;
@@ -98,6 +106,12 @@ pub(crate) fn next_look(step: u64) -> u64 {
     STRIDE * group + 5 * group % STRIDE
 }
 
+/// The step that a large system, whose energy is right, looks at after this one: each phase of 64 steps in turn, far from the one before.
+fn next_rare_look(step: u64) -> u64 {
+    let group = step / LONG_STRIDE + 1;
+    LONG_STRIDE * group + 39 * group % LONG_STRIDE
+}
+
 /// The energy of a run so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch<V> {
@@ -105,7 +119,10 @@ pub(crate) struct Watch<V> {
     next: u64,
     /// The steps of a path of an ensemble, which is tested rarely as long as its energy is right.
     steps: Option<u64>,
-    is_refusing: bool,
+    /// Whether it is the energy that is monitored, or `A` alone.
+    is_of_energy: bool,
+    /// Whether a large system is tested rarely as long as its energy is right.
+    is_sparing: bool,
     suspected: u64,
     /// `E_h` at the start: the least and the largest of the first looks where a scheme keeps it nearly.
     band: [f64; 2],
@@ -138,17 +155,34 @@ impl<V> Default for Watch<V> {
     fn default() -> Self {
         let recent = [0.0; SPAN];
         let (band, motion, room) = ([0.0; 2], Motion::default(), None);
-        let (next, steps, is_refusing, suspected, off) = (u64::MAX, None, false, 0, 0.0);
-        let (follows_jumps, last) = (false, None);
-        Self { next, steps, is_refusing, suspected, band, motion, off, recent, follows_jumps, last, room }
+        let (next, steps, is_of_energy, suspected, off) = (u64::MAX, None, false, 0, 0.0);
+        let (is_sparing, follows_jumps, last) = (false, false, None);
+        Self {
+            next,
+            steps,
+            is_of_energy,
+            is_sparing,
+            suspected,
+            band,
+            motion,
+            off,
+            recent,
+            follows_jumps,
+            last,
+            room,
+        }
     }
 }
 
 impl<V: Vector> Watch<V> {
-    /// For a run by this scheme from step 0, if the system conserves its energy. Deviations are refused, or only counted.
-    pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_refusing: bool) -> Self {
-        let next = if keeps_energy::<H, E>() { 0 } else { u64::MAX };
-        Self { next, is_refusing, follows_jumps: may_jump::<H, E>(), ..Self::default() }
+    /// For a run by this scheme from step 0, if the system conserves its energy. Deviations are refused if it is monitored. Halved steps
+    /// need `A` in any case, at the steps at which a path of an ensemble adds to it.
+    pub(crate) fn of<H: Discretized<E, Vector = V>, E>(is_of_energy: bool, may_halve: bool) -> Self {
+        let is_wanted = keeps_energy::<H, E>() && (is_of_energy || may_halve);
+        let next = if is_wanted { 0 } else { u64::MAX };
+        let (follows_jumps, is_sparing) =
+            (is_of_energy && may_jump::<H, E>(), !may_halve && !may_jump::<H, E>());
+        Self { next, is_of_energy, is_sparing, follows_jumps, ..Self::default() }
     }
 
     /// For a path of an ensemble, of so many steps; deviations are refused. It is tested at the start, then at eight times the step of the last test, and 64
@@ -159,7 +193,7 @@ impl<V: Vector> Watch<V> {
         let next = if keeps_energy::<H, E>() && steps > TAIL { 0 } else { u64::MAX };
         let is_rare = const { !may_jump::<H, E>() };
         let steps = is_rare.then_some(steps);
-        Self { next, steps, is_refusing: true, follows_jumps: may_jump::<H, E>(), ..Self::default() }
+        Self { next, steps, is_of_energy: true, follows_jumps: may_jump::<H, E>(), ..Self::default() }
     }
 
     /// The same, of the next path.
@@ -198,7 +232,10 @@ impl<V: Vector> Watch<V> {
     ) -> Box<Room<V>> {
         let mut room = self.room.take().unwrap_or_else(|| Box::new(Room::of(state)));
         copy_state(&mut room.before, state);
-        let energy = room.kept_energy::<H, E>(system, state, h);
+        if !self.is_of_energy {
+            return room;
+        }
+        let energy = self.look::<H, E>(&mut room, system, state, h);
         if self.motion.steps == 0 {
             self.band = [energy; 2];
         }
@@ -211,6 +248,31 @@ impl<V: Vector> Watch<V> {
         room.energy_before = energy;
         self.off = self.distance::<H, E>(energy);
         room
+    }
+
+    /// `E_h`; or the reference, if nothing was off at the last test and `H` is right.
+    fn look<H: Discretized<E, Vector = V>, E>(
+        &self,
+        room: &mut Room<V>,
+        system: &H,
+        state: &State<V>,
+        h: f64,
+    ) -> f64 {
+        let energy = system.energy(state);
+        room.is_undefined = energy.is_nan();
+        let is_compared = const {
+            let keeps_itself =
+                matches!(H::PROPERTIES.kept_energy, KeptEnergy::Hamiltonian | KeptEnergy::Nearly);
+            !keeps_itself && !may_jump::<H, E>()
+        };
+        if is_compared && let Some(scale) = self.motion.mean() {
+            let (harmful, [least, largest]) = (HARMFUL * scale, self.band);
+            let last = self.recent[((self.motion.steps - 1) % SPAN as u64) as usize];
+            if last <= harmful && energy >= least - harmful && energy <= largest + harmful {
+                return energy.max(least).min(largest);
+            }
+        }
+        room.kept_energy::<H, E>(system, state, h, energy)
     }
 
     /// After a change of the energy between two states: moves the reference to the second energy if the change is a jump.
@@ -246,7 +308,7 @@ impl<V: Vector> Watch<V> {
         system: &H,
         state: &State<V>,
     ) -> Result<(), StepFailure> {
-        let is_left = const { keeps_energy::<H, E>() } && self.is_refusing && system.energy(state).is_nan();
+        let is_left = const { keeps_energy::<H, E>() } && self.is_of_energy && system.energy(state).is_nan();
         if is_left { Err(StepFailure::UndefinedEnergy) } else { Ok(()) }
     }
 
@@ -263,8 +325,13 @@ impl<V: Vector> Watch<V> {
         state: &mut State<V>,
         step: u64,
     ) -> Result<(), StepError> {
+        if !self.is_of_energy {
+            self.motion.add(h, [&room.before, state]);
+            (self.next, self.room) = (next_look(self.next), Some(room));
+            return Ok(());
+        }
         // A stiff direction that alternates may excite every other node only.
-        let energy = room.kept_energy::<H, E>(system, state, h);
+        let energy = self.look::<H, E>(&mut room, system, state, h);
         if const { may_jump::<H, E>() } {
             let mut motion = self.motion;
             motion.add(h, [&room.before, state]);
@@ -280,7 +347,7 @@ impl<V: Vector> Watch<V> {
         }
         let off = self.off.min(self.distance::<H, E>(energy));
         let judged = match room.is_undefined {
-            true => self.refuse(StepFailure::UndefinedEnergy),
+            true => Err(StepFailure::UndefinedEnergy),
             false => self.judge::<H, E>(system, [&room.before, state], h, step, off),
         };
         if judged.is_err() {
@@ -322,32 +389,26 @@ impl<V: Vector> Watch<V> {
         let harmful = HARMFUL * scale;
         let is_off = error > harmful && error > harmful + rounding::<H, E>(system, ends[1], step, scale);
         let is_learning = matches!(H::PROPERTIES.kept_energy, KeptEnergy::Nearly) && looks < SPAN as u64;
-        self.next = self.after(self.next, is_off || is_learning);
+        let is_large = ends[1].q.components().len() >= LEAST_IN_WINDOWS;
+        self.next = self.after(self.next, is_off || is_learning, is_large);
         if !is_off {
             return Ok(());
         }
         self.suspected += 1;
         let least = self.recent.iter().fold(f64::INFINITY, |least, error| least.min(*error));
-        if self.is_refusing && looks >= SPAN as u64 && least > harmful {
+        if looks >= SPAN as u64 && least > harmful {
             let may_jump = const { may_jump::<H, E>() };
             return Err(StepFailure::Unresolved { energy_error: least, scale, may_jump });
         }
         Ok(())
     }
 
-    /// Counts what is wrong, and refuses it if deviations are refused.
-    #[cold]
-    fn refuse(&mut self, cause: StepFailure) -> Result<(), StepFailure> {
-        self.suspected += 1;
-        self.next = next_look(self.next);
-        if self.is_refusing { Err(cause) } else { Ok(()) }
-    }
-
     /// The step to look at after this one.
-    fn after(&self, step: u64, is_soon: bool) -> u64 {
+    fn after(&self, step: u64, is_soon: bool, is_large: bool) -> u64 {
         match self.steps.map(|steps| steps.saturating_sub(TAIL)) {
             Some(last) if !is_soon && step < last => last.min(TAIL.max(step.saturating_mul(8))),
             Some(_) if !is_soon => u64::MAX,
+            None if !is_soon && self.is_sparing && is_large && step >= TAIL => next_rare_look(step),
             _ => next_look(step),
         }
     }
@@ -378,10 +439,14 @@ impl<V: Vector> Room<V> {
         Self { before: state.clone(), energy_before, is_undefined, slopes, dual: Default::default() }
     }
 
-    /// `E_h`
-    fn kept_energy<H: Discretized<E, Vector = V>, E>(&mut self, system: &H, state: &State<V>, h: f64) -> f64 {
-        let energy = system.energy(state);
-        self.is_undefined = energy.is_nan();
+    /// `E_h` where `H` is this `energy`.
+    fn kept_energy<H: Discretized<E, Vector = V>, E>(
+        &mut self,
+        system: &H,
+        state: &State<V>,
+        h: f64,
+        energy: f64,
+    ) -> f64 {
         if const { matches!(H::PROPERTIES.kept_energy, KeptEnergy::Hamiltonian | KeptEnergy::Nearly) } {
             return energy;
         }
