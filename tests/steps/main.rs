@@ -12,6 +12,7 @@ mod errors;
 mod gauss;
 mod gradient;
 mod invariants;
+mod limits;
 mod modified;
 mod momentum;
 mod names;

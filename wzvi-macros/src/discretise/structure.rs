@@ -215,7 +215,7 @@ impl<'a> BlockSolver<'a> {
         for &(unknown, speed) in speeds {
             for (view, weight) in self.symbols.views(unknown) {
                 let Self { graph, slopes, .. } = self;
-                let slope = *slopes.entry((expr, view)).or_insert_with(|| graph.derivative(expr, view));
+                let slope = *slopes.entry((expr, view)).or_insert_with(|| graph.curvature(expr, view));
                 terms.push((self.graph.multiply(slope, speed), weight));
             }
         }

@@ -1,8 +1,16 @@
 //! Derivatives by the chain rule, one pass over the shared graph.
+//!
+//! The chain rule multiplies 0 by infinity where the derivative has a limit. Three rules take that limit:
+//!
+//! * a slope that is exactly zero on a piece makes the whole term zero there: `√u u'` with `u = max(x, 0)`,
+//! * powers of one base are differentiated together: `u ∛u`, `(u²)^(3/4)`, `hypot(x, y)²`,
+//! * `f(r)` with `r² = x² + y² + …` and `f'(0) = 0` has the slope `(f'(r)/r) (x x' + y y' + …)`, where the first factor is
+//!   `f''(0)` at `r = 0` ([`super::radial`]).
 
 use std::collections::HashMap;
 
 use super::graph::Support;
+use super::sign::Sign;
 use super::{Expr, Function, Graph, Node, Rational, Relation, Symbol};
 
 /// Products of more factors are differentiated by halves.
@@ -16,6 +24,8 @@ pub(crate) type Direction = HashMap<Symbol, Rational>;
 struct Slopes {
     known: HashMap<Expr, Expr>,
     zero: Expr,
+    /// Whether the infinite slope of a root at zero counts as zero.
+    is_bounded: bool,
 }
 
 impl Slopes {
@@ -30,13 +40,24 @@ impl Graph {
         self.differentiate(expr, &HashMap::from([(symbol, Rational::ONE)]))
     }
 
+    /// `∂expr/∂symbol` for the matrices of Newton's method: 0 where only a root in `expr` has an infinite slope. There is no
+    /// better matrix, and the solution does not depend on it.
+    pub(crate) fn curvature(&mut self, expr: Expr, symbol: Symbol) -> Expr {
+        self.differentiated(expr, &HashMap::from([(symbol, Rational::ONE)]), true)
+    }
+
     /// The derivative of `expr` in `direction`.
     pub(crate) fn differentiate(&mut self, expr: Expr, direction: &Direction) -> Expr {
+        self.differentiated(expr, direction, false)
+    }
+
+    fn differentiated(&mut self, expr: Expr, direction: &Direction, is_bounded: bool) -> Expr {
         let support = Support::of(direction.keys().copied());
         // Only nodes that may contain a moving symbol are visited: the others have no slope.
         let mut parts = self.reachable_where(&[expr], |part| self.support(part).intersects(support));
         parts.sort_unstable();
-        let mut slopes = Slopes { known: HashMap::with_capacity(parts.len()), zero: self.integer(0) };
+        let mut slopes =
+            Slopes { known: HashMap::with_capacity(parts.len()), zero: self.integer(0), is_bounded };
         for part in parts {
             let node = self.node(part).clone();
             let slope = match &node {
@@ -50,7 +71,8 @@ impl Graph {
                 slopes.known.insert(part, slope);
             }
         }
-        slopes.of(expr)
+        let slope = slopes.of(expr);
+        self.radial_limits(slope)
     }
 
     fn slope(&mut self, expr: Expr, node: &Node, slopes: &Slopes) -> Expr {
@@ -61,21 +83,28 @@ impl Graph {
             }
             Node::Product(factors) => self.product_slope(factors, slopes),
             &Node::Apply(function @ (Function::Min | Function::Max), ref arguments) => {
-                let (a, b) = (arguments[0], arguments[1]);
-                let less = self.compare(Relation::Less, a, b);
-                let (smaller, larger) = (slopes.of(a), slopes.of(b));
-                match function {
-                    Function::Min => self.select(less, smaller, larger),
-                    _ => self.select(less, larger, smaller),
+                let (mut a, mut b) = (arguments[0], arguments[1]);
+                // Where both are equal, the slope is that of the second one: of a constant, if there is one.
+                if slopes.of(a) == slopes.zero {
+                    (a, b) = (b, a);
                 }
+                let (left, right) = if function == Function::Min { (a, b) } else { (b, a) };
+                let is_first = self.compare(Relation::Less, left, right);
+                self.select(is_first, slopes.of(a), slopes.of(b))
             }
             Node::Apply(function, arguments) => {
                 let mut terms = Vec::new();
                 for (i, &argument) in arguments.iter().enumerate() {
                     let slope = slopes.of(argument);
                     if slope != slopes.zero {
-                        let partial = self.partial(expr, *function, arguments, i);
-                        terms.push(self.multiply(partial, slope));
+                        if *function == Function::Hypot {
+                            return self.radial_slope(expr, Rational::ONE, slopes);
+                        }
+                        let mut partial = self.partial(expr, *function, arguments, i);
+                        if slopes.is_bounded && matches!(function, Function::Sqrt | Function::Cbrt) {
+                            partial = self.zero_at(arguments[0], partial);
+                        }
+                        terms.push(self.beside_slope(&[(partial, Rational::ONE)], slope));
                     }
                 }
                 self.sum(&terms)
@@ -99,17 +128,42 @@ impl Graph {
         }
         let mut terms = Vec::new();
         for (i, &(base, exponent)) in factors.iter().enumerate() {
-            // `(√x)^n` is differentiated as `x^(n/2)`: `(√x)^(n-1) / √x` would be undefined at zero.
-            if let &Node::Apply(Function::Sqrt, ref arguments) = self.node(base)
-                && let Some(lower) = exponent.add(Rational::integer(-2)).filter(|lower| !lower.is_negative())
-                && let Some(half) = exponent.multiply(Rational::HALF)
-            {
-                let slope = slopes.of(arguments[0]);
-                if slope != slopes.zero {
-                    let mut operands = factors.to_vec();
-                    operands[i].1 = lower;
-                    operands.push((slope, Rational::ONE));
-                    terms.push((self.product_of_powers(&operands), half));
+            let mut others = factors.to_vec();
+            others.remove(i);
+            if let Some((x, root)) = self.root_of(base, exponent) {
+                let is_first = self.root_beside(factors, x) == Some(i);
+                let beside = others.iter().position(|&(other, e)| is_first && other == x && is_natural(e));
+                if root != Function::Abs || beside.is_some() {
+                    let m = beside.map_or(Rational::ZERO, |at| others.remove(at).1);
+                    if slopes.of(x) != slopes.zero
+                        && let Some((total, lower)) = lowered(root, (base, exponent), (x, m))
+                    {
+                        others.extend(lower);
+                        terms.push((self.times(&others, x, total, slopes), total));
+                    }
+                    continue;
+                }
+            }
+            // Differentiated with a root of it.
+            if is_natural(exponent) && self.root_beside(factors, base).is_some() {
+                continue;
+            }
+            if let Node::Apply(Function::Hypot, _) = self.node(base) {
+                let slope = self.radial_slope(base, exponent, slopes);
+                others.push((slope, Rational::ONE));
+                terms.push((self.product_of_powers(&others), Rational::ONE));
+                continue;
+            }
+            if let Some((x, power, factor)) = self.even_power(base, exponent) {
+                if slopes.of(x) != slopes.zero {
+                    // Of |x|^n it is n |x|^(n-2) x, or n |x|^(n-1) with the sign of x.
+                    let (size, sign) = (self.apply(Function::Abs, &[x]), self.apply(Function::Signum, &[x]));
+                    let (below, other) = if power < Rational::integer(2) { (-1, sign) } else { (-2, x) };
+                    if let Some(below) = power.add(Rational::integer(below)) {
+                        let factor = self.power(factor, exponent);
+                        others.extend([(factor, Rational::ONE), (size, below), (other, Rational::ONE)]);
+                        terms.push((self.times(&others, x, power, slopes), power));
+                    }
                 }
                 continue;
             }
@@ -120,11 +174,102 @@ impl Graph {
                     Some(lower) => operands[i].1 = lower,
                     None => operands.push((base, Rational::MINUS_ONE)),
                 }
-                operands.push((slope, Rational::ONE));
-                terms.push((self.product_of_powers(&operands), exponent));
+                let mut term = self.times(&operands, base, exponent, slopes);
+                // The slope of a sum of squares vanishes as its square root does.
+                if is_root(exponent) && Rational::HALF < exponent && self.is_sum_of_squares(base) {
+                    term = self.zero_at(base, term);
+                }
+                terms.push((term, exponent));
             }
         }
         self.linear_combination(&terms)
+    }
+
+    /// `Π operand · x'`, zero where `x'` is zero on a piece: for the slope of `x^exponent`.
+    fn times(&mut self, operands: &[(Expr, Rational)], x: Expr, exponent: Rational, slopes: &Slopes) -> Expr {
+        let term = self.beside_slope(operands, slopes.of(x));
+        let is_bounded = slopes.is_bounded && is_root(exponent) && self.sign(x) != Sign::Positive;
+        if is_bounded { self.zero_at(x, term) } else { term }
+    }
+
+    /// `Π operand · slope`, as one selection with zero if the slope is one.
+    fn beside_slope(&mut self, operands: &[(Expr, Rational)], slope: Expr) -> Expr {
+        let (coefficient, inner) = self.as_multiple(slope);
+        let mut operands = operands.to_vec();
+        let product = match *self.node(inner) {
+            Node::Select { condition, then, otherwise } if self.is_zero(then) || self.is_zero(otherwise) => {
+                operands.push((if self.is_zero(then) { otherwise } else { then }, Rational::ONE));
+                let product = self.product_of_powers(&operands);
+                match self.is_zero(then) {
+                    true => self.select(condition, then, product),
+                    false => self.select(condition, product, otherwise),
+                }
+            }
+            _ => {
+                operands.push((inner, Rational::ONE));
+                self.product_of_powers(&operands)
+            }
+        };
+        self.scale(product, coefficient)
+    }
+
+    /// `term`, and 0 where `x = 0`.
+    fn zero_at(&mut self, x: Expr, term: Expr) -> Expr {
+        let zero = self.integer(0);
+        let vanishes = self.compare(Relation::Equal, x, zero);
+        self.select(vanishes, zero, term)
+    }
+
+    /// The argument of a root or an absolute value with such an exponent, which is a power of it.
+    fn root_of(&self, base: Expr, exponent: Rational) -> Option<(Expr, Function)> {
+        match self.node(base) {
+            &Node::Apply(function @ (Function::Sqrt | Function::Cbrt | Function::Abs), ref arguments) => {
+                let is_power = exponent.is_integer() || function == Function::Abs;
+                (is_power && !exponent.is_negative()).then_some((arguments[0], function))
+            }
+            _ => None,
+        }
+    }
+
+    /// The first root of `x` among the factors.
+    fn root_beside(&self, factors: &[(Expr, Rational)], x: Expr) -> Option<usize> {
+        factors
+            .iter()
+            .position(|&(base, exponent)| self.root_of(base, exponent).is_some_and(|(of, _)| of == x))
+    }
+
+    /// `x`, `k e` and `c`, if `base^e` is `(c x^k)^e` with even `k` and a fraction `e`.
+    fn even_power(&mut self, base: Expr, exponent: Rational) -> Option<(Expr, Rational, Expr)> {
+        let (factor, inner) = self.as_multiple(base);
+        let Node::Product(powers) = self.node(inner) else { return None };
+        let &[(x, power)] = powers.as_ref() else { return None };
+        let is_even = is_natural(power) && power.numerator() % 2 == 0;
+        let total = power.multiply(exponent).filter(|total| !total.is_negative())?;
+        let is_open = is_even && !exponent.is_integer() && !factor.is_negative();
+        is_open.then(|| (x, total, self.number(factor)))
+    }
+
+    /// The slope of `r^n` with `r² = x² + y² + …`: `n r^(n-2) (x x' + y y' + …)`.
+    fn radial_slope(&mut self, r: Expr, n: Rational, slopes: &Slopes) -> Expr {
+        let half = self.half_slope_of_square(r, slopes);
+        let Some(lower) = n.add(Rational::integer(-2)) else { return half };
+        let slope = self.product_of_powers(&[(r, lower), (half, Rational::ONE)]);
+        let slope = self.scale(slope, n);
+        // It vanishes as r^(n-1) does.
+        let has_limit = Rational::ONE < n && n < Rational::integer(2);
+        if has_limit && slope != slopes.zero { self.zero_at(r, slope) } else { slope }
+    }
+
+    /// `x x' + y y'` of `hypot(x, y)`, `x x'` of other `x`.
+    fn half_slope_of_square(&mut self, x: Expr, slopes: &Slopes) -> Expr {
+        match self.node(x).clone() {
+            Node::Apply(Function::Hypot, arguments) => {
+                let halves: Vec<Expr> =
+                    arguments.iter().map(|&argument| self.half_slope_of_square(argument, slopes)).collect();
+                self.sum(&halves)
+            }
+            _ => self.beside_slope(&[(x, Rational::ONE)], slopes.of(x)),
+        }
     }
 
     /// `∂function/∂argument_i` at `arguments`; `value` is the node of the function itself.
@@ -210,4 +355,33 @@ impl Graph {
         let (x, y) = (self.power(x, Rational::integer(2)), self.power(y, Rational::integer(2)));
         self.add(x, y)
     }
+}
+
+/// Whether it is 1, 2, ...
+fn is_natural(exponent: Rational) -> bool {
+    exponent.is_integer() && exponent.numerator() > 0
+}
+
+/// Whether powers with this exponent have an infinite slope at zero.
+fn is_root(exponent: Rational) -> bool {
+    Rational::ZERO < exponent && exponent < Rational::ONE
+}
+
+/// `(root of x)^n x^m / x` as powers, and the exponent of `x` in the product before the division.
+fn lowered(
+    root: Function,
+    (base, n): (Expr, Rational),
+    (x, m): (Expr, Rational),
+) -> Option<(Rational, Vec<(Expr, Rational)>)> {
+    let degree = match root {
+        Function::Sqrt => 2,
+        Function::Cbrt => 3,
+        _ => return Some((m.add(n)?, vec![(base, n), (x, m.add(Rational::MINUS_ONE)?)])),
+    };
+    let left = degree * m.numerator() + n.numerator() - degree;
+    let total = Rational::new((left + degree).into(), degree.into())?;
+    let [whole, rest] = if m.is_zero() || left < 0 { [0, left] } else { [left / degree, left % degree] };
+    let powers = [(x, whole), (base, rest)];
+    let powers = powers.map(|(base, exponent)| Some((base, Rational::new(exponent.into(), 1)?)));
+    Some((total, powers.into_iter().collect::<Option<_>>()?))
 }

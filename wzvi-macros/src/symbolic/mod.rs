@@ -10,6 +10,7 @@ mod display;
 pub(crate) mod evaluate;
 pub(crate) mod function;
 pub(crate) mod graph;
+mod radial;
 pub(crate) mod rational;
 mod residue;
 mod sides;

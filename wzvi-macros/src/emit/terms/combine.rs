@@ -79,7 +79,7 @@ impl Combined {
         for (a, (first, row)) in variables.iter().enumerate() {
             let slope = graph.derivative(self.value, *first);
             for (second, column) in &variables[a..] {
-                let curvature = graph.derivative(slope, *second);
+                let curvature = graph.curvature(slope, *second);
                 entries.push((self.named(graph, curvature), row, column, first == second));
             }
         }
@@ -115,7 +115,7 @@ pub(super) fn curvatures(graph: &mut Graph, value: Expr, symbols: &[Symbol]) -> 
     let mut all = Vec::new();
     for (a, &first) in symbols.iter().enumerate() {
         let slope = graph.derivative(value, first);
-        all.extend(symbols[a..].iter().map(|&second| graph.derivative(slope, second)));
+        all.extend(symbols[a..].iter().map(|&second| graph.curvature(slope, second)));
     }
     all
 }

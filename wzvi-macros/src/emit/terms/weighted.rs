@@ -160,7 +160,7 @@ impl Nests<'_> {
                 let by = if half == Half::Momenta { "QP" } else { "QQ" };
                 let (by, row) = (format_ident!("{by}"), row.clone());
                 let target = Target::Curvature { by, row, column, is_alone: true };
-                outputs.push((graph.derivative(slope, symbol), target));
+                outputs.push((graph.curvature(slope, symbol), target));
             }
         }
         outputs

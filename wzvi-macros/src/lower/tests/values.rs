@@ -1,7 +1,7 @@
 //! The values of closures in the compiler; their agreement with `rustc` is tested in `tests/steps/values.rs`.
 
 use super::{drift, same_as_rust, value};
-use crate::symbolic::{Function, Rational};
+use crate::symbolic::{Expr, Function, Rational};
 
 #[test]
 fn coordinates_have_the_names_of_their_patterns() {
@@ -147,4 +147,62 @@ fn long_sums_are_linear_and_shallow() {
     let closure = format!("|q, p| p + {}", terms.join(" + "));
     let expected: f64 = 1.7 + (0..1000).map(|i| 0.3 * (f64::from(i) + 0.5)).sum::<f64>();
     assert!((value(&closure, &[0.3], &[1.7], &[]) - expected).abs() < 1e-9 * expected);
+}
+
+/// Slopes are those of differences where the function is smooth, and limits where the chain rule gives 0 times infinity.
+#[test]
+fn slopes_have_their_limits() {
+    // A function of x and y, a point where it is special, and its slopes there.
+    let cases = [
+        ("(x - 1.0).max(0.0).powf(1.5) + 0.0 * y", [1.0, 0.5], [0.0, 0.0]),
+        ("(x - 1.0).max(0.0).powf(1.5) * y", [0.3, 0.5], [0.0, 0.0]),
+        ("(y - x).max(0.0).powf(2.5)", [1.0, 1.0], [0.0, 0.0]),
+        ("0.0_f64.max(1.0 - x).sqrt().powi(3) * y", [1.0, 0.5], [0.0, 0.0]),
+        ("{ let u = (x - y).max(0.0); u * u.cbrt() }", [0.5, 0.5], [0.0, 0.0]),
+        ("x * x.cbrt() * y", [0.0, 0.5], [0.0, 0.0]),
+        ("x.powi(2) * x.cbrt() * x.abs().sqrt() * y", [0.0, 0.5], [0.0, 0.0]),
+        ("x * x.sqrt() * x.cbrt() * y", [0.0, 0.5], [0.0, 0.0]),
+        ("x.cbrt().powi(5) + y", [0.0, 0.5], [0.0, 1.0]),
+        ("x * x.abs().powf(1.5) * y", [0.0, 0.5], [0.0, 0.0]),
+        ("(x * x).powf(0.75) + y", [0.0, 0.5], [0.0, 1.0]),
+        ("(2.0 * (x - y).powi(4)).powf(0.4)", [0.5, 0.5], [0.0, 0.0]),
+        ("x.abs().powf(1.5) - y", [0.0, 0.5], [0.0, -1.0]),
+        ("x.hypot(y).powi(2)", [0.0, 0.0], [0.0, 0.0]),
+        ("x.hypot(y).powf(1.5)", [0.0, 0.0], [0.0, 0.0]),
+        ("(x * x + 3.0 * y * y).powf(0.7)", [0.0, 0.0], [0.0, 0.0]),
+        ("(6.0 * x.hypot(y)).cos()", [0.0, 0.0], [0.0, 0.0]),
+        ("a * (a * (x * x + y * y).sqrt()).cosh() * x", [0.0, 0.0], [2.0, 0.0]),
+        ("x.hypot(y) - x.hypot(y).sin()", [0.0, 0.0], [0.0, 0.0]),
+        ("x.hypot(y) * x.hypot(y).sin() + y", [0.0, 0.0], [0.0, 1.0]),
+        ("x.hypot(y).hypot(a).powi(3)", [0.0, 0.0], [0.0, 0.0]),
+    ];
+    for (closure, special, expected) in cases {
+        let mut model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
+        let (value, q) = (model.drift, model.phase.q.clone());
+        let slopes: Vec<_> = q.iter().map(|&x| model.graph.derivative(value, x)).collect();
+        let curvatures: Vec<_> = slopes.iter().map(|&slope| model.graph.curvature(slope, q[0])).collect();
+        let at = |roots: &[Expr], point: [f64; 2]| {
+            let of = |symbol| q.iter().position(|&own| own == symbol).map_or(2.0, |i| point[i]);
+            model.graph.evaluate(roots, &of)
+        };
+        assert_eq!(at(&slopes, special), expected, "{closure}");
+        let curved = at(&curvatures, special);
+        assert!(curved.iter().all(|entry| entry.is_finite()), "{closure}: {curved:?}");
+        for [x, y] in [[1.7, 0.4], [0.3, 1.1], [2.2, 2.9]] {
+            // With derivatives up to 1000, the error of the difference is d², and that of its rounding 1e-16 f / d.
+            let d = 1e-6;
+            for (i, of) in [[d, 0.0], [0.0, d]].into_iter().enumerate() {
+                let moved = |s: f64| [x + s * of[0], y + s * of[1]];
+                let slope = |root| (at(&[root], moved(1.0))[0] - at(&[root], moved(-1.0))[0]) / (2.0 * d);
+                let pairs = [(slopes[i], value), (curvatures[i], slopes[i])];
+                for (derivative, of) in pairs.into_iter().take(2 - i) {
+                    let (found, wanted) = (at(&[derivative], [x, y])[0], slope(of));
+                    assert!(
+                        (found - wanted).abs() < 1e-6 * (1.0 + wanted.abs()),
+                        "{closure}: {found} {wanted}"
+                    );
+                }
+            }
+        }
+    }
 }
