@@ -201,6 +201,9 @@ impl Graph {
             }
         }
         merged.retain(|&(_, exponent)| !exponent.is_zero());
+        if let Some(product) = self.product_of_selections(&merged) {
+            return self.scale(product, coefficient);
+        }
         // `√u √u` has become `u`, which may be a product, a multiple or a number to flatten. A number that did not
         // fit with this coefficient would not fit again.
         if merges > 0 && merged.iter().any(|&(base, exponent)| self.opens_beside(coefficient, base, exponent))
@@ -215,6 +218,29 @@ impl Graph {
             _ => self.intern(Node::Product(merged.into())),
         };
         self.scale(product, coefficient)
+    }
+
+    /// A product with two selections by one condition as one selection: they are zero in turn where the members of a family differ.
+    fn product_of_selections(&mut self, factors: &[(Expr, Rational)]) -> Option<Expr> {
+        let selection = |&(base, exponent): &(Expr, Rational)| match *self.node(base) {
+            Node::Select { condition, then, otherwise } if exponent.is_one() => {
+                Some((condition, then, otherwise))
+            }
+            _ => None,
+        };
+        let found: Vec<_> = factors.iter().map(selection).collect();
+        let second = (1..found.len()).find_map(|j| {
+            let condition = found[j]?.0;
+            let i = found[..j].iter().position(|one| one.is_some_and(|(of, ..)| of == condition))?;
+            Some((i, j))
+        });
+        let (i, j) = second?;
+        let ((condition, a, b), (_, c, d)) = (found[i]?, found[j]?);
+        let rest = factors.iter().enumerate().filter(|(k, _)| ![i, j].contains(k)).map(|(_, &factor)| factor);
+        let rest: Vec<_> = rest.collect();
+        let [then, otherwise] = [[a, c], [b, d]].map(|pair| self.product(&pair));
+        let selected = self.select(condition, then, otherwise);
+        Some(self.product_of_powers(&[&[(selected, Rational::ONE)], rest.as_slice()].concat()))
     }
 
     /// Number and canonical factors of a product. If the numbers of the operands do not fit one exact number, each
@@ -393,7 +419,7 @@ fn is_unit(value: Rational) -> bool {
 
 /// `number^exponent` where it is rational; `None` keeps it symbolic (`2^(1/2)`, `0^-1`).
 fn exact_power(number: Rational, exponent: Rational) -> Option<Rational> {
-    if exponent.is_integer() {
+    if exponent.is_integer() || number.is_one() {
         return number.power(exponent.numerator());
     }
     let root = |value: i64| {

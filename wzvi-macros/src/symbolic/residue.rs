@@ -1,7 +1,7 @@
 //! Exact values of expressions at random points of finite fields.
 //!
 //! With every function of one argument node replaced by an independent random number (or a rational function of one,
-//! so that `sin² + cos² = 1` and the like hold), an expression is a rational function of degree `d` in random numbers
+//! so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold; `hypot(x, y)` is `√(x² + y²)`), an expression is a rational function of degree `d` in random numbers
 //! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
 //! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still
 //! vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
@@ -23,13 +23,14 @@ const ATTEMPTS: usize = 4;
 pub(super) fn vanishes_modulo_primes(graph: &Graph, expr: Expr) -> bool {
     let has_roots = graph.reachable(&[expr]).iter().any(|&part| match graph.node(part) {
         Node::Product(factors) => factors.iter().any(|&(_, exponent)| exponent.denominator() == 2),
-        Node::Apply(function, _) => *function == Function::Sqrt,
+        Node::Apply(function, _) => matches!(function, Function::Sqrt | Function::Hypot),
         _ => false,
     });
+    let parts = common_parts(graph, expr);
     let wanted = if has_roots { POINTS_WITH_ROOTS } else { POINTS };
     let mut found = 0;
     for attempt in 0..wanted * ATTEMPTS {
-        let point = Point { graph, field: Field(PRIMES[attempt % 2]), seed: attempt as u64 };
+        let point = Point { graph, field: Field(PRIMES[attempt % 2]), seed: attempt as u64, parts };
         match graph.fold(&[expr], None, |part, node, value| point.node(part, node, value))[0] {
             Some(value) if value == Residue::ZERO => found += 1,
             Some(_) => return false,
@@ -40,6 +41,31 @@ pub(super) fn vanishes_modulo_primes(graph: &Graph, expr: Expr) -> bool {
         }
     }
     false
+}
+
+/// The common denominator of the coefficients in arguments of circular and exponential functions: `x/2` and `x/3` are 3 and 2 of 6
+/// parts of `x`. 1 if it is large: then `x/2` and `x` are unrelated.
+fn common_parts(graph: &Graph, expr: Expr) -> i64 {
+    const MOST: i64 = 1 << 12;
+    let mut parts: i64 = 1;
+    for part in graph.reachable(&[expr]) {
+        let Node::Apply(function, arguments) = graph.node(part) else { continue };
+        if function.arity() > 1 || matches!(function, Function::Sqrt | Function::Cbrt | Function::Abs) {
+            continue;
+        }
+        let Node::Sum { terms, constant } = graph.node(arguments[0]) else { continue };
+        for denominator in terms.iter().map(|(_, c)| c.denominator()).chain([constant.denominator()]) {
+            let (mut a, mut b) = (parts, denominator);
+            while b != 0 {
+                (a, b) = (b, a % b);
+            }
+            match (denominator / a).checked_mul(parts) {
+                Some(common) if common <= MOST => parts = common,
+                _ => return 1,
+            }
+        }
+    }
+    parts
 }
 
 /// A small deterministic generator (Steele, Lea, Flood: "Fast splittable pseudorandom number generators").
@@ -192,6 +218,8 @@ struct Point<'a> {
     graph: &'a Graph,
     field: Field,
     seed: u64,
+    /// Angles and exponents are multiples of this part of their summands.
+    parts: i64,
 }
 
 impl Point<'_> {
@@ -224,7 +252,7 @@ impl Point<'_> {
                 for &(base, exponent) in factors {
                     let power = match exponent.denominator() {
                         1 => field.power_signed(value(base)?, exponent.numerator())?,
-                        2 => field.power_signed(self.root(base, value(base)?)?, exponent.numerator())?,
+                        2 => field.power_signed(self.root(value(base)?)?, exponent.numerator())?,
                         _ => {
                             let exponent = mix(exponent.numerator() as u64, exponent.denominator() as u64);
                             self.atom(Atom::Node, mix(mix(base.index() as u64, exponent), u64::MAX))
@@ -234,17 +262,21 @@ impl Point<'_> {
                 }
                 Some(product)
             }
-            Node::Apply(Function::Sqrt, arguments) => self.root(arguments[0], value(arguments[0])?),
+            Node::Apply(Function::Sqrt, arguments) => self.root(value(arguments[0])?),
+            Node::Apply(Function::Hypot, arguments) => {
+                let [x, y] = [value(arguments[0])?, value(arguments[1])?].map(|x| field.multiply(x, x));
+                self.root(field.add(x, y))
+            }
             Node::Apply(function, arguments) => self.function(expr, *function, arguments[0]),
             Node::Select { .. } => Some(self.atom(Atom::Node, expr.index() as u64)),
             Node::Compare(..) | Node::Not(_) | Node::Join(..) => Some(Residue::ZERO),
         }
     }
 
-    /// The square root of the value of the node `base`, with a random sign.
-    fn root(&self, base: Expr, value: Residue) -> Option<Residue> {
+    /// The square root of a value, with a random sign: the same for equal values.
+    fn root(&self, value: Residue) -> Option<Residue> {
         let root = self.field.root(value)?;
-        let flips = self.random(Atom::RootSign, base.index() as u64) & (1 << 32) != 0;
+        let flips = self.random(Atom::RootSign, mix(value.re, value.im)) & (1 << 32) != 0;
         Some(if flips { self.field.negate(root) } else { root })
     }
 
@@ -298,9 +330,18 @@ impl Point<'_> {
         })
     }
 
-    /// The argument as `Σ count · (summand / denominator)`; the key tells the summand and the denominator.
+    /// The argument as `Σ count · (summand / parts)`; the key tells the summand, and the denominator where it is no divisor of the
+    /// number of parts.
     fn summands(&self, argument: Expr) -> Vec<(u64, i64)> {
-        let summand = |key: u64, c: Rational| (mix(key, c.denominator() as u64), c.numerator());
+        let summand = |key: u64, c: Rational| {
+            let whole = (self.parts % c.denominator() == 0)
+                .then(|| c.numerator().checked_mul(self.parts / c.denominator()))
+                .flatten();
+            match whole {
+                Some(count) => (mix(key, 0), count),
+                None => (mix(key, c.denominator() as u64), c.numerator()),
+            }
+        };
         match self.graph.node(argument) {
             Node::Sum { terms, constant } => {
                 let constant = (!constant.is_zero()).then(|| summand(u64::MAX, *constant));

@@ -1,0 +1,75 @@
+//! What is proven of closures, whatever the spelling.
+
+use super::drift;
+use crate::compile::expand;
+use crate::symbolic::ZeroTest;
+
+#[test]
+fn identities_of_roots_and_angles_are_known() {
+    let zero = [
+        "x.hypot(y).powi(2) - x * x - y * y",
+        "x.hypot(y) - (x * x + y * y).sqrt()",
+        "x.hypot(y) * x / x.hypot(y).powi(2) - x / (x * x + y * y).sqrt()",
+        "x.hypot(y).hypot(u).powi(2) - x * x - y * y - u * u",
+        "2.0 * (x / 2.0).sin().powi(2) + x.cos() - 1.0",
+        "(x / 2.0).sin() * (x / 2.0).cos() - x.sin() / 2.0",
+        "x.sin() - 3.0 * (x / 3.0).sin() + 4.0 * (x / 3.0).sin().powi(3)",
+        "(a * x / 2.0).exp().powi(2) - (a * x / 3.0).exp().powi(3)",
+        "(x / 2.0).tan() - x.sin() / (1.0 + x.cos())",
+        "((x + y) / 2.0).cos() * ((x - y) / 2.0).cos() - (x.cos() + y.cos()) / 2.0",
+    ];
+    for closure in zero {
+        let model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
+        assert_eq!(model.graph.test_zero(model.drift), ZeroTest::Zero, "{closure}");
+    }
+    for closure in ["x.hypot(y) - x", "(x / 2.0).sin() - x.sin() / 2.0", "(x * x).sqrt() - x"] {
+        let model = drift(&format!("|[x, y], [u, v]| {closure} + 0.0 * (u + v)"));
+        assert!(matches!(model.graph.test_zero(model.drift), ZeroTest::Nonzero(_)), "{closure}");
+    }
+}
+
+/// The vector of Laplace, Runge and Lenz, with each spelling of the distance; the energy of a pendulum with half its angle.
+#[test]
+fn first_integrals_are_proven_in_each_spelling() {
+    let item = "struct S { a: f64 }";
+    for r in ["x.hypot(y)", "(x * x + y * y).sqrt()", "(x.powi(2) + y.powi(2)).powf(0.5)"] {
+        let attribute = format!(
+            "drift = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 1.0 / {r}, \
+             invariant = [|[x, y], [u, v]| (x * v - y * u) * v - x / {r}, \
+             |[x, y], [u, v]| (y * u - x * v) * u - y / {r}], embedding = Midpoint"
+        );
+        let text = expand(attribute.parse().unwrap(), item.parse().unwrap()).to_string();
+        assert!(!text.contains("compile_error"), "{r}");
+    }
+    let pendulum = "drift = |q, p| 0.5 * p * p + a * (1.0 - q.cos()), \
+                    invariant = |q, p| 0.25 * p * p + a * (0.5 * q).sin().powi(2), embedding = Midpoint";
+    let text = expand(pendulum.parse().unwrap(), item.parse().unwrap()).to_string();
+    assert!(!text.contains("compile_error"), "{text}");
+}
+
+/// Members of a family that read coordinates or momenta, not both, have no defect at any size.
+#[test]
+fn families_with_branches_are_consistent_at_all_sizes() {
+    for (state, size) in [
+        ("[f64; 3]", "3"),
+        ("[f64; 16]", "16"),
+        ("[f64; 17]", "17"),
+        ("[f64; N]", "N"),
+        ("&[f64]", "q.len()"),
+    ] {
+        for noise in [
+            "if k == 0 { a * q[0] * q[0] } else { a * p[0] }",
+            "if k > 1 { a * p[k] * p[k] } else { a * q[k].sin() }",
+        ] {
+            let count = if size == "q.len()" { "self.n" } else { size };
+            let attribute = format!(
+                "drift = |q: {state}, p: {state}| (0..{size}).map(|i| 0.5 * (p[i] * p[i] + q[i] * q[i])).sum::<f64>(), \
+                 noise = [|q, p, k| {noise}; {count}], embedding = DeltaPlus"
+            );
+            let item = "struct S<const N: usize> { a: f64, n: usize }";
+            let text = expand(attribute.parse().unwrap(), item.parse().unwrap()).to_string();
+            let at = text.find("compile_error").unwrap_or(text.len());
+            assert_eq!(at, text.len(), "{state} {noise}: {}", &text[at..(at + 300).min(text.len())]);
+        }
+    }
+}
