@@ -1,8 +1,9 @@
 //! Smooth motions through points where the chain rule multiplies zero by infinity: contacts, roots, and the centre of a force.
 
 use wzvi::prelude::*;
-use wzvi::state::Vector;
+use wzvi::state::Vector as _;
 
+/// Contacts of one body, roots, centres of forces, and chains of beads in contact.
 macro_rules! systems {
     ($($name:ident = $drift:expr;)+) => {$(
         #[hamiltonian(drift = $drift, embedding = [Verlet, Midpoint, Gauss<2>, Gauss<4>])]
@@ -24,7 +25,6 @@ systems! {
     Wave = |[x, y], [u, v]| 0.5 * (u * u + v * v) - 0.1 * (2.0 * (x * x + y * y).sqrt()).cos();
     Space = |[x, y, z], [u, v, w]| 0.5 * (u * u + v * v + w * w) + x.hypot(y).hypot(z).cosh();
     Power = |[x, y], [u, v]| 0.5 * (u * u + v * v) + x.hypot(y).powf(1.5);
-    /// Beads between two walls, each in contact with the next.
     Hertz = |q: &[f64], p: &[f64]| p.iter().map(|p| 0.5 * p * p).sum::<f64>()
         + q.windows(2).map(|w| (w[0] - w[1] + 1.0).max(0.0).powf(2.5)).sum::<f64>()
         + 0.5 * q[0] * q[0];
