@@ -131,12 +131,16 @@ impl Graph {
             let mut others = factors.to_vec();
             others.remove(i);
             if let Some((x, root)) = self.root_of(base, exponent) {
-                let is_first = self.root_beside(factors, x) == Some(i);
-                let beside = others.iter().position(|&(other, e)| is_first && other == x && is_natural(e));
+                let beside = others.iter().position(|&(other, e)| other == x && is_natural(e));
+                // With the first root of x.
+                if beside.is_some() && self.root_beside(factors, x) != Some(i) {
+                    continue;
+                }
                 if root != Function::Abs || beside.is_some() {
                     let m = beside.map_or(Rational::ZERO, |at| others.remove(at).1);
                     if slopes.of(x) != slopes.zero
                         && let Some((total, lower)) = lowered(root, (base, exponent), (x, m))
+                        && let Some(total) = self.with_roots(total, beside.and(Some(others.as_slice())), x)
                     {
                         others.extend(lower);
                         terms.push((self.times(&others, x, total, slopes), total));
@@ -194,21 +198,23 @@ impl Graph {
 
     /// `Π operand · slope`, as one selection with zero if the slope is one.
     fn beside_slope(&mut self, operands: &[(Expr, Rational)], slope: Expr) -> Expr {
-        let (coefficient, inner) = self.as_multiple(slope);
         let mut operands = operands.to_vec();
-        let product = match *self.node(inner) {
+        let (coefficient, inner) = self.as_multiple(slope);
+        let (condition, then, otherwise) = match *self.node(inner) {
             Node::Select { condition, then, otherwise } if self.is_zero(then) || self.is_zero(otherwise) => {
-                operands.push((if self.is_zero(then) { otherwise } else { then }, Rational::ONE));
-                let product = self.product_of_powers(&operands);
-                match self.is_zero(then) {
-                    true => self.select(condition, then, product),
-                    false => self.select(condition, product, otherwise),
-                }
+                (condition, then, otherwise)
             }
             _ => {
-                operands.push((inner, Rational::ONE));
-                self.product_of_powers(&operands)
+                operands.push((slope, Rational::ONE));
+                return self.product_of_powers(&operands);
             }
+        };
+        let is_below = self.is_zero(otherwise);
+        operands.push((if is_below { then } else { otherwise }, Rational::ONE));
+        let product = self.product_of_powers(&operands);
+        let product = match is_below {
+            true => self.select(condition, product, otherwise),
+            false => self.select(condition, then, product),
         };
         self.scale(product, coefficient)
     }
@@ -236,6 +242,16 @@ impl Graph {
         factors
             .iter()
             .position(|&(base, exponent)| self.root_of(base, exponent).is_some_and(|(of, _)| of == x))
+    }
+
+    /// `total`, and the exponents of `x` in the roots of it among `others`.
+    fn with_roots(&self, total: Rational, others: Option<&[(Expr, Rational)]>, x: Expr) -> Option<Rational> {
+        others.unwrap_or_default().iter().try_fold(total, |total, &(base, exponent)| {
+            match self.root_of(base, exponent) {
+                Some((of, root)) if of == x => total.add(exponent.multiply(exponent_of(root))?),
+                _ => Some(total),
+            }
+        })
     }
 
     /// `x`, `k e` and `c`, if `base^e` is `(c x^k)^e` with even `k` and a fraction `e`.
@@ -365,6 +381,15 @@ fn is_natural(exponent: Rational) -> bool {
 /// Whether powers with this exponent have an infinite slope at zero.
 fn is_root(exponent: Rational) -> bool {
     Rational::ZERO < exponent && exponent < Rational::ONE
+}
+
+/// Of `x` in its root or absolute value.
+fn exponent_of(root: Function) -> Rational {
+    match root {
+        Function::Sqrt => Rational::HALF,
+        Function::Cbrt => Rational::THIRD,
+        _ => Rational::ONE,
+    }
 }
 
 /// `(root of x)^n x^m / x` as powers, and the exponent of `x` in the product before the division.

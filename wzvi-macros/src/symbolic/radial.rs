@@ -42,6 +42,12 @@ impl Graph {
                 None => groups.push(Radial { distance, rest, slope: vec![(of_distance, coefficient)] }),
             }
         }
+        // `x/r` alone has no limit.
+        let one = self.integer(1);
+        groups.retain(|group| group.slope.iter().any(|&(of_distance, _)| of_distance != one));
+        if groups.is_empty() {
+            return slope;
+        }
         let mut changed = vec![(slope, Rational::ONE)];
         for Radial { distance, rest, slope } in groups {
             let total = self.linear_combination(&slope);
@@ -59,7 +65,7 @@ impl Graph {
         self.linear_combination(&changed)
     }
 
-    /// A term as `φ r⁻¹ rest`, where `φ` reads the distance.
+    /// A term as `φ r⁻¹ rest`, where `φ` reads the distance or is 1.
     fn radial(&mut self, term: Expr) -> Option<(Distance, Expr, Expr)> {
         let Node::Product(factors) = self.node(term).clone() else { return None };
         let minus_half = Rational::HALF.negate();
@@ -72,9 +78,6 @@ impl Graph {
         let reads = |factor: Expr| self.reachable(&[factor]).contains(&base);
         let others = factors.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, &factor)| factor);
         let (of_distance, rest): (Vec<_>, Vec<_>) = others.partition(|&(factor, _)| reads(factor));
-        if of_distance.is_empty() {
-            return None;
-        }
         let (of_distance, rest) = (self.product_of_powers(&of_distance), self.product_of_powers(&rest));
         Some((Distance { r, base }, rest, of_distance))
     }

@@ -53,8 +53,8 @@ fn common_parts(graph: &Graph, expr: Expr) -> i64 {
         if function.arity() > 1 || matches!(function, Function::Sqrt | Function::Cbrt | Function::Abs) {
             continue;
         }
-        let Node::Sum { terms, constant } = graph.node(arguments[0]) else { continue };
-        for denominator in terms.iter().map(|(_, c)| c.denominator()).chain([constant.denominator()]) {
+        for (_, coefficient) in linear_terms(graph, arguments[0]) {
+            let denominator = coefficient.denominator();
             let (mut a, mut b) = (parts, denominator);
             while b != 0 {
                 (a, b) = (b, a % b);
@@ -66,6 +66,30 @@ fn common_parts(graph: &Graph, expr: Expr) -> i64 {
         }
     }
     parts
+}
+
+/// An argument as `Σ coefficient · term`, with the coefficient of 1 for `None`. Sums below a common factor, as `x + y` in `(x + y)/2`, are
+/// opened, if each coefficient is an exact fraction.
+fn linear_terms(graph: &Graph, argument: Expr) -> Vec<(Option<Expr>, Rational)> {
+    let whole = |expr: Expr| match graph.node(expr) {
+        Node::Sum { terms, constant } => {
+            let constant = (!constant.is_zero()).then_some((None, *constant));
+            terms.iter().map(|&(term, c)| (Some(term), c)).chain(constant).collect()
+        }
+        &Node::Number(value) => vec![(None, value)],
+        _ => vec![(Some(expr), Rational::ONE)],
+    };
+    let mut open: Vec<(Option<Expr>, Rational)> = Vec::new();
+    for (term, coefficient) in whole(argument) {
+        let inner = term.map(whole).unwrap_or_default();
+        let scaled: Option<Vec<_>> =
+            inner.into_iter().map(|(of, c)| Some((of, c.multiply(coefficient)?))).collect();
+        match scaled {
+            Some(scaled) if !scaled.is_empty() => open.extend(scaled),
+            _ => open.push((term, coefficient)),
+        }
+    }
+    open
 }
 
 /// A small deterministic generator (Steele, Lea, Flood: "Fast splittable pseudorandom number generators").
@@ -342,14 +366,9 @@ impl Point<'_> {
                 None => (mix(key, c.denominator() as u64), c.numerator()),
             }
         };
-        match self.graph.node(argument) {
-            Node::Sum { terms, constant } => {
-                let constant = (!constant.is_zero()).then(|| summand(u64::MAX, *constant));
-                terms.iter().map(|&(term, c)| summand(term.index() as u64, c)).chain(constant).collect()
-            }
-            &Node::Number(value) => vec![summand(u64::MAX, value)],
-            _ => vec![summand(argument.index() as u64, Rational::ONE)],
-        }
+        let terms = linear_terms(self.graph, argument);
+        let key = |term: Option<Expr>| term.map_or(u64::MAX, |term| term.index() as u64);
+        terms.into_iter().map(|(term, coefficient)| summand(key(term), coefficient)).collect()
     }
 }
 

@@ -22,7 +22,9 @@ impl ZeroTest {
             Self::Zero => Knowledge::Proven,
             Self::Nonzero(witness) => Knowledge::Refuted(witness),
             Self::Unknown => Knowledge::Unknown(
-                "it vanishes wherever it was evaluated, but by no identity that the compiler knows"
+                "it vanishes wherever it was evaluated, but by no identity that the compiler tries: those of fractions, \
+                 square roots and `hypot`, of `sin`, `cos` and `tan` of sums, multiples and fractions of angles, and of `exp`, \
+                 `sinh`, `cosh` and `tanh` (not of logarithms, inverse functions, `cbrt` and `powf`)"
                     .to_owned(),
             ),
         }

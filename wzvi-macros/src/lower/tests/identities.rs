@@ -45,6 +45,12 @@ fn first_integrals_are_proven_in_each_spelling() {
                     invariant = |q, p| 0.25 * p * p + a * (0.5 * q).sin().powi(2), embedding = Midpoint";
     let text = expand(pendulum.parse().unwrap(), item.parse().unwrap()).to_string();
     assert!(!text.contains("compile_error"), "{text}");
+    let logarithm = "drift = |q, p| 0.5 * (p * p + a * q * q), \
+                     invariant = |q, p| 0.5 * (p * p + a * (2.0 * q.ln()).exp()), embedding = Midpoint";
+    let text = expand(logarithm.parse().unwrap(), item.parse().unwrap()).to_string();
+    for part in ["could not be proven", "`hypot`", "fractions of angles", "not of logarithms"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
 }
 
 /// Members of a family that read coordinates or momenta, not both, have no defect at any size.
