@@ -35,6 +35,15 @@ systems! {
         + q.windows(2).map(|w| (w[0] - w[1] + 1.0).max(0.0).powf(2.5)).sum::<f64>();
 }
 
+/// A wall and a well with an exponent of the system.
+#[hamiltonian(
+    drift = |q, p| 0.5 * p * p + (1.0 - q).max(0.0).powf(self.exponent) + 0.1 * (q - 1.0).abs().powf(self.exponent),
+    embedding = [Verlet, Midpoint, Gauss<2>, Gauss<4>]
+)]
+struct Exponent {
+    exponent: f64,
+}
+
 /// The energy along `steps` steps stays within `h` of its start, the state is finite, and lanes take the same starts.
 fn runs<E, H: Discretized<E> + Sync>(system: &H, h: f64, starts: &[State<H::Vector>])
 where
@@ -75,6 +84,9 @@ fn contacts_and_roots_are_crossed() {
     all_schemes!(CubeRoot, starts);
     all_schemes!(Squares, starts);
     all_schemes!(Absolute, starts);
+    for exponent in [1.5, 2.0, 2.5] {
+        all_schemes!(Exponent { exponent }, starts);
+    }
 }
 
 #[test]

@@ -104,7 +104,15 @@ impl Graph {
                         if slopes.is_bounded && matches!(function, Function::Sqrt | Function::Cbrt) {
                             partial = self.zero_at(arguments[0], partial);
                         }
-                        terms.push(self.beside_slope(&[(partial, Rational::ONE)], slope));
+                        let is_power = *function == Function::Powf && i == 0;
+                        if is_power && slopes.is_bounded && self.sign(argument) != Sign::Positive {
+                            partial = self.zero_at_root(argument, arguments[1], partial);
+                        }
+                        let mut term = self.beside_slope(&[(partial, Rational::ONE)], slope);
+                        if is_power && self.has_even_zeros(argument) {
+                            term = self.zero_at(argument, term);
+                        }
+                        terms.push(term);
                     }
                 }
                 self.sum(&terms)
@@ -224,6 +232,22 @@ impl Graph {
         let zero = self.integer(0);
         let vanishes = self.compare(Relation::Equal, x, zero);
         self.select(vanishes, zero, term)
+    }
+
+    /// `term`, and 0 where `x = 0` if the exponent is below 1.
+    fn zero_at_root(&mut self, x: Expr, exponent: Expr, term: Expr) -> Expr {
+        let (zero, one) = (self.integer(0), self.integer(1));
+        let is_root = self.compare(Relation::Less, exponent, one);
+        let at_zero = self.select(is_root, zero, term);
+        let vanishes = self.compare(Relation::Equal, x, zero);
+        self.select(vanishes, at_zero, term)
+    }
+
+    /// Whether the slope of `x` vanishes where `x` does, so that powers above 1/2 have the slope 0 there: squares, sums of them. A
+    /// distance has none there, and its powers above 1 have the slope 0.
+    fn has_even_zeros(&self, x: Expr) -> bool {
+        let is_distance = matches!(self.node(x), Node::Apply(Function::Hypot, _));
+        is_distance || self.is_square(x) || self.is_sum_of_squares(x)
     }
 
     /// The argument of a root or an absolute value with such an exponent, which is a power of it.

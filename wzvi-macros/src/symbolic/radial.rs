@@ -120,12 +120,15 @@ impl Graph {
     /// Whether `expr` vanishes only where even powers do.
     pub(super) fn is_sum_of_squares(&self, expr: Expr) -> bool {
         let Node::Sum { terms, constant } = self.node(expr) else { return false };
+        constant.is_zero() && terms.iter().all(|&(term, c)| !c.is_negative() && self.is_square(term))
+    }
+
+    /// Whether it is a product of even powers and of what is positive.
+    pub(super) fn is_square(&self, expr: Expr) -> bool {
         let is_even = |&(base, exponent): &(Expr, Rational)| {
             exponent.is_integer() && exponent.numerator() % 2 == 0 && !exponent.is_negative()
                 || self.sign(base) == super::sign::Sign::Positive
         };
-        let is_square =
-            |term: Expr| matches!(self.node(term), Node::Product(factors) if factors.iter().all(is_even));
-        constant.is_zero() && terms.iter().all(|&(term, c)| !c.is_negative() && is_square(term))
+        matches!(self.node(expr), Node::Product(factors) if factors.iter().all(is_even))
     }
 }

@@ -174,6 +174,12 @@ fn slopes_have_their_limits() {
         ("a * (a * (x * x + y * y).sqrt()).cosh() * x", [0.0, 0.0], [2.0, 0.0]),
         ("x.hypot(y) - x.hypot(y).sin()", [0.0, 0.0], [0.0, 0.0]),
         ("x.hypot(y) * x.hypot(y).sin() + y", [0.0, 0.0], [0.0, 1.0]),
+        // Exponents that are parameters, a = 2.
+        ("(x - 1.0).max(0.0).powf(a - 0.5) * y", [1.0, 0.5], [0.0, 0.0]),
+        ("x.abs().powf(0.8 * a) + y", [0.0, 0.5], [0.0, 1.0]),
+        ("(x * x).powf(0.4 * a) + y", [0.0, 0.5], [0.0, 1.0]),
+        ("(x * x + y * y).powf(0.3 * a)", [0.0, 0.0], [0.0, 0.0]),
+        ("x.hypot(y).powf(0.6 * a)", [0.0, 0.0], [0.0, 0.0]),
         ("x.hypot(y).hypot(a).powi(3)", [0.0, 0.0], [0.0, 0.0]),
     ];
     for (closure, special, expected) in cases {
