@@ -1,4 +1,5 @@
-//! Smooth motions through points where the chain rule multiplies zero by infinity: contacts, roots, and the centre of a force.
+//! Smooth motions through points where the chain rule multiplies zero by infinity: contacts, roots, and the
+//! centre of a force.
 
 use wzvi::prelude::*;
 use wzvi::state::Vector as _;
@@ -44,7 +45,7 @@ struct Exponent {
     exponent: f64,
 }
 
-/// The energy along `steps` steps stays within `h` of its start, the state is finite, and lanes take the same starts.
+/// The energy stays within `h` of its start, the state is finite, and lanes take the same starts.
 fn runs<E, H: Discretized<E> + Sync>(system: &H, h: f64, starts: &[State<H::Vector>])
 where
     State<H::Vector>: Clone,

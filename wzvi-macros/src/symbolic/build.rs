@@ -220,7 +220,8 @@ impl Graph {
         self.scale(product, coefficient)
     }
 
-    /// A product with two selections by one condition as one selection: they are zero in turn where the members of a family differ.
+    /// A product with two selections by one condition as one selection: they are zero in turn where the
+    /// members of a family differ.
     fn product_of_selections(&mut self, factors: &[(Expr, Rational)]) -> Option<Expr> {
         let selection = |&(base, exponent): &(Expr, Rational)| match *self.node(base) {
             Node::Select { condition, then, otherwise } if exponent.is_one() => {

@@ -4,8 +4,8 @@
 //!
 //! * a slope that is exactly zero on a piece makes the whole term zero there: `√u u'` with `u = max(x, 0)`,
 //! * powers of one base are differentiated together: `u ∛u`, `(u²)^(3/4)`, `hypot(x, y)²`,
-//! * `f(r)` with `r² = x² + y² + …` and `f'(0) = 0` has the slope `(f'(r)/r) (x x' + y y' + …)`, where the first factor is
-//!   `f''(0)` at `r = 0` ([`super::radial`]).
+//! * `f(r)` with `r² = x² + y² + …` and `f'(0) = 0` has the slope `(f'(r)/r) (x x' + y y' + …)`, where the
+//!   first factor is `f''(0)` at `r = 0` ([`super::radial`]).
 
 use std::collections::HashMap;
 
@@ -40,8 +40,8 @@ impl Graph {
         self.differentiate(expr, &HashMap::from([(symbol, Rational::ONE)]))
     }
 
-    /// `∂expr/∂symbol` for the matrices of Newton's method: 0 where only a root in `expr` has an infinite slope. There is no
-    /// better matrix, and the solution does not depend on it.
+    /// `∂expr/∂symbol` for the matrices of Newton's method: 0 where only a root in `expr` has an infinite
+    /// slope. There is no better matrix, and the solution does not depend on it.
     pub(crate) fn curvature(&mut self, expr: Expr, symbol: Symbol) -> Expr {
         self.differentiated(expr, &HashMap::from([(symbol, Rational::ONE)]), true)
     }
@@ -243,8 +243,8 @@ impl Graph {
         self.select(vanishes, at_zero, term)
     }
 
-    /// Whether the slope of `x` vanishes where `x` does, so that powers above 1/2 have the slope 0 there: squares, sums of them. A
-    /// distance has none there, and its powers above 1 have the slope 0.
+    /// Whether the slope of `x` vanishes where `x` does, so that powers above 1/2 have the slope 0 there:
+    /// squares, sums of them. A distance has none there, and its powers above 1 have the slope 0.
     fn has_even_zeros(&self, x: Expr) -> bool {
         let is_distance = matches!(self.node(x), Node::Apply(Function::Hypot, _));
         is_distance || self.is_square(x) || self.is_sum_of_squares(x)

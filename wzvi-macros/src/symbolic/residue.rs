@@ -1,12 +1,13 @@
 //! Exact values of expressions at random points of finite fields.
 //!
 //! With every function of one argument node replaced by an independent random number (or a rational function of one,
-//! so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold; `hypot(x, y)` is `√(x² + y²)`), an expression is a rational function of degree `d` in random numbers
-//! of the field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p`
-//! (Schwartz, Zippel), below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still
-//! vanish modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
+//! so that `sin² + cos² = 1`, addition theorems and `2 sin²(x/2) = 1 - cos x` hold;
+//! `hypot(x, y)` is `√(x² + y²)`), an expression is a rational function of degree `d` in random numbers of the
+//! field with `p` elements. A nonzero one vanishes at a random point with probability at most `d / p` (Schwartz, Zippel),
+//! below 1e-15 for `d < 1000`. A rational function that is nonzero over the rationals could still vanish
+//! modulo one prime (`2^61 x - x` modulo `2^61 - 1`); two primes, one without structure, exclude that.
 //!
-//! Square roots take a random sign per base and point: an expression such as `√(x²) - x` vanishes for only half of
+//! Square roots take a random sign per value and point: an expression such as `√(x²) - x` vanishes for only half of
 //! them, so that with roots [`POINTS_WITH_ROOTS`] points are tried. A base that is not a square has its root in
 //! the quadratic extension by `i = √-1` (both primes are 3 modulo 4), so that hardly any point is lost.
 
@@ -43,8 +44,8 @@ pub(super) fn vanishes_modulo_primes(graph: &Graph, expr: Expr) -> bool {
     false
 }
 
-/// The common denominator of the coefficients in arguments of circular and exponential functions: `x/2` and `x/3` are 3 and 2 of 6
-/// parts of `x`. 1 if it is large: then `x/2` and `x` are unrelated.
+/// The common denominator of the coefficients in arguments of circular and exponential functions: `x/2` and
+/// `x/3` are 3 and 2 of 6 parts of `x`. 1 if it is large: then `x/2` and `x` are unrelated.
 fn common_parts(graph: &Graph, expr: Expr) -> i64 {
     const MOST: i64 = 1 << 12;
     let mut parts: i64 = 1;
@@ -68,8 +69,8 @@ fn common_parts(graph: &Graph, expr: Expr) -> i64 {
     parts
 }
 
-/// An argument as `Σ coefficient · term`, with the coefficient of 1 for `None`. Sums below a common factor, as `x + y` in `(x + y)/2`, are
-/// opened, if each coefficient is an exact fraction.
+/// An argument as `Σ coefficient · term`, with the coefficient of 1 for `None`. Sums below a common factor,
+/// as `x + y` in `(x + y)/2`, are opened, if each coefficient is an exact fraction.
 fn linear_terms(graph: &Graph, argument: Expr) -> Vec<(Option<Expr>, Rational)> {
     let whole = |expr: Expr| match graph.node(expr) {
         Node::Sum { terms, constant } => {
@@ -354,8 +355,8 @@ impl Point<'_> {
         })
     }
 
-    /// The argument as `Σ count · (summand / parts)`; the key tells the summand, and the denominator where it is no divisor of the
-    /// number of parts.
+    /// The argument as `Σ count · (summand / parts)`; the key tells the summand, and the denominator where it
+    /// is no divisor of the number of parts.
     fn summands(&self, argument: Expr) -> Vec<(u64, i64)> {
         let summand = |key: u64, c: Rational| {
             let whole = (self.parts % c.denominator() == 0)

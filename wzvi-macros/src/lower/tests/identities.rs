@@ -28,7 +28,8 @@ fn identities_of_roots_and_angles_are_known() {
     }
 }
 
-/// The vector of Laplace, Runge and Lenz, with each spelling of the distance; the energy of a pendulum with half its angle.
+/// The vector of Laplace, Runge and Lenz, with each spelling of the distance; the energy of a pendulum with
+/// half its angle.
 #[test]
 fn first_integrals_are_proven_in_each_spelling() {
     let item = "struct S { a: f64 }";

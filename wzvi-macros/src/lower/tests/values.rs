@@ -149,7 +149,8 @@ fn long_sums_are_linear_and_shallow() {
     assert!((value(&closure, &[0.3], &[1.7], &[]) - expected).abs() < 1e-9 * expected);
 }
 
-/// Slopes are those of differences where the function is smooth, and limits where the chain rule gives 0 times infinity.
+/// Slopes are those of differences where the function is smooth, and limits where the chain rule gives 0
+/// times infinity.
 #[test]
 fn slopes_have_their_limits() {
     // A function of x and y, a point where it is special, and its slopes there.
@@ -195,7 +196,7 @@ fn slopes_have_their_limits() {
         let curved = at(&curvatures, special);
         assert!(curved.iter().all(|entry| entry.is_finite()), "{closure}: {curved:?}");
         for [x, y] in [[1.7, 0.4], [0.3, 1.1], [2.2, 2.9]] {
-            // With derivatives up to 1000, the error of the difference is d², and that of its rounding 1e-16 f / d.
+            // With derivatives up to 1000 the difference is off by d², and by 1e-16 f / d in its rounding.
             let d = 1e-6;
             for (i, of) in [[d, 0.0], [0.0, d]].into_iter().enumerate() {
                 let moved = |s: f64| [x + s * of[0], y + s * of[1]];
