@@ -284,7 +284,7 @@ impl<'a> Interpreter<'a, '_> {
         if let (Value::Index(..) | Value::Real(_), _) | (_, Value::Index(..) | Value::Real(_)) =
             (&left, &right)
         {
-            return self.refuse(expressions::unsupported(&syntax.op, "this operator on numbers", OPERATORS));
+            return self.refuse(expressions::unsupported(syntax.op, "this operator on numbers", OPERATORS));
         }
         self.combine(junction, (left, &*syntax.left), (right, &*syntax.right))
     }
