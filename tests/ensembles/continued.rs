@@ -221,7 +221,7 @@ fn a_run_in_two_parts_has_the_variance_of_one() {
             .seed(7)
             .until(to)
             .observe("p", |state| state.p[0]);
-        let run = run.inspect(|path, state| ends.lock().unwrap()[path as usize] = state);
+        let run = run.inspect(|path, state| ends.lock().unwrap()[path as usize] = *state);
         run.run().unwrap().nodes()[1].variance(0)
     };
     assert!((part(10.0) - 10.0).abs() < 50.0 * (2.0 / paths as f64).sqrt());
