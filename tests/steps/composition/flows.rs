@@ -241,7 +241,10 @@ fn plans_and_equations_say_that_it_is_explicit() {
         yoshida,
         "A step of size h is, one after the other, a step of size\n  1.3512071919596575 h\n  -1.7024143839193153 h\n",
     );
-    assert!(yoshida.ends_with(verlet));
+    // The equations of the composed step stand in the text, its order and modified energy do not.
+    let (equations, _) = verlet.split_once("\nFacts\n").unwrap();
+    assert!(yoshida.contains(equations) && yoshida.contains("within O(h⁴)"), "{yoshida}");
+    assert!(verlet.contains("modified energy") && !yoshida.contains("modified energy"), "{yoshida}");
     starts(
         <Pendulum as Discretized<Composed<Verlet, Aba864>>>::EQUATIONS,
         "A step of size h is, one after the other, a\n  drift of 0.0711334264982231 h\n  kick of 0.1830836874721972 h\n",

@@ -131,6 +131,25 @@ pub struct State<V> {
     pub t: f64,
 }
 
+/// No type implements it: rustc says in its words what to write in the place of `state.energy()`.
+#[doc(hidden)]
+#[diagnostic::on_unimplemented(
+    message = "a state has no energy of its own: the Hamiltonian belongs to the system",
+    label = "write `system.energy(&state)`, where `system` is the value of the struct with `#[hamiltonian(...)]`",
+    note = "an observer borrows the system, as in `.observe(\"energy\", |state| system.energy(state))`"
+)]
+pub trait EnergyOfItsOwn {}
+
+impl<V> State<V> {
+    #[doc(hidden)]
+    pub fn energy(&self) -> f64
+    where
+        Self: EnergyOfItsOwn,
+    {
+        f64::NAN
+    }
+}
+
 /// `q: [1, 2], p: [3, 4], t: 0`
 impl<V: Vector> fmt::Display for State<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

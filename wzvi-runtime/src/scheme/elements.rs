@@ -157,12 +157,6 @@ pub enum By {
 /// Elements with the same rule for their increments form a *part*: the drift (part 0), the noises (part 1), the terms that a scheme adds
 /// to them (part 2), the force beside the drift (part 3; slopes `-f` by coordinates, no value) and, for values only, the first integrals,
 /// from part [`Facts::integrals`] on. A part is weighted by `weight` and by its increments.
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a system: it has no Hamiltonian",
-    label = "energies belong to a system, the struct with `#[hamiltonian(...)]`",
-    note = "the energy of a state is `system.energy(&state)`; an observer borrows the system, as in `.observe(\"energy\", |state| \
-            system.energy(state))`"
-)]
 pub trait Elements: Sized {
     /// As `Hamiltonian::Vector`.
     type Vector: Vector;

@@ -213,7 +213,10 @@ impl Noise {
             DMatrix::from_fn(2 * b, 2 * b, |row, column| weight(row) * hessian[((row + b) % (2 * b), column)])
         };
         let of = poles.points.map(|m| [jacobian(&drift, m), jacobian(&noise, m)]);
-        of.iter().flatten().all(|matrix| matrix.iter().all(|number| number.is_finite())).then_some(Self { of })
+        of.iter()
+            .flatten()
+            .all(|matrix| matrix.iter().all(|number| number.is_finite()))
+            .then_some(Self { of })
     }
 
     /// The least increment, in absolute value, for which a step of size `h` has no unique solution; infinite if there is none.

@@ -8,6 +8,7 @@ use crate::embedding::Embedding;
 use crate::input;
 use crate::lower::lower;
 use crate::passes::collect::collect;
+use crate::passes::friction::friction;
 use crate::passes::unroll::unroll;
 use crate::symbolic::zero::Knowledge;
 use crate::symbolic::{Graph, Rational};
@@ -37,6 +38,7 @@ fn find(attribute: &str, diagnostics: &mut Diagnostics) -> Option<(Graph, Facts)
     let mut system = lower(container, declaration, &phase_space, diagnostics)?;
     unroll(&mut system);
     collect(&mut system, diagnostics);
+    friction(&mut system, diagnostics);
     let facts = Facts::new(&mut system);
     Some((system.graph, facts))
 }
