@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first error")]
 #![allow(missing_docs, unreachable_pub, reason = "test systems")]
 
+mod choice;
 mod elements;
 mod lattice;
 mod one_by_one;

@@ -11,7 +11,8 @@ pub use crate::algebra::threads::Threads;
 /// How the equations of an implicit step are iterated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Iteration {
-    /// The fixed point while it contracts, else Newton's method.
+    /// The fixed point or Newton's method, whichever finishes with fewer operations as far as the contraction
+    /// tells.
     #[default]
     Automatic,
     /// `x ← φ(x)` only; an error where that does not contract.

@@ -12,11 +12,13 @@
 //! p_{i+1} = D_2 L_d:  p_{i+1} - p_i = v - Σ_s end_s ∂F_s/∂q
 //! ```
 //!
-//! An implicit step iterates `x ← φ(x)` while that contracts by [`CONTRACTS`] or better. For steps that are not stiff this
-//! is several times cheaper than Newton's method. Otherwise the step uses Newton's method with the factors of an earlier
-//! iteration or step, as long as they contract as well. Both end when each correction is at the rounding of its unknown,
-//! or changes the points of evaluation by no more than their rounding, or each equation is at the rounding of its own
-//! terms: the choice affects the cost, but no significant digit. If neither converges, the stepper takes a careful step.
+//! An implicit step iterates `x ← φ(x)` while its measured contraction says that this finishes with fewer
+//! operations than Newton's method. For steps that are not stiff this is several times cheaper. Otherwise the
+//! step uses Newton's method with the factors of an earlier iteration or step, as long as these finish with
+//! fewer operations than new ones. Both end when each correction is at the rounding of its unknown, or
+//! changes the points of evaluation by no more than their rounding, or each equation is at the rounding of
+//! its own terms: the choice affects the cost, but no significant digit. If neither converges, the stepper
+//! takes a careful step.
 //!
 //! The linear equations of Newton's method are solved by elimination in a band, after a renumbering of the unknowns, if the band is
 //! narrow or small ([`Method::Band`]: chains, rings, networks, anything of a hundred unknowns), otherwise by GMRES with
@@ -29,6 +31,7 @@ mod beside;
 mod blocks;
 mod careful;
 mod change;
+mod costs;
 mod explicit;
 mod hamiltonian;
 mod in_loops;
@@ -78,9 +81,6 @@ use crate::error::{ConfigError, StepFailure};
 use crate::ground::variables::Variables;
 use crate::scheme::plan::Facts;
 use crate::scheme::system::no_nan;
-
-/// Fixed-point iterations and old factors are kept while corrections shrink to this fraction.
-pub const CONTRACTS: f64 = 0.2;
 
 /// The slopes that are wanted. A variable that an element does not read costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

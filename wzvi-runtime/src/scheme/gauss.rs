@@ -6,11 +6,12 @@
 //! L_d = ext Σ_i b_i [P_i · V_i - F(P_i, Q_i, t + c_i h)],  Q_i = q + Σ_j a_ij V_j,  q' = q + Σ_j b_j V_j
 //! ```
 //!
-//! has the stages `V_i = ∂F/∂p (i)`, `P_i = p - Σ_j a_ij ∂F/∂q (j)` (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
-//! Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them at once, and by Newton's method
-//! where sweeps do not contract. For one path, the lanes of a vector register are its stages; in an ensemble they are paths, which evaluate
-//! stage after stage with the same arithmetic. Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are eliminated (Nyström form),
-//! which doubles the digits gained per sweep.
+//! has the stages `V_i = ∂F/∂p (i)`, `P_i = p - Σ_j a_ij ∂F/∂q (j)` (E. Hairer, C. Lubich, G. Wanner,
+//! *Geometric Numerical Integration*, theorem VI.6.4). They are found by sweeps `Y ← φ(Y)` over all of them
+//! at once, and by Newton's method where that costs less. For one path, the lanes of a vector register are
+//! its stages; in an ensemble they are paths, which evaluate stage after stage with the same arithmetic.
+//! Where `F = h T(p) + V(q, t)` with a quadratic `T` the momenta are eliminated (Nyström form), which doubles
+//! the digits gained per sweep.
 //!
 //! Coefficients, their symmetries, and the prediction of the stages from those of the step before: M. Antoñana, J. Makazaga, A. Murua,
 //! "Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes", Numer. Algorithms 76, 2017.
@@ -18,6 +19,7 @@
 mod action;
 mod advance;
 mod beside;
+mod choice;
 mod dense;
 mod equations;
 mod kept;

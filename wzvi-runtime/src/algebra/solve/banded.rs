@@ -1,11 +1,23 @@
 //! Sparse matrices that a renumbering of their unknowns makes narrow: `P A = L U` in the
 //! band with the pivots of [`Factor`](super::Factor). Exact for chains (a band), rings (folded to a band), lattices and networks.
 //!
-//! G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper diagonals as `A` has in all.
+//! G. H. Golub, C. F. Van Loan, *Matrix Computations*, section 4.3. With pivoting, `U` has as many upper
+//! diagonals as `A` has in all. Rows reach that far only after exchanges, so that a wide band is eliminated
+//! as far as its rows reach.
+
+use std::ops::Mul;
 
 use super::dense::{Candidate, PIVOT_ULPS};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::error::StepFailure;
+
+/// Half-bandwidth up to which the loops of the elimination are written out, with all diagonals.
+const WRITTEN_OUT: usize = 2;
+
+/// The pivot of a row, in operations that go in vector instructions.
+const PER_PIVOT: f64 = 20.0;
+/// Operations that wait for each other, in operations that go in vector instructions.
+const IN_TURN: f64 = 2.5;
 
 /// A square matrix with room for its factors.
 #[derive(Clone, Debug)]
@@ -52,6 +64,27 @@ impl<S: Scalar> Banded<S> {
         self.half
     }
 
+    /// Operations of [`Banded::factor`] without exchanges. Each pivot is found and inverted in the time of
+    /// [`PER_PIVOT`] others.
+    pub fn elimination_cost(&self) -> f64 {
+        let [n, half] = [self.exchanges.len(), self.half].map(|number| number as f64);
+        let per_row = if self.is_parted { half * half / 3.0 } else { half * (half + 1.0) };
+        n * (per_row + PER_PIVOT)
+    }
+
+    /// Operations of [`Banded::solve`], which wait for each other: [`IN_TURN`] as many in the time of others.
+    pub fn solution_cost(&self) -> f64 {
+        let [n, half] = [self.exchanges.len(), self.half].map(|number| number as f64);
+        let per_row = if self.is_parted { half + 1.0 } else { 3.0 * half + 1.0 };
+        IN_TURN * n * per_row
+    }
+
+    /// Whether a band of so many unknowns is eliminated faster as a whole matrix: `n h²` operations against
+    /// `n³ / 3`.
+    pub fn is_dense(n: usize, half: usize) -> bool {
+        half.saturating_mul(half).saturating_mul(3) > n.saturating_mul(n)
+    }
+
     /// The identity.
     pub fn reset(&mut self) {
         self.rows.fill(S::from_f64(0.0));
@@ -89,13 +122,16 @@ impl<S: Scalar> Banded<S> {
     /// [`Banded::factor`] with its loops written out where the caller knows how narrow the band is: of a chain, or of a ring. Blocks do not wait for each other.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn factor_in<const PARTED: bool>(&mut self, half: usize) -> Result<(), StepFailure> {
-        let (width, upper) = (3 * half + 1, 2 * half + 1);
+        let width = 3 * half + 1;
         let Self { rows, exchanges, scratch: taken, .. } = self;
         taken.fill(S::from_f64(0.0));
+        // The last column that any row has reached so far; of a block, it ends at the last column of the
+        // block.
+        let mut last = 0;
         for (k, exchange) in exchanges.iter_mut().enumerate() {
             let (above, below) = rows.split_at_mut((k + 1) * width);
-            let (own, below) =
-                (&mut above[k * width + half..], &mut below[..reach::<PARTED>(half, k) * width]);
+            let reach = reach::<PARTED>(half, k);
+            let (own, below) = (&mut above[k * width + half..], &mut below[..reach * width]);
             let mut best = Candidate::on_diagonal(0, own[0].magnitude());
             for (row, entries) in below.chunks_exact(width).enumerate() {
                 let [entry, opposite, own] =
@@ -115,6 +151,15 @@ impl<S: Scalar> Banded<S> {
                 return Err(StepFailure::Singular { pivot, scale });
             }
             *exchange = k + best;
+            let upper = if half <= WRITTEN_OUT {
+                2 * half + 1
+            } else if PARTED {
+                reach + 1
+            } else {
+                last = last.max(k + best + half);
+                last - k + 1
+            };
+            let own = &mut own[..upper];
             if best > 0 {
                 own.swap_with_slice(&mut below[(best - 1) * width + half - best..][..upper]);
             }
@@ -159,28 +204,46 @@ impl<S: Scalar> Banded<S> {
 
     /// `b` becomes `A⁻¹ b`, after [`Banded::factor`].
     pub fn solve(&mut self, b: &mut [S]) {
+        let mut x = std::mem::take(&mut self.scratch);
+        self.solve_in_room(b, &mut x);
+        self.scratch = x;
+    }
+
+    /// [`Banded::solve`] for numbers of another type, such as those with derivatives; `x` is scratch,
+    /// allocated by its first use.
+    pub fn solve_in_room<T: Scalar + Mul<S, Output = T>>(&self, b: &mut [T], x: &mut Vec<T>) {
         if let Some(inverses) = self.inverses() {
             return b.iter_mut().zip(inverses).for_each(|(b, &inverse)| *b = *b * inverse);
         }
+        x.resize(self.scratch_length(), T::from_f64(0.0));
         match (self.half, self.is_parted) {
-            (1, false) => self.solve_in::<false>(1, b),
-            (2, false) => self.solve_in::<false>(2, b),
-            (half, false) => self.solve_in::<false>(half, b),
-            (1, true) => self.solve_in::<true>(1, b),
-            (half, true) => self.solve_in::<true>(half, b),
+            (1, false) => self.solve_in::<T, false>(1, b, x),
+            (2, false) => self.solve_in::<T, false>(2, b, x),
+            (half, false) => self.solve_in::<T, false>(half, b, x),
+            (1, true) => self.solve_in::<T, true>(1, b, x),
+            (half, true) => self.solve_in::<T, true>(half, b, x),
         }
+    }
+
+    fn scratch_length(&self) -> usize {
+        self.exchanges.len() + 2 * self.half
     }
 
     /// [`Banded::solve`], as [`Banded::factor_in`].
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn solve_in<const PARTED: bool>(&mut self, half: usize, b: &mut [S]) {
+    fn solve_in<T: Scalar + Mul<S, Output = T>, const PARTED: bool>(
+        &self,
+        half: usize,
+        b: &mut [T],
+        x: &mut [T],
+    ) {
         let (n, width) = (self.exchanges.len(), 3 * half + 1);
-        let Self { rows, exchanges, position, scratch: x, .. } = self;
+        let Self { rows, exchanges, position, .. } = self;
         match position.is_empty() {
             true => x[..n].copy_from_slice(b),
-            false => b.iter().zip(&*position).for_each(|(value, &to)| x[to] = *value),
+            false => b.iter().zip(position).for_each(|(value, &to)| x[to] = *value),
         }
-        x[n..].fill(S::from_f64(0.0));
+        x[n..].fill(T::from_f64(0.0));
         for (k, &exchange) in exchanges.iter().enumerate() {
             if exchange != k {
                 x.swap(k, exchange);
@@ -189,19 +252,19 @@ impl<S: Scalar> Banded<S> {
             let (value, below) = (x[k], &rows[(k + 1) * width..][..reach * width]);
             for (row, (entries, own)) in below.chunks_exact(width).zip(&mut x[k + 1..=k + reach]).enumerate()
             {
-                *own = *own - entries[half - 1 - row] * value;
+                *own = *own - value * entries[half - 1 - row];
             }
         }
         for (i, row) in rows.chunks_exact(width).enumerate().take(n).rev() {
             // Rows that were exchanged reach further, but not out of their block.
             let last = if PARTED { reach::<PARTED>(half, i) } else { 2 * half };
             let (above, behind) = x[i..=i + last].split_at_mut(1);
-            let sum = |value: S, (&entry, &other): (&S, &S)| value - entry * other;
+            let sum = |value: T, (&entry, &other): (&S, &T)| value - other * entry;
             above[0] = row[half + 1..].iter().zip(&*behind).fold(above[0], sum) * row[half];
         }
         match position.is_empty() {
             true => b.copy_from_slice(&x[..n]),
-            false => b.iter_mut().zip(&*position).for_each(|(value, &from)| *value = x[from]),
+            false => b.iter_mut().zip(position).for_each(|(value, &from)| *value = x[from]),
         }
     }
 }

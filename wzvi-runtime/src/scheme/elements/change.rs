@@ -22,8 +22,8 @@ use super::step::Step;
 use super::{Elements, Stage, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
 
-/// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by [`CONTRACTS`](super::CONTRACTS), so
-/// that a twentieth is left.
+/// The largest negligible change, as a fraction of a rounding. A fixed point contracts at least by one half,
+/// so that another quarter is left at most.
 const UNSEEN: f64 = 0.25;
 
 /// The size of a change, in ascending order.

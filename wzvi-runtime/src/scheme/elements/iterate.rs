@@ -1,6 +1,7 @@
 //! One step: `x = φ(x)` solved to rounding.
 
 use super::change::Change;
+use super::costs::Costs;
 use super::linear::Linear;
 use super::memory::{Lists, Scratch, Solver};
 use super::passes::{largest, subtract};
@@ -8,7 +9,7 @@ use super::preference::Solution;
 use super::rounding::variation;
 use super::side_by_side::{Pace, is_side_by_side};
 use super::step::Step;
-use super::{CONTRACTS, Elements, Iteration, Memory, Quadrature};
+use super::{Elements, Iteration, Memory, Quadrature};
 use crate::algebra::carry::Carry;
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::{Effort, astray};
@@ -120,7 +121,7 @@ fn advance_fitting<H: Elements + Sync, S: Scalar, C: Carry<S>, const CAREFUL: bo
     if memory.solver.preference.is_newton()
         && let Some(linear) = &memory.solver.linear
     {
-        memory.solver.kept.succeed(linear.cost());
+        memory.solver.kept.succeed(linear.cost(memory.solver.costs));
     }
     Ok(effort)
 }
@@ -150,6 +151,7 @@ pub(super) struct IterationState<S: Scalar> {
     /// Whether `last` covers only unknowns whose equations are not at rounding.
     is_beyond: bool,
     variation: f64,
+    pub(super) costs: Costs,
 }
 
 /// An applied correction.
@@ -299,6 +301,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             solved: S::Mask::from_bool(false),
             is_beyond: false,
             variation: f64::INFINITY,
+            costs: scratch.solver.costs,
         }
     }
 
@@ -444,10 +447,10 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
         }
         if is_newton && iterations == 1 && pinned == Iteration::Automatic {
             // Where `J` is close to the identity, the fixed point contracts, too.
-            iteration.may_contract = (taken.stretch - 1.0).abs() <= 0.5 * CONTRACTS;
+            iteration.may_contract = (taken.stretch - 1.0).abs() <= 0.5 * iteration.costs.slowest;
         }
         iteration.last = S::from_f64(relative);
-        if pace.needs_more() && !settles && pinned == Iteration::Automatic {
+        if pace.needs_more(is_newton, iteration.costs) && !settles && pinned == Iteration::Automatic {
             // The fixed point, or Newton's method with old factors, contracts too slowly.
             iteration.is_stale = !is_newton || !matches!(scratch.solver.linear, Some(Linear::Krylov(_)));
             if !is_newton && stagnates {

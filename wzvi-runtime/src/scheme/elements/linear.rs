@@ -1,5 +1,6 @@
 //! The linear equations of Newton's method, solved by elimination in a band or by a preconditioned Krylov iteration.
 
+use super::costs::Costs;
 use super::jacobian::Visit;
 use crate::algebra::memory::Method;
 use crate::algebra::scalar::Scalar;
@@ -64,8 +65,8 @@ impl<S: Scalar> Linear<S> {
                 pattern(&mut |row, column| is_parted &= row / size == column / size);
             }
             return match Self::of_band(unknowns, natural, Vec::new()) {
-                Self::Band(band) => Self::Band(band.parted(is_parted)),
-                wide => wide,
+                Self::Band(band) if is_parted => Self::Band(band.parted(true)),
+                whole => whole,
             };
         }
         let (half, position) = rearranged(unknowns, &pairs(pattern, entries));
@@ -83,8 +84,10 @@ impl<S: Scalar> Linear<S> {
         let is_cheap = half <= NARROW
             || unknowns.saturating_mul(half).saturating_mul(half) <= FEW_OPERATIONS
             || !is_plain;
+        let is_dense = half > NARROW_AS_IT_IS && Banded::<S>::is_dense(unknowns, half);
+        let (half, position) = if is_dense { (unknowns - 1, Vec::new()) } else { (half, position) };
         match if is_cheap { Banded::new(unknowns, half, position, MOST_NUMBERS) } else { None } {
-            Some(band) => Self::Band(band),
+            Some(band) => Self::Band(band.parted(is_dense)),
             None => Self::Krylov(Box::new(Wide {
                 krylov: Krylov::new(unknowns),
                 room: Vec::new(),
@@ -101,12 +104,11 @@ impl<S: Scalar> Linear<S> {
     }
 
     /// Cost of new factors: in Newton iterations for a band, in Jacobian products for Krylov's method.
-    pub(super) fn cost(&self) -> u64 {
-        let factors = match self {
-            Self::Band(band) => 2 * band.half_width() as u64 / 3,
-            Self::Krylov(wide) => wide.factors.as_ref().map_or(0, |(factors, _)| factors.cost()),
-        };
-        factors + ASSEMBLY
+    pub(super) fn cost(&self, costs: Costs) -> u64 {
+        match self {
+            Self::Band(_) => costs.factors(),
+            Self::Krylov(wide) => wide.factors.as_ref().map_or(0, |(factors, _)| factors.cost()) + ASSEMBLY,
+        }
     }
 
     /// Whether the determinant of the factored matrix is known to be negative.

@@ -1,6 +1,7 @@
 //! The memory of a stepper of a system of elements, allocated once.
 
 use super::blocks::Blocks;
+use super::costs::Costs;
 use super::jacobian::{Visit, pattern};
 use super::kept::Kept;
 use super::linear::Linear;
@@ -39,6 +40,7 @@ pub(super) struct Solver<S: Scalar> {
     /// Unknowns of past steps, the latest first.
     pub(super) past: [Vec<S>; 3],
     pub(super) preference: Preference,
+    pub(super) costs: Costs,
     pub(super) linear: Option<Linear<S>>,
     pub(super) kept: Kept<S>,
     pub(super) rounding: Option<Box<Rounding>>,
@@ -366,7 +368,8 @@ impl<S: Scalar> StepMemory for Memory<S> {
             (left.solver.past, left.known, left.solver.preference);
         if self.degrees == 0 {
             (self.degrees, self.remembered) = (left.degrees, left.remembered);
-            (self.work, self.solver.linear) = (left.work, left.solver.linear);
+            (self.work, self.solver.linear, self.solver.costs) =
+                (left.work, left.solver.linear, left.solver.costs);
             (self.solver.diagonal, self.solver.kept) = (left.solver.diagonal, left.solver.kept);
         } else {
             self.solver.kept.clone_from(&left.solver.kept);
@@ -453,7 +456,22 @@ impl<S: Scalar> Memory<S> {
         self.degrees = degrees;
         self.solver.kept.lose();
         let pattern = |visit: Visit<'_>| pattern(system, scheme, degrees, visit);
-        self.solver.linear = (is_implicit && !const { is_side_by_side::<S>() })
-            .then(|| Linear::new(&pattern, scheme.unknowns.count(degrees)));
+        // Counted before the matrix is allocated: the pattern needs room of its own.
+        let entries = if is_implicit { entries(&pattern) } else { 0 };
+        if const { is_side_by_side::<S>() } {
+            // Lanes have no factors, and take the decisions of a path alone.
+            let linear = is_implicit.then(|| Linear::<f64>::new(&pattern, unknowns));
+            self.solver.costs = Costs::of(entries, unknowns, linear.as_ref());
+        } else {
+            self.solver.linear = is_implicit.then(|| Linear::new(&pattern, unknowns));
+            self.solver.costs = Costs::of(entries, unknowns, self.solver.linear.as_ref());
+        }
     }
+}
+
+/// How many entries a pattern has.
+fn entries(pattern: &dyn Fn(Visit<'_>)) -> usize {
+    let mut entries = 0;
+    pattern(&mut |_, _| entries += 1);
+    entries
 }

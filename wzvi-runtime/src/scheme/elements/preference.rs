@@ -1,14 +1,19 @@
 //! The iteration that a step starts with.
 //!
-//! Only a trial shows for certain whether the fixed point contracts: it may contract smooth corrections while rounding errors, which are
-//! not smooth, grow. A failed trial costs about as much as a step. Each consecutive failure doubles the number of steps until the next
-//! trial: failed trials take a small part of the run time, and a fixed point that contracts again is found within about as many steps as
-//! it failed before.
+//! Only a trial shows for certain whether the fixed point contracts: it may contract smooth corrections while
+//! rounding errors, which are not smooth, grow. A failed trial costs about as much as a step. Each
+//! consecutive failure doubles the number of steps until the next trial: failed trials take a small part of
+//! the run time, and a fixed point that contracts again is found within about as many steps as it failed
+//! before. Where the Jacobian suggests that the fixed point does not contract, it is tried in one of
+//! [`RARELY`] steps nevertheless: the Jacobian shows the contraction of one correction only.
 
 use crate::ground::numbers::Tape;
 
 /// Consecutive failed trials after which the wait stays at 64 steps.
 const MOST_IN_VAIN: u8 = 6;
+
+/// Steps of Newton's method after which the fixed point is tried, whatever the Jacobian suggests.
+const RARELY: u8 = 64;
 
 /// The preference learnt from the steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +22,8 @@ pub(super) struct Preference {
     steps: u8,
     /// Consecutive trials of the fixed point that Newton's method had to finish.
     in_vain: u8,
+    /// Steps since the last trial after which the Jacobian suggested that the fixed point does not contract.
+    against: u8,
 }
 
 /// How the equations of a step were solved.
@@ -43,8 +50,13 @@ impl Preference {
         match solution {
             Solution::FixedPoint => *self = Self::default(),
             Solution::Newton { may_contract: true } => self.steps = self.steps.saturating_sub(1),
-            Solution::Newton { may_contract: false } => self.steps = self.steps.max(1),
+            Solution::Newton { may_contract: false } if self.against + 1 < RARELY => {
+                self.against += 1;
+                self.steps = self.steps.max(1);
+            }
+            Solution::Newton { may_contract: false } => (self.steps, self.against) = (0, 0),
             Solution::GaveWay => {
+                self.against = 0;
                 self.in_vain = (self.in_vain + 1).min(MOST_IN_VAIN);
                 self.steps = 1 << self.in_vain;
             }
@@ -54,7 +66,9 @@ impl Preference {
     pub(super) fn pass(&mut self, tape: &mut Tape) {
         tape.count(&mut self.steps);
         tape.count(&mut self.in_vain);
+        tape.count(&mut self.against);
         self.in_vain = self.in_vain.min(MOST_IN_VAIN);
+        self.against = self.against.min(RARELY);
     }
 }
 
@@ -87,10 +101,26 @@ mod tests {
 
     #[test]
     fn a_fixed_point_that_contracts_again_is_kept() {
-        let mut preference = Preference { steps: 0, in_vain: MOST_IN_VAIN };
+        let mut preference = Preference { in_vain: MOST_IN_VAIN, ..Preference::default() };
         preference.learn(Solution::FixedPoint);
         assert_eq!(preference, Preference::default());
         preference.learn(Solution::Newton { may_contract: false });
         assert!(preference.is_newton(), "what the Jacobian says holds for the next step");
+    }
+
+    /// One close encounter does not decide the rest of a run.
+    #[test]
+    fn a_fixed_point_that_seems_not_to_contract_is_tried_rarely() {
+        let mut preference = Preference::default();
+        preference.learn(Solution::GaveWay);
+        let tries = (0..10 * u32::from(RARELY)).filter(|_| {
+            let is_tried = !preference.is_newton();
+            preference.learn(match is_tried {
+                true => Solution::GaveWay,
+                false => Solution::Newton { may_contract: false },
+            });
+            is_tried
+        });
+        assert_eq!(tries.count(), 9);
     }
 }

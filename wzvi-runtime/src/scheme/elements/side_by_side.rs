@@ -3,11 +3,12 @@
 //! Each path takes the decisions that it takes alone, by the same comparisons. Its unknowns stay as they are once its equations are solved, while
 //! those of others go on. Where a path needs more than a fixed point that contracts, all go alone in this step.
 
+use super::costs::{Costs, FAST};
 use super::iterate::{IterationState, NEARLY_SOLVED, ROUNDING};
 use super::memory::Lists;
 use super::pairs::LEAST_IN_COLUMNS;
 use super::step::Step;
-use super::{CONTRACTS, Elements, Quadrature, Unknowns};
+use super::{Elements, Quadrature, Unknowns};
 use crate::algebra::scalar::{Mask, Scalar};
 use crate::algebra::solve::astray;
 use crate::error::StepFailure;
@@ -63,19 +64,21 @@ impl<R: Scalar> Pace<R> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn is_slow(self) -> R::Mask {
-        self.is_second & R::from_f64(CONTRACTS).less(self.ratio)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn stagnates(self) -> R::Mask {
-        self.is_slow() & R::from_f64(0.5).less(self.ratio)
+        self.is_second & R::from_f64(0.5).less(self.ratio)
     }
 
     /// Whether other corrections are worth their cost.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn needs_more(self) -> R::Mask {
-        self.stagnates() | (self.is_slow() & R::from_f64(NEARLY_SOLVED).less(self.relative))
+    pub(super) fn needs_more(self, is_newton: bool, costs: Costs) -> R::Mask {
+        let is_slow = self.is_second & R::from_f64(FAST).less(self.ratio);
+        let is_open = is_slow & R::from_f64(NEARLY_SOLVED).less(self.relative);
+        if is_open.any() {
+            let Self { relative, ratio, .. } = self;
+            let pay = R::Mask::of_lanes(|lane| costs.pay(is_newton, relative.lane(lane), ratio.lane(lane)));
+            return self.stagnates() | (is_open & !pay);
+        }
+        self.stagnates()
     }
 }
 
@@ -101,7 +104,7 @@ impl<H: Elements + Sync, S: Scalar> Step<'_, H, S> {
             solved = solved | self.changes_nothing(lists);
         }
         (iteration.solved, iteration.last) = (solved, relative);
-        if (pace.needs_more() & !solved).any() {
+        if (pace.needs_more(false, iteration.costs) & !solved).any() {
             return Err(astray(iteration.iterations, relative.magnitude()));
         }
         Ok(solved.all())

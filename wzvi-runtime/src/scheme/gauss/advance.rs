@@ -213,8 +213,8 @@ impl<F: Field, K: Constant, S: Over<K>, C: Carry<S>, const N: usize, const CAREF
         } else {
             step.solve_together::<C, CAREFUL>([q, p], dw, lists, left, carry)
         };
-        let Solved { effort, prefers_newton } = solved?;
-        left.prefers_newton = prefers_newton;
+        let Solved { effort, waits } = solved?;
+        left.waits = waits;
         // With noise the slopes do not predict the next step, but the dense output of a single path needs them.
         if !S::IS_BESIDE || dw.is_empty() {
             let [by_p, by_q] = &mut left.past;

@@ -6,6 +6,7 @@
 
 use super::Field;
 use super::advance::advance;
+use super::choice::Waits;
 use super::equations::Step;
 use super::kept::{LeftOf, Lists, Memory};
 use super::stages::Stages;
@@ -17,6 +18,10 @@ use crate::algebra::shape::Shape;
 use crate::algebra::solve::{Doubt, Effort};
 use crate::error::StepFailure;
 use crate::scheme::system::At;
+
+/// Parts in which a solution that is followed is reached: where these take fewer sweeps than Newton's method,
+/// they check a solution.
+const PARTS: f64 = 64.0;
 
 /// One path of several, with the memory of its past steps.
 #[derive(Debug, Default)]
@@ -57,25 +62,34 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         left: &mut LeftOf<F, S, N>,
     ) -> Result<Solved<S>, StepFailure> {
         self.begin::<CAREFUL>(lists, left);
+        let mut given_up = None;
         if !self.prefers_newton(left).any() {
             let swept = self.sweeps::<CAREFUL>(S::Mask::from_bool(true), lists, left);
-            // With care, sweeps that do not contract from the start are checked by Newton's method.
+            // With care, sweeps that do not contract from the start are checked by Newton's method, or by
+            // following the solution in parts.
             let is_wild = CAREFUL && swept.are_wild.any();
+            let is_followed = || self.newton_in_sweeps() > f64::from(swept.sweeps) * PARTS;
             let is_settled = swept.are_settled.all();
-            if is_settled && (!is_wild || self.unknowns() > Self::MOST_UNKNOWNS) {
-                let prefers_newton = S::Mask::from_bool(false);
+            if is_settled && (!is_wild || is_followed()) {
                 let doubt = if is_wild { Doubt::Straying } else { Doubt::None };
                 let effort = Effort { doubt, is_far: is_wild, ..Effort::fast(swept.sweeps) };
-                return Ok(Solved { effort, prefers_newton });
+                return Ok(Solved { effort, waits: Waits::none() });
             }
             if !is_settled && swept.failure == StepFailure::NonFinite
                 || left.iteration == Iteration::FixedPoint
             {
                 return Err(swept.failure);
             }
+            given_up = (!is_settled).then_some(swept.sweeps);
             self.begin::<CAREFUL>(lists, left);
         }
-        self.newton::<CAREFUL>(lists, left)
+        let solved = self.newton::<CAREFUL>(lists, left)?;
+        Ok(match given_up {
+            Some(sweeps) => {
+                Solved { waits: left.waits.after_giving_up(sweeps, self.newton_in_sweeps()), ..solved }
+            }
+            None => solved,
+        })
     }
 
     /// The starting stages: from the slopes of a part of the same step, by extrapolation of the last step (without noise only), or those of the
@@ -99,7 +113,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn prefers_newton(&self, left: &LeftOf<F, S, N>) -> S::Mask {
         match left.iteration {
-            Iteration::Automatic => left.prefers_newton,
+            Iteration::Automatic => left.waits.prefer_newton(),
             Iteration::Newton => S::Mask::from_bool(true),
             Iteration::FixedPoint => S::Mask::from_bool(false),
         }
@@ -129,7 +143,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         let none = S::Mask::from_bool(false);
         // A single path is faster with its stages in lanes.
         let together = if S::LANES > 1 { !self.prefers_newton(left) } else { none };
-        let mut solved = Solved { effort: Effort::fast(0), prefers_newton: none };
+        let mut solved = Solved { effort: Effort::fast(0), waits: Waits::none() };
         let mut are_solved = none;
         if together.any() {
             let from_past = self.dw.is_empty() && left.is_known;
@@ -143,7 +157,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             for lane in (0..S::LANES).filter(|&lane| !are_solved.lane(lane)) {
                 let alone = self.alone(lane, state, dw, lists, left)?;
                 solved.effort = solved.effort + alone.effort;
-                solved.prefers_newton = solved.prefers_newton | alone.prefers_newton;
+                solved.waits = solved.waits.with(S::Mask::of_lanes(|other| other == lane), alone.waits);
             }
         }
         Ok(solved)
@@ -162,7 +176,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         dw: &[S],
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
-    ) -> Result<Solved<S>, StepFailure> {
+    ) -> Result<Solved<f64>, StepFailure> {
         let (degrees, is_lane) = (q.len(), S::Mask::of_lanes(|other| other == lane));
         let room = left.alone.get_or_insert_default();
         let Alone { memory: own, q: own_q, p: own_p, dw: own_dw } = &mut **room;
@@ -172,7 +186,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
         own.fit(degrees, dw.len());
         own.left.is_known = left.is_known;
-        own.left.prefers_newton = left.prefers_newton.lane(lane);
+        own.left.waits = left.waits.lane(lane);
         own.left.iteration = left.iteration;
         for (own, all) in own.left.past.iter_mut().zip(&left.past) {
             for (own, all) in own.as_mut().iter_mut().zip(all.as_ref()) {
@@ -201,7 +215,6 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 });
             }
         }
-        let prefers_newton = if own.left.prefers_newton { is_lane } else { S::Mask::from_bool(false) };
-        Ok(Solved { effort, prefers_newton })
+        Ok(Solved { effort, waits: own.left.waits })
     }
 }

@@ -2,11 +2,12 @@
 
 use super::Field;
 use super::beside::Alone;
+use super::choice::Waits;
 use super::newton::Newton;
 use super::stages::{Part, Scratch, Stages};
 use super::stiff::Modal;
 use crate::algebra::memory::{Iteration, Report, Request, StepMemory};
-use crate::algebra::scalar::{Mask, Rounded, Scalar};
+use crate::algebra::scalar::{Rounded, Scalar};
 use crate::algebra::shape::Shape;
 use crate::algebra::stages::plus;
 use crate::ground::numbers::{Numbers, Tape};
@@ -44,8 +45,7 @@ pub(super) struct Left<S: Scalar, H: Shape, W: Shape, const N: usize> {
     pub(super) is_known: bool,
     /// Whether they belong to a part of the same step.
     pub(super) is_held: bool,
-    /// The paths whose sweeps did not contract in the last step.
-    pub(super) prefers_newton: S::Mask,
+    pub(super) waits: Waits<S>,
     pub(super) iteration: Iteration,
     pub(super) scratch: Scratch<S, H, W, N>,
     pub(super) modal: Modal<S::Stages<N>>,
@@ -176,7 +176,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Default for Left<S, H, W, N>
             past: [past(), past()],
             is_known: false,
             is_held: false,
-            prefers_newton: S::Mask::from_bool(false),
+            waits: Waits::none(),
             iteration: Iteration::Automatic,
             scratch: Scratch::of_length(0, 0),
             modal: Modal::default(),
@@ -199,7 +199,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N>
         let (left, other) = (&mut self.left, &other.left);
         left.past.clone_from(&other.past);
         (left.is_known, left.is_held) = (other.is_known, other.is_held);
-        left.prefers_newton = other.prefers_newton;
+        left.waits = other.waits;
         left.iteration = other.iteration;
     }
 }
@@ -207,7 +207,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> Clone for Memory<S, H, W, N>
 impl<S: Scalar, H: Shape, W: Shape, const N: usize> Numbers for Memory<S, H, W, N> {
     fn pass(&mut self, tape: &mut Tape) {
         tape.flag(&mut self.left.is_known);
-        self.left.prefers_newton.pass(tape);
+        self.left.waits.pass(tape);
         if self.left.is_known {
             let length = tape.length(self.left.past[0].as_ref().len());
             self.fit(length, self.given.dw.as_ref().len());
@@ -247,7 +247,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, 
         match request {
             Request::Forget => {
                 (left.is_known, left.is_held) = (false, false);
-                left.prefers_newton = S::Mask::from_bool(false);
+                left.waits = Waits::none();
             }
             Request::Hold => left.is_held = true,
             Request::Pin(iteration) => left.iteration = *iteration,
@@ -257,7 +257,7 @@ impl<S: Scalar, H: Shape, W: Shape, const N: usize> StepMemory for Memory<S, H, 
 
     fn adopt(&mut self, other: Self) {
         self.left.past = other.left.past;
-        (self.left.is_known, self.left.prefers_newton) = (other.left.is_known, other.left.prefers_newton);
+        (self.left.is_known, self.left.waits) = (other.left.is_known, other.left.waits);
     }
 
     fn report(&self) -> Report {

@@ -1,10 +1,11 @@
-//! Newton's method on all stages, for steps on which sweeps do not contract.
+//! Newton's method on all stages, for steps on which it costs less than sweeps ([`choice`](super::choice)).
 //!
 //! `Y - φ(Y) = 0` has the Jacobian `1 - A ⊗ J F''` with the second derivatives of `F` at every stage, from its slopes by dual
 //! numbers. It is factored densely, as sweeps fail for stiff forces of few degrees of freedom. The iteration is that of all hard
 //! steps ([`damped`]).
 
 use super::Field;
+use super::choice::newton_in_sweeps;
 use super::equations::Step;
 use super::kept::{ExactOf, LeftOf, Lists, Room as Scratch};
 use super::stages::Stages;
@@ -27,7 +28,10 @@ pub(super) struct Newton<S> {
 struct Jacobian<S> {
     /// The stages at which it is evaluated.
     point: Vec<S>,
-    matrix: Option<Banded<S>>,
+    /// Without the derivatives that the unknowns carry: corrections by it make those converge, too.
+    matrix: Option<Banded<f64>>,
+    /// Scratch for the solution of the linear equations.
+    solved: Vec<S>,
     /// Second derivatives of `b_j F` at one stage, by rows: `(q, p)` by `(q, p)`.
     hessian: Vec<f64>,
     /// `h M⁻¹` by rows, in Nyström form.
@@ -57,7 +61,16 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         N * Equations::<F, K, S, N>::KINDS * self.start[0].len()
     }
 
-    /// Newton's method from the current stages.
+    /// The cost of a step of Newton's method, in sweeps; infinite where there are too many unknowns for it.
+    #[cold]
+    pub(super) fn newton_in_sweeps(&self) -> f64 {
+        if self.unknowns() > Self::MOST_UNKNOWNS {
+            return f64::INFINITY;
+        }
+        newton_in_sweeps(N, Equations::<F, K, S, N>::KINDS, self.start[0].len())
+    }
+
+    /// Newton's method from the current stages, with those of `left` as the waits of the next step.
     ///
     /// # Errors
     /// Those of [`damped`]; unless `CAREFUL`, also if another solution may be nearer to the start.
@@ -83,7 +96,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         }
         equations.write(room.solution());
         self.field(lists, scratch, S::Mask::from_bool(false));
-        Ok(Solved { effort, prefers_newton: S::Mask::from_bool(true) })
+        Ok(Solved { effort, waits: left.waits.after_newton() })
     }
 
     /// The slopes of `F` and their derivatives along one of its arguments, with the weight of stage number `stage`, or without.
@@ -176,7 +189,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
     }
 
     /// Adds the entries from the slopes of degree of freedom `a` at stage `j`, by the unknowns of `b` there.
-    fn add_entries(&self, matrix: &mut Banded<S>, j: usize, [a, b]: [usize; 2]) {
+    fn add_entries(&self, matrix: &mut Banded<f64>, j: usize, [a, b]: [usize; 2]) {
         let (degrees, table) = (self.degrees(), self.step.common.table());
         let Jacobian { hessian, inverse_mass, .. } = &*self.jacobian;
         let second = |row: usize, column: usize| hessian[row * 2 * degrees + column];
@@ -187,7 +200,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Equations<'_, '_, F, K, 
         for i in 0..N {
             let mut add = |row: usize, column: usize, value: f64| {
                 let (row, column) = (Self::place(degrees, i, row, a), Self::place(degrees, j, column, b));
-                matrix.add(row, column, S::from_f64(value));
+                matrix.add(row, column, value);
             };
             if F::IS_NYSTROM {
                 add(0, 0, table.eta[j][i] * force);
@@ -241,7 +254,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
         let mut matrix = match self.jacobian.matrix.take() {
             Some(matrix) => matrix,
             None => Banded::new(unknowns, unknowns.saturating_sub(1), Vec::new(), usize::MAX)
-                .ok_or(StepFailure::NonFinite)?,
+                .ok_or(StepFailure::NonFinite)?
+                .parted(true),
         };
         matrix.reset();
         if F::IS_NYSTROM {
@@ -261,7 +275,8 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Problem for Equations<'_
     }
 
     fn correct(&mut self, r: &mut Vec<S>) -> Result<(), StepFailure> {
-        self.jacobian.matrix.as_mut().ok_or(StepFailure::NonFinite)?.solve(r);
+        let Jacobian { matrix, solved, .. } = &mut *self.jacobian;
+        matrix.as_ref().ok_or(StepFailure::NonFinite)?.solve_in_room(r, solved);
         Ok(())
     }
 

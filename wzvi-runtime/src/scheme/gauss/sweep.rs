@@ -1,16 +1,18 @@
 //! Sweeps over all stages at once, `Y ← φ(Y)`, until nothing but rounding changes.
 
 use super::Field;
+use super::choice::{WINDOW, Waits, finish};
 use super::equations::{Placement, Step};
 use super::kept::{ExactLists, ExactOf, LeftOf, Lists, Room};
 use super::stages::{Part, Stages};
 use super::stiff::Modal;
+use crate::algebra::memory::Iteration;
 use crate::algebra::scalar::{Constant, Mask, Over, Parameters, Rounded, Scalar};
 use crate::algebra::solve::Effort;
 use crate::error::StepFailure;
 
-/// The most sweeps.
-const MOST_SWEEPS: u32 = 60;
+/// The most sweeps: more than the slowest contraction that goes on takes to rounding, `ln ε / ln 0.8 = 162`.
+const MOST_SWEEPS: u32 = 200;
 /// A sweep whose relative change exceeds this, and half of that of the sweep before, may lead to another solution.
 const WILD: f64 = 1.0 / 16.0;
 /// With care, this and a quarter of that before: a map that contracts all distances to a quarter has one fixed point, within a third of the first
@@ -18,8 +20,12 @@ const WILD: f64 = 1.0 / 16.0;
 const DOUBTFUL: f64 = 1.0 / 4096.0;
 /// Sweeps before their contraction is judged: the first ones need not contract.
 const PATIENCE: u32 = 6;
-/// If two sweeps leave more than this fraction of the change, Newton's method is faster.
-const SLOW: f64 = 0.36;
+/// If two sweeps leave at most this fraction of the change, they take fewer operations than Newton's method,
+/// whatever the system.
+const FAST: f64 = 0.36;
+/// A sweep that leaves more than this fraction of the change may show only rounding: sweeps that go on
+/// contract faster.
+const STALLED: f64 = 0.81;
 /// Relative changes below this are rounding.
 const ROUNDING: f64 = f64::EPSILON;
 /// A sweep that changes no more than this is the last, whatever the contraction.
@@ -32,8 +38,8 @@ pub(super) const UNSEEN: f64 = 1e-6;
 /// How a step was solved.
 pub(super) struct Solved<S: Scalar> {
     pub(super) effort: Effort,
-    /// The paths whose sweeps did not contract.
-    pub(super) prefers_newton: S::Mask,
+    /// How the next steps start.
+    pub(super) waits: Waits<S>,
 }
 
 /// The outcome of sweeps.
@@ -86,10 +92,10 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
         lists: &mut Lists<S, F::Shape, N>,
         left: &mut LeftOf<F, S, N>,
     ) -> Swept<S> {
-        let LeftOf::<F, S, N> { scratch, modal, exact, .. } = left;
+        let LeftOf::<F, S, N> { scratch, modal, exact, iteration, .. } = left;
         let none = S::Mask::from_bool(false);
-        // The contraction is unknown before the second sweep.
-        let (mut last, mut before_last) = (S::from_f64(0.0), S::from_f64(0.0));
+        // The latest first. The contraction is unknown before the second sweep.
+        let mut past = [S::from_f64(0.0); WINDOW];
         let (mut going, mut are_settled, mut are_wild) = (wanted, none, none);
         let (mut sweeps, mut failure) = (0, StepFailure::NonFinite);
         loop {
@@ -112,6 +118,7 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                     }
                 }
             }
+            let [last, before_last, ..] = past;
             let contracts = change.less(last * 0.5);
             if sweeps > 1 {
                 let (far, ratio) = if CAREFUL { (DOUBTFUL, 0.25) } else { (WILD, 0.5) };
@@ -124,7 +131,18 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
             let is_small = change.less_equal(S::from_f64(SMALL))
                 | (contracts & (change * change).less_equal(last * (UNSEEN * ROUNDING)));
             let mut settle = going & is_small;
-            let is_unclear = going & !is_small & !contracts;
+            let mut is_over = S::Mask::from_bool(sweeps == MOST_SWEEPS);
+            if sweeps >= PATIENCE {
+                // False for NaN, which further sweeps cannot make finite.
+                let is_fast = change.less_equal(before_last * FAST);
+                let is_slow = going & !is_small & !is_fast;
+                if is_slow.any() {
+                    is_over =
+                        is_over | (is_slow & !self.pay(is_slow, *iteration, [past[WINDOW - 1], change]));
+                }
+            }
+            let is_stalled = !change.less(last * STALLED);
+            let is_unclear = going & !is_small & (is_stalled | is_over);
             if sweeps > 2 && is_unclear.any() {
                 settle = settle | self.are_rounding(is_unclear, lists, exact);
             }
@@ -139,20 +157,27 @@ impl<F: Field, K: Constant, S: Over<K>, const N: usize> Step<'_, F, K, S, N> {
                 }
                 (are_settled, going) = (are_settled | settle, going & !settle);
             }
-            // False for NaN, which further sweeps cannot make finite.
-            let is_fast = change.less_equal(before_last * SLOW);
-            if sweeps == MOST_SWEEPS {
-                going = none;
-            } else if sweeps >= PATIENCE {
-                going = going & is_fast;
-            }
+            going = going & !is_over;
             if !going.any() {
                 failure = StepFailure::NotConverged { iterations: sweeps, correction: change.magnitude() };
                 break;
             }
-            (before_last, last) = (last, change);
+            past.rotate_right(1);
+            past[0] = change;
         }
         Swept { are_settled, are_wild, sweeps, failure }
+    }
+
+    /// Which of these paths further sweeps finish with fewer operations than Newton's method, from the
+    /// relative changes before a window of sweeps and after it.
+    #[cold]
+    #[inline(never)]
+    fn pay(&self, asked: S::Mask, pinned: Iteration, [before, change]: [S; 2]) -> S::Mask {
+        let most = if pinned == Iteration::FixedPoint { f64::INFINITY } else { self.newton_in_sweeps() };
+        let goal = 0.5 * ROUNDING;
+        S::Mask::of_lanes(|lane| {
+            asked.lane(lane) && finish(most, [before, change].map(|change| change.lane(lane)), goal)
+        })
     }
 
     /// One sweep: new slopes, except for paths that keep theirs, and the stages computed from them.
